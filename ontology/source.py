@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: Apache-2.0
+"""YAML data read with its positions, so that every mistake is told with file, line and column.
+
+`read_yaml` gives a `Field`: one value of the file that knows where it stands. A loader asks it
+for what it expects (`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and
+either gets a plain Python value or a `DataError` that says what was expected and what was found.
+
+Only plain data is read: no tags, no aliases (a small file could unfold into gigabytes), no
+duplicate keys, and no file over `MAX_BYTES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .errors import DataError
+
+if TYPE_CHECKING:
+    from yaml.nodes import Node
+
+MAX_BYTES = 64 * 2**20
+MAX_DEPTH = 64
+
+
+@dataclass(frozen=True)
+class Field:
+    """One value of a YAML file, and where it stands.
+
+    Attributes:
+        value: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping
+            a tuple of `Field` and a dict from key to `Field`.
+        source: the file it was read from.
+        line: 1-based line of its first character.
+        column: 1-based column of its first character.
+    """
+
+    value: Any
+    source: str
+    line: int
+    column: int
+
+    def fail(self, problem: str) -> DataError:
+        """The error that says what is wrong with this value."""
+        return DataError(problem, source=self.source, line=self.line, column=self.column)
+
+    def text(self, *, choices: Collection[str] = ()) -> str:
+        """This value as a non-empty text, one of `choices` when there are any."""
+        if not isinstance(self.value, str) or not self.value:
+            raise self.fail(f"expected a text, found {self.shown()}.")
+        if choices and self.value not in choices:
+            raise self.fail(
+                f'expected one of {", ".join(sorted(choices))}, found "{self.value}"'
+                f"{_suggestion(self.value, choices)}."
+            )
+        return self.value
+
+    def number(self, *, low: float = -1e9, high: float = 1e9) -> float:
+        """This value as a number in [low, high]."""
+        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
+            raise self.fail(f"expected a number in [{low:g}, {high:g}], found {self.shown()}.")
+        if not low <= self.value <= high:
+            raise self.fail(f"expected a number in [{low:g}, {high:g}], found {self.value:g}.")
+        return float(self.value)
+
+    def numbers(
+        self, *, count: int | None = None, low: float = -1e9, high: float = 1e9
+    ) -> tuple[float, ...]:
+        """This value as a list of numbers in [low, high], `count` of them when it is given."""
+        values = tuple(item.number(low=low, high=high) for item in self.items())
+        if count is not None and len(values) != count:
+            raise self.fail(f"expected {count} numbers, found {len(values)}.")
+        return values
+
+    def integer(self, *, low: int = -(10**9), high: int = 10**9) -> int:
+        """This value as a whole number in [low, high]."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int):
+            raise self.fail(f"expected a whole number, found {self.shown()}.")
+        return int(self.number(low=low, high=high))
+
+    def truth(self) -> bool:
+        """This value as `true` or `false`."""
+        if not isinstance(self.value, bool):
+            raise self.fail(f"expected true or false, found {self.shown()}.")
+        return self.value
+
+    def items(self) -> tuple[Field, ...]:
+        """The fields of a list."""
+        if not isinstance(self.value, tuple):
+            raise self.fail(f"expected a list, found {self.shown()}.")
+        return self.value
+
+    def texts(self, *, choices: Collection[str] = ()) -> tuple[str, ...]:
+        """The texts of a list."""
+        return tuple(item.text(choices=choices) for item in self.items())
+
+    def entries(
+        self, *, required: Collection[str] = (), optional: Collection[str] | None = None
+    ) -> dict[str, Field]:
+        """The fields of a mapping, in the order of the file.
+
+        Args:
+            required: keys that must be there.
+            optional: keys that may be there besides; None allows any key.
+        """
+        if not isinstance(self.value, dict):
+            raise self.fail(f"expected a mapping, found {self.shown()}.")
+        found: dict[str, Field] = self.value
+        if optional is not None:
+            self._refuse_unknown(found, {*required, *optional})
+        for key in required:
+            if key not in found:
+                raise self.fail(f'the key "{key}" is missing; found {", ".join(found) or "none"}.')
+        return found
+
+    def _refuse_unknown(self, found: dict[str, Field], known: Collection[str]) -> None:
+        for key, field in found.items():
+            if key not in known:
+                raise field.fail(
+                    f'unknown key "{key}"{_suggestion(key, known)}; '
+                    f"expected {', '.join(sorted(known))}."
+                )
+
+    def plain(self) -> Any:
+        """This value and all below it without positions."""
+        if isinstance(self.value, tuple):
+            return [item.plain() for item in self.value]
+        if isinstance(self.value, dict):
+            return {key: field.plain() for key, field in self.value.items()}
+        return self.value
+
+    def shown(self) -> str:
+        """This value as an error message names it."""
+        if isinstance(self.value, dict):
+            return "a mapping"
+        if isinstance(self.value, tuple):
+            return "a list"
+        if self.value is None:
+            return "nothing"
+        return f'"{self.value}"' if isinstance(self.value, str) else str(self.value)
+
+
+def _suggestion(name: str, known: Collection[str]) -> str:
+    close = get_close_matches(name, list(known), n=1)
+    return f' (did you mean "{close[0]}"?)' if close else ""
+
+
+def read_yaml(path: Path) -> Field:
+    """Read one YAML file.
+
+    Raises:
+        DataError: the file cannot be read, is not UTF-8, is no YAML, or uses what is not allowed.
+    """
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise DataError(f"the file is larger than {MAX_BYTES} bytes.", source=str(path))
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise DataError(
+            f"expected UTF-8 text; byte {error.start} is not.", source=str(path)
+        ) from error
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+    return parse_yaml(text, source=str(path))
+
+
+def parse_yaml(text: str, *, source: str = "<text>") -> Field:
+    """Read YAML from a text; as `read_yaml` does from a file."""
+    import yaml  # here, so that what only names a `Field` does not pay for it
+
+    loader_class = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    loader = loader_class(text)
+    try:
+        _refuse_aliases(yaml.parse(text, Loader=loader_class), source)
+        node = loader.get_single_node()
+        if node is None:
+            raise DataError("the file is empty.", source=source)
+        return _field(node, loader, source, depth=0)
+    except yaml.MarkedYAMLError as error:
+        raise _syntax_error(error, text, source) from error
+    except yaml.YAMLError as error:
+        raise DataError(f"is not YAML: {error}.", source=source) from error
+    finally:
+        loader.dispose()
+
+
+def _refuse_aliases(events: Iterator[Any], source: str) -> None:
+    depth = 0
+    for event in events:
+        name = type(event).__name__
+        depth += name.endswith("StartEvent") - name.endswith("EndEvent")
+        if name == "AliasEvent" or depth > MAX_DEPTH:
+            problem = "aliases are not allowed" if name == "AliasEvent" else "nested too deeply"
+            mark = event.start_mark
+            raise DataError(
+                f"{problem}.", source=source, line=mark.line + 1, column=mark.column + 1
+            )
+
+
+def _syntax_error(error: Any, text: str, source: str) -> DataError:
+    mark = error.problem_mark or error.context_mark
+    lines = text.splitlines()
+    return DataError(
+        f"is not YAML: {error.problem}.",
+        source=source,
+        line=mark.line + 1,
+        column=mark.column + 1,
+        text=lines[mark.line] if mark.line < len(lines) else "",
+    )
+
+
+def _field(node: Node, loader: Any, source: str, depth: int) -> Field:
+    line, column = node.start_mark.line + 1, node.start_mark.column + 1
+    tag = node.tag.rsplit(":", 1)[-1]
+    if tag not in {"str", "int", "float", "bool", "null", "seq", "map"}:
+        raise DataError(
+            f'the type "{node.tag}" is not allowed; write a text in quotes, a number, true or '
+            "false, a list or a mapping.",
+            source=source,
+            line=line,
+            column=column,
+        )
+    if tag == "seq":
+        value: Any = tuple(_field(item, loader, source, depth + 1) for item in node.value)
+    elif tag == "map":
+        value = _mapping(node, loader, source, depth)
+    else:
+        value = loader.construct_object(node)
+    return Field(value, source, line, column)
+
+
+def _mapping(node: Node, loader: Any, source: str, depth: int) -> dict[str, Field]:
+    result: dict[str, Field] = {}
+    for key_node, value_node in node.value:
+        key = _field(key_node, loader, source, depth + 1)
+        if key.text() in result:
+            raise key.fail(f'the key "{key.value}" stands here twice.')
+        result[key.value] = _field(value_node, loader, source, depth + 1)
+    return result
