@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Poses: 4 x 4 homogeneous matrices, named by frames.
+
+`world_from_part` takes points given in the frame of the part to the frame of the world, so that
+in a product equal frames stand side by side: `world_from_hand @ hand_from_grip`. Frames are
+right-handed, lengths in [m], angles in [rad]. All functions work on stacks of poses (..., 4, 4).
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+
+_SMALL_ANGLE = 1e-9  # [rad], below it the axis of a rotation means nothing
+
+
+def pose(rotation: ArrayLike, position: ArrayLike) -> Array:
+    """The pose with this rotation (..., 3, 3) and position (..., 3) [m]."""
+    rotation, position = np.asarray(rotation, float), np.asarray(position, float)
+    shape = np.broadcast_shapes(rotation.shape[:-2], position.shape[:-1])
+    result = np.zeros((*shape, 4, 4))
+    result[..., :3, :3] = rotation
+    result[..., :3, 3] = position
+    result[..., 3, 3] = 1.0
+    return result
+
+
+def translation(x: float, y: float, z: float) -> Array:
+    """The pose that only moves, by x, y, z [m]."""
+    return pose(np.eye(3), (x, y, z))
+
+
+def inverse(a_from_b: Array) -> Array:
+    """`b_from_a`, by the transpose of the rotation."""
+    b_from_a = np.swapaxes(a_from_b[..., :3, :3], -1, -2)
+    return pose(b_from_a, -np.einsum("...ij,...j->...i", b_from_a, a_from_b[..., :3, 3]))
+
+
+def transform(a_from_b: Array, points: Array) -> Array:
+    """The points (n, 3) of frame b, told in frame a; (..., n, 3) for a stack of poses."""
+    rotated = points @ np.swapaxes(a_from_b[..., :3, :3], -1, -2)
+    return rotated + a_from_b[..., None, :3, 3]
+
+
+def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
+    """The rotation (..., 3, 3) about one unit axis (3,) by angles (...) [rad], by Rodrigues."""
+    x, y, z = np.asarray(axis, float)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angle = np.asarray(angle, float)[..., None, None]
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
+
+
+def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """The rotation of a URDF's `rpy`: about the fixed x, then y, then z axis [rad]."""
+    about_x, about_y, about_z = (
+        rotation_about(axis, angle)
+        for axis, angle in zip(np.eye(3), (roll, pitch, yaw), strict=True)
+    )
+    return about_z @ about_y @ about_x
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """Axis times angle [rad] (..., 3) of rotations (..., 3, 3); the angle is in [0, pi]."""
+    skew = np.stack(
+        [
+            rotation[..., 2, 1] - rotation[..., 1, 2],
+            rotation[..., 0, 2] - rotation[..., 2, 0],
+            rotation[..., 1, 0] - rotation[..., 0, 1],
+        ],
+        axis=-1,
+    )
+    sine = 0.5 * np.linalg.norm(skew, axis=-1)
+    cosine = 0.5 * (np.trace(rotation, axis1=-2, axis2=-1) - 1.0)
+    angle = np.arctan2(sine, cosine)
+    scale = np.where(sine > _SMALL_ANGLE, angle / np.maximum(2.0 * sine, _SMALL_ANGLE), 0.5)
+    half_turn = (sine <= _SMALL_ANGLE) & (cosine < 0)
+    return np.where(
+        half_turn[..., None], np.pi * _half_turn_axis(rotation), scale[..., None] * skew
+    )
+
+
+def _half_turn_axis(rotation: Array) -> Array:
+    # At a half turn R + I = 2 a a^T: its longest column is along the axis.
+    outer = rotation + np.eye(3)
+    best = np.argmax(np.linalg.norm(outer, axis=-2), axis=-1)
+    column = np.take_along_axis(outer, best[..., None, None], axis=-1)[..., 0]
+    length = np.linalg.norm(column, axis=-1, keepdims=True)
+    return column / np.maximum(length, _SMALL_ANGLE)
+
+
+def angle_between(rotation_a: Array, rotation_b: Array) -> Array:
+    """The angle [rad] in [0, pi] of the rotation that leads from one to the other."""
+    return np.linalg.norm(rotation_vector(np.swapaxes(rotation_a, -1, -2) @ rotation_b), axis=-1)
+
+
+def slerp(rotation_a: Array, rotation_b: Array, fractions: ArrayLike) -> Array:
+    """Rotations (n, 3, 3) on the shortest way from a to b, at fractions (n,) in [0, 1]."""
+    vector = rotation_vector(rotation_a.T @ rotation_b)
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > _SMALL_ANGLE else np.array([0.0, 0.0, 1.0])
+    return rotation_a @ rotation_about(axis, np.asarray(fractions, float) * angle)
+
+
+def interpolate(pose_a: Array, pose_b: Array, fractions: ArrayLike) -> Array:
+    """Poses (n, 4, 4) on the straight way from a to b, at fractions (n,) in [0, 1]."""
+    fractions = np.asarray(fractions, float)
+    start, end = pose_a[:3, 3], pose_b[:3, 3]
+    positions = start + fractions[:, None] * (end - start)
+    return pose(slerp(pose_a[:3, :3], pose_b[:3, :3], fractions), positions)
