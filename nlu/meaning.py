@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an utterance means to Hilt: rules, commands, questions, corrections, acknowledgements.
+
+These frozen values are all that leaves the language part. Names are lower-case words, singular,
+with a space where there are several ("wine glass"); affordances are gerunds ("cutting"). A
+confidence is a pair (lower, upper) in [0, 1]. `as_json` gives the meaning schema of the
+documentation, key for key.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+Json = dict[str, object]
+Confidence = tuple[float, float]
+
+ANY_OBJECT = "*"
+
+
+@dataclass(frozen=True)
+class FunctionalRule:
+    """An object is used for something: "a knife is often used for cutting".
+
+    Attributes:
+        object: the kind of object, or `ANY_OBJECT`.
+        affordance: the gerund of what it is used for.
+        confidence: (lower, upper) in [0, 1].
+        props: properties that the object must have besides, sorted.
+        revises: it takes the place of what was taught before.
+    """
+
+    object: str
+    affordance: str
+    confidence: Confidence
+    props: tuple[str, ...] = ()
+    revises: bool = False
+
+    def as_json(self) -> Json:
+        """This rule as the meaning schema writes it."""
+        result: Json = {
+            "rule": "functional",
+            "object": self.object,
+            "affordance": self.affordance,
+            "confidence": list(self.confidence),
+        }
+        return result | _rest(self.props, self.revises)
+
+
+@dataclass(frozen=True)
+class ActionRule:
+    """In a context, an object is grasped by a part: "to pass a knife grab it by the blade".
+
+    Attributes:
+        object: the kind of object, or `ANY_OBJECT`.
+        context: the action during which the rule holds ("pass", "pickUp", ...).
+        part: the part to grasp.
+        confidence: (lower, upper) in [0, 1].
+        props: properties that the object must have besides, sorted.
+        revises: it takes the place of what was taught before.
+    """
+
+    object: str
+    context: str
+    part: str
+    confidence: Confidence
+    props: tuple[str, ...] = ()
+    revises: bool = False
+
+    def as_json(self) -> Json:
+        """This rule as the meaning schema writes it."""
+        result: Json = {
+            "rule": "action",
+            "object": self.object,
+            "context": self.context,
+            "part": self.part,
+            "confidence": list(self.confidence),
+        }
+        return result | _rest(self.props, self.revises)
+
+
+Rule = FunctionalRule | ActionRule
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One or more rules that the speaker wants believed.
+
+    Attributes:
+        rules: in the order they were said; never empty.
+    """
+
+    rules: tuple[Rule, ...]
+
+    @property
+    def kind(self) -> str:
+        """`"correction"` when a rule revises an older one, else `"statement"`."""
+        return "correction" if any(rule.revises for rule in self.rules) else "statement"
+
+    def as_json(self) -> Json:
+        """The one rule, or `{"all": [...]}`."""
+        if len(self.rules) == 1:
+            return self.rules[0].as_json()
+        return {"all": [rule.as_json() for rule in self.rules]}
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a command is about: exactly one of the first three is set.
+
+    Attributes:
+        object: a kind of object, or `ANY_OBJECT` when only properties are asked for.
+        used_for: an affordance it must have.
+        not_used_for: an affordance it must not have.
+        props: properties it must have besides, sorted.
+    """
+
+    object: str | None = None
+    used_for: str | None = None
+    not_used_for: str | None = None
+    props: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
+            raise ValueError("A target has exactly one of object, used_for and not_used_for.")
+
+    def as_json(self) -> Json:
+        """This target as the meaning schema writes it."""
+        named = {
+            "object": self.object,
+            "usedFor": self.used_for,
+            "notUsedFor": self.not_used_for,
+        }
+        return _present(named) | _rest(self.props)
+
+
+@dataclass(frozen=True)
+class Command:
+    """An act on one object: "pass me the knife by the blade".
+
+    Attributes:
+        goal: `pass`, `pickUp`, `pointTo`, `grasp` or `use`.
+        target: what to act on.
+        part: the part to grasp, when the speaker names it.
+        recipient: who gets it, when it is not the speaker.
+        negated: the act is forbidden, and must never be executed.
+    """
+
+    kind: ClassVar[str] = "command"
+    goal: str
+    target: Target
+    part: str | None = None
+    recipient: str | None = None
+    negated: bool = False
+
+    def as_json(self) -> Json:
+        """This command as the meaning schema writes it."""
+        result: Json = {"goal": self.goal, "target": self.target.as_json()}
+        result |= _present({"part": self.part, "recipient": self.recipient})
+        return result | ({"negated": True} if self.negated else {})
+
+
+@dataclass(frozen=True)
+class ToolCommand:
+    """An act on something with a tool: "pound the nail [with the hammer]".
+
+    Attributes:
+        goal: `pound`, `cut`, `poke`, ...
+        patient: what the tool is used on.
+        tool: the tool named, or the affordance that the act needs.
+        negated: the act is forbidden, and must never be executed.
+    """
+
+    kind: ClassVar[str] = "command"
+    goal: str
+    patient: str
+    tool: Target
+    negated: bool = False
+
+    def as_json(self) -> Json:
+        """This command as the meaning schema writes it."""
+        result: Json = {"goal": self.goal, "patient": self.patient, "tool": self.tool.as_json()}
+        return result | ({"negated": True} if self.negated else {})
+
+
+@dataclass(frozen=True)
+class Question:
+    """Something the speaker wants to know.
+
+    Attributes:
+        ask: one of `QUESTIONS`.
+        object, affordance, context, part, speaker: what it is about, where the question says.
+    """
+
+    kind: ClassVar[str] = "question"
+    ask: str
+    object: str | None = None
+    affordance: str | None = None
+    context: str | None = None
+    part: str | None = None
+    speaker: str | None = None
+
+    def as_json(self) -> Json:
+        """This question as the meaning schema writes it."""
+        named = {
+            "object": self.object,
+            "affordance": self.affordance,
+            "context": self.context,
+            "part": self.part,
+            "speaker": self.speaker,
+        }
+        return {"ask": self.ask} | _present(named)
+
+
+QUESTIONS = (
+    "about",
+    "best_for",
+    "capabilities",
+    "confidence",
+    "how",
+    "is_used_for",
+    "objects_for",
+    "see",
+    "source",
+    "trust",
+    "uses_of",
+    "why",
+    "why_not",
+)
+
+
+@dataclass(frozen=True)
+class Retraction:
+    """The speaker takes a rule back: "forget that".
+
+    Attributes:
+        rule: which one; None is the last one that was taught.
+    """
+
+    kind: ClassVar[str] = "correction"
+    rule: Rule | None = None
+
+    def as_json(self) -> Json:
+        """This retraction as the meaning schema writes it."""
+        return {"retract": "last" if self.rule is None else self.rule.as_json()}
+
+
+@dataclass(frozen=True)
+class Acknowledgement:
+    """A turn that only keeps the conversation going.
+
+    Attributes:
+        ack: `okay`, `thanks`, `praise`, `yes`, `no` or `greeting`.
+    """
+
+    kind: ClassVar[str] = "acknowledgement"
+    ack: str
+
+    def as_json(self) -> Json:
+        """This acknowledgement as the meaning schema writes it."""
+        return {"ack": self.ack}
+
+
+@dataclass(frozen=True)
+class AskBack:
+    """The utterance can be meant in several ways, or as something close: Hilt must ask.
+
+    Attributes:
+        question: what to ask, a spoken sentence.
+        choices: the utterances or words it may stand for, best first.
+    """
+
+    kind: ClassVar[str] = "ask_back"
+    question: str = ""
+    choices: tuple[str, ...] = ()
+
+    def as_json(self) -> Json:
+        """The mark that a question back is due; the question itself is spoken."""
+        return {"ask_back": True}
+
+
+@dataclass(frozen=True)
+class Misunderstanding:
+    """The utterance is not understood, and why.
+
+    Attributes:
+        message: one sentence for the speaker.
+        where: the longest span that was understood; empty when nothing was.
+        expected: what was expected after it.
+        nearest: sentences close to it that would be understood, best first.
+    """
+
+    kind: ClassVar[str] = "error"
+    message: str
+    where: str = ""
+    expected: tuple[str, ...] = ()
+    nearest: tuple[str, ...] = ()
+
+    def as_json(self) -> Json:
+        """This failure as the meaning schema writes it."""
+        return {
+            "error": True,
+            "message": self.message,
+            "where": self.where,
+            "expected": list(self.expected),
+            "nearest": list(self.nearest),
+        }
+
+
+Meaning = (
+    Statement
+    | Command
+    | ToolCommand
+    | Question
+    | Retraction
+    | Acknowledgement
+    | AskBack
+    | Misunderstanding
+)
+
+
+@dataclass(frozen=True)
+class NewWord:
+    """A word that was not known, and the role that the rest of its sentence gives it.
+
+    Attributes:
+        word: its dictionary form: singular, bare verb for a context, gerund for an affordance.
+        role: `object`, `part`, `affordance` or `context`.
+        said: the word as it was said.
+    """
+
+    word: str
+    role: str
+    said: str
+
+    def as_json(self) -> Json:
+        """This word as `new_words` lists it."""
+        return {"word": self.word, "role": self.role, "said": self.said}
+
+
+def _present(named: dict[str, str | None]) -> Json:
+    return {key: value for key, value in named.items() if value is not None}
+
+
+def _rest(props: tuple[str, ...], revises: bool = False) -> Json:
+    return ({"props": list(props)} if props else {}) | ({"revises": True} if revises else {})
