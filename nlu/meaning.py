@@ -298,13 +298,8 @@ class Misunderstanding:
 
     def as_json(self) -> Json:
         """This failure as the meaning schema writes it."""
-        return {
-            "error": True,
-            "message": self.message,
-            "where": self.where,
-            "expected": list(self.expected),
-            "nearest": list(self.nearest),
-        }
+        result: Json = {"error": True, "message": self.message, "where": self.where}
+        return result | {"expected": list(self.expected), "nearest": list(self.nearest)}
 
 
 Meaning = (
