@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules of cognitive affordance: features and contexts imply an affordance, within an interval.
+
+    r:  f1 AND f2 ... AND c1 ...  =>[lower, upper]  functor(argument)
+
+A *feature* is what the robot can see (an object, a property), a *context* what it is doing or
+where, and the *affordance* on the right is what follows: that the object is used for something
+(`usedFor(cutting)`), or how an action is done (`graspObject(blade)`). The form is that of the
+paper's section 2; rules r1 to r3 of its section 3.3 are `functional` and `grasping` ones.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from datetime import datetime
+from functools import cached_property
+from typing import Literal
+
+from ..ontology.errors import ValidationError
+from ..ontology.vocabulary import ATOM_KINDS
+from .interval import DIGITS, Interval
+
+USED_FOR = "usedFor"
+GRASP_OBJECT = "graspObject"
+FIND_OBJECT = "findObject"  # the node at which it matters what an object is used for
+DEFAULT_SPEAKER = "sam"  # who speaks when nobody is named
+MAX_NAME = 100  # characters
+
+Status = Literal["active", "retracted", "superseded", "induced"]
+Kind = Literal["functional", "action", "general"]
+
+_WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
+_FUNCTOR = re.compile(r"[a-z][A-Za-z0-9]*")
+_SPEAKER = re.compile(r"[^\W_](?:[\w .'@+-]*[\w.])?")
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Atom:
+    """One thing a rule speaks of.
+
+    >>> print(Atom("object", "wine glass"))
+    object:wine glass
+
+    Attributes:
+        kind: one of object, part, property, action, place, role, affordance.
+        name: lower-case words with single spaces; an action may have capitals inside (pickUp).
+
+    Raises:
+        ValidationError: the kind is unknown or the name malformed.
+    """
+
+    kind: str
+    name: str
+
+    def __post_init__(self) -> None:
+        if self.kind not in ATOM_KINDS:
+            raise ValidationError(
+                [f'"{self.kind}" is no kind of atom; expected one of {", ".join(ATOM_KINDS)}.']
+            )
+        if not _is_name(self.name) or (self.kind != "action" and self.name != self.name.lower()):
+            raise ValidationError(
+                [
+                    f'"{self.name[:MAX_NAME]}" is no name of {_article(self.kind)}; expected '
+                    f"lower-case words with single spaces, at most {MAX_NAME} characters."
+                ]
+            )
+
+    @classmethod
+    def parse(cls, text: str) -> Atom:
+        """The atom that `str` wrote: "object:knife"."""
+        kind, _, name = text.partition(":")
+        return cls(kind, name)
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.name}"
+
+
+@dataclass(frozen=True, repr=False)
+class Rule:
+    """One rule as one speaker told it.
+
+    >>> rule = grasping("knife", "blade", "pass", interval=Interval(0.95, 1))
+    >>> rule
+    <Rule pass, object:knife => graspObject(blade) [0.95, 1.00]>
+    >>> rule.node
+    'pass.graspObject'
+
+    Attributes:
+        features: perceptual invariants; all must be seen. May be empty when there is a context
+            ("to pass anything ...").
+        contexts: all must hold: the action it is done for, a place, a role.
+        functor: what is concluded: "usedFor", "graspObject", or another action's name.
+        argument: what of: an affordance, a part, ...; None where the functor needs none.
+        interval: as it was told, at most 6 fractional digits.
+        speaker: who told it.
+        utterance: number of the utterance that asserted it last; None before it is believed.
+        time: when it was first believed, with its time zone; None before.
+        status: active, retracted, superseded, or induced.
+        trust: how far the speaker is trusted now, in [0, 1]; not part of what was told.
+
+    Raises:
+        ValidationError: it speaks of nothing, or a name is malformed.
+    """
+
+    features: frozenset[Atom]
+    contexts: frozenset[Atom]
+    functor: str
+    argument: Atom | None
+    interval: Interval
+    speaker: str = DEFAULT_SPEAKER
+    utterance: int | None = None
+    time: datetime | None = None
+    status: Status = "active"
+    trust: float = field(default=1.0, compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.features and not self.contexts:
+            raise ValidationError(["A rule needs at least one feature or context."])
+        if not _FUNCTOR.fullmatch(self.functor) or len(self.functor) > MAX_NAME:
+            raise ValidationError([f'"{self.functor[:MAX_NAME]}" is no functor, as "graspObject".'])
+        check_speaker(self.speaker)
+        object.__setattr__(self, "interval", self.interval.rounded())
+
+    @property
+    def kind(self) -> Kind:
+        """Functional (usedFor), action (graspObject of a part), or general."""
+        wanted = self.argument.kind if self.argument else ""
+        if (self.functor, wanted) == (USED_FOR, "affordance"):
+            return "functional"
+        if (self.functor, wanted) == (GRASP_OBJECT, "part"):
+            return "action"
+        return "general"
+
+    @property
+    def object(self) -> str | None:
+        """The name of the one object it is about; None where it is about any, or several."""
+        return _only(self.features, "object")
+
+    @property
+    def context(self) -> str | None:
+        """The action it is told for ("pass"); None where it holds for any."""
+        return _only(self.contexts, "action")
+
+    @property
+    def affordance(self) -> str | None:
+        """What the object is used for; None for other rules."""
+        return self._argument("affordance")
+
+    @property
+    def part(self) -> str | None:
+        """The part that is concluded; None for other rules."""
+        return self._argument("part")
+
+    @property
+    def support(self) -> Interval:
+        """The interval as evidence: as it was told, discounted by the trust in its speaker."""
+        return self.interval.discounted(self.trust)
+
+    @property
+    def asserts(self) -> bool:
+        """Whether it speaks for its conclusion, rather than against it or neither."""
+        return round(self.interval.lower + self.interval.upper, DIGITS) > 1.0
+
+    @cached_property
+    def id(self) -> str:
+        """Its name, made from its content: the same thing told twice by one speaker is one rule."""
+        content = (
+            self.speaker,
+            " ".join(sorted(str(atom).replace(" ", "_") for atom in self.features)),
+            " ".join(sorted(str(atom).replace(" ", "_") for atom in self.contexts)),
+            f"{self.functor}({self.argument or ''})",
+            f"{self.interval.lower:.6f} {self.interval.upper:.6f}",
+        )
+        return "rule/" + hashlib.sha256("\n".join(content).encode()).hexdigest()[:16]
+
+    @property
+    def node(self) -> str:
+        """The action-tree node it hangs on, the key by which it is found.
+
+        A rule with several actions as contexts hangs on the first in alphabetical order: where
+        it applies, all of them are above the node, so it is found by any.
+        """
+        if self.functor == USED_FOR and self.argument:
+            return f"{FIND_OBJECT}.{self.argument.name}"
+        actions = sorted(atom.name for atom in self.contexts if atom.kind == "action")
+        return ".".join((*actions[:1], self.functor))
+
+    def as_json(self) -> dict[str, object]:
+        """As every command prints it; "*" is any object."""
+        props = sorted(str(atom) for atom in self.features if atom.kind != "object")
+        where = sorted(str(atom) for atom in self.contexts if atom.kind != "action")
+        general = {"functor": self.functor, "argument": str(self.argument or "") or None}
+        return {
+            "id": self.id,
+            "kind": self.kind,
+            "object": self.object or "*",
+            "affordance": self.affordance,
+            "context": self.context,
+            "part": self.part,
+            "lower": self.interval.lower,
+            "upper": self.interval.upper,
+            "speaker": self.speaker,
+            **({"props": [prop.partition(":")[2] for prop in props]} if props else {}),
+            **({"contexts": where} if where else {}),
+            **(general if self.kind == "general" else {}),
+        }
+
+    def _argument(self, kind: str) -> str | None:
+        return self.argument.name if self.argument and self.argument.kind == kind else None
+
+    def __repr__(self) -> str:
+        left = sorted(self.contexts) + sorted(self.features)
+        names = ", ".join(atom.name if atom.kind == "action" else str(atom) for atom in left)
+        argument = self.argument.name if self.argument else ""
+        return f"<Rule {names} => {self.functor}({argument}) {self.interval}>"
+
+
+def functional(
+    name: str,
+    affordance: str,
+    *,
+    interval: Interval,
+    properties: Iterable[str] = (),
+    speaker: str = DEFAULT_SPEAKER,
+) -> Rule:
+    """The rule that an object, of these properties, is used for something.
+
+    Args:
+        name: the object; "*" for any.
+        affordance: a gerund, as "cutting".
+        interval: how sure it is.
+        properties: what it must look like besides ("red").
+        speaker: who tells it.
+    """
+    return Rule(
+        _seen(name, properties),
+        frozenset(),
+        USED_FOR,
+        Atom("affordance", affordance),
+        interval,
+        speaker,
+    )
+
+
+def grasping(
+    name: str,
+    part: str,
+    context: str | None = None,
+    *,
+    interval: Interval,
+    properties: Iterable[str] = (),
+    speaker: str = DEFAULT_SPEAKER,
+) -> Rule:
+    """The rule that an object is grasped by a part, in the context of an action or in any.
+
+    Args:
+        name: the object; "*" for any.
+        part: as "blade".
+        context: the action, as "pass"; None for any.
+        interval: how sure it is.
+        properties: what the object must look like besides ("sharp").
+        speaker: who tells it.
+    """
+    contexts = frozenset([Atom("action", context)]) if context else frozenset[Atom]()
+    return Rule(
+        _seen(name, properties), contexts, GRASP_OBJECT, Atom("part", part), interval, speaker
+    )
+
+
+def check_speaker(name: str) -> None:
+    """Refuse a speaker's name that cannot be told apart in print.
+
+    Raises:
+        ValidationError: it is empty, too long, or has other characters than names have.
+    """
+    if not _SPEAKER.fullmatch(name) or len(name) > MAX_NAME:
+        raise ValidationError(
+            [
+                f"{name[:MAX_NAME]!r} is no speaker's name; expected letters, digits, spaces and "
+                f". ' @ + -, at most {MAX_NAME} characters."
+            ]
+        )
+
+
+def _seen(name: str, properties: Iterable[str]) -> frozenset[Atom]:
+    objects = () if name == "*" else (Atom("object", name),)
+    return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
+
+
+def _only(atoms: frozenset[Atom], kind: str) -> str | None:
+    names = [atom.name for atom in atoms if atom.kind == kind]
+    return names[0] if len(names) == 1 else None
+
+
+def _is_name(name: str) -> bool:
+    return len(name) <= MAX_NAME and _WORDS.fullmatch(name) is not None
+
+
+def _article(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The names of the graph: namespaces, prefixes, and how a word becomes an IRI.
+
+`vocabulary.ttl` beside this file says what each class and property means; `shapes.ttl` says how
+their instances look. Terms of the vocabulary are `hilt:...` (`term("lower")`). Individuals live
+under one path a kind: `object:knife`, `part:blade`, `rule:3f9c...` (`iri("part", "blade")`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from urllib.parse import quote, unquote
+
+VOCABULARY_FILE = Path(__file__).with_name("vocabulary.ttl")
+SHAPES_FILE = Path(__file__).with_name("shapes.ttl")
+
+HILT = "https://w3id.org/hilt#"
+INDIVIDUALS = "https://w3id.org/hilt/"
+
+# What an atom of a rule can be.
+ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance")
+# What else there is in the graph.
+RECORD_KINDS = ("node", "functor", "rule", "utterance", "speaker", "episode", "step", "word")
+KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")
+
+# The named graphs of a base. `base` is about the base itself: format version, last number.
+GRAPH_NAMES = ("base", "domain", "beliefs", "history", "lexicon", "episodes")
+
+_FOREIGN = {
+    "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
+    "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
+    "xsd": "http://www.w3.org/2001/XMLSchema#",
+    "owl": "http://www.w3.org/2002/07/owl#",
+    "prov": "http://www.w3.org/ns/prov#",
+    "skos": "http://www.w3.org/2004/02/skos/core#",
+    "sh": "http://www.w3.org/ns/shacl#",
+    "dct": "http://purl.org/dc/terms/",
+    "ontolex": "http://www.w3.org/ns/lemon/ontolex#",
+    "soma": "http://www.ease-crc.org/ont/SOMA.owl#",
+}
+PREFIXES: Mapping[str, str] = MappingProxyType(
+    {"hilt": HILT} | {kind: f"{INDIVIDUALS}{kind}/" for kind in KINDS} | _FOREIGN
+)
+
+_UNSAFE = re.compile(r"[^\w.-]|_")
+
+
+class Iri(str):
+    """An IRI. It is a text to print, but never equal to one: a literal is another thing.
+
+    >>> Iri("urn:x") == "urn:x"
+    False
+    """
+
+    __slots__ = ()
+    __hash__ = str.__hash__
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is Iri and str.__eq__(self, other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __repr__(self) -> str:
+        return f"Iri({str(self)!r})"
+
+
+def iri(kind: str, name: str) -> Iri:
+    """The IRI of an individual; a space becomes `_`, what an IRI cannot hold is escaped.
+
+    >>> print(iri("object", "wine glass"))
+    https://w3id.org/hilt/object/wine_glass
+
+    Raises:
+        KeyError: there is no such kind.
+    """
+    return Iri(PREFIXES[_known(kind)] + _UNSAFE.sub(_escape, name))
+
+
+def term(name: str) -> Iri:
+    """The IRI of a class or property of the vocabulary."""
+    return Iri(HILT + name)
+
+
+def external(prefixed: str) -> Iri:
+    """The IRI of a prefixed name such as "prov:wasDerivedFrom"."""
+    prefix, _, local = prefixed.partition(":")
+    return Iri(PREFIXES[prefix] + local)
+
+
+@lru_cache(maxsize=2**16)
+def split(individual: Iri) -> tuple[str, str]:
+    """The kind and name that `iri` made an IRI from; ("", the IRI) when it is none of ours.
+
+    >>> split(iri("object", "wine glass"))
+    ('object', 'wine glass')
+    """
+    kind, _, local = individual.removeprefix(INDIVIDUALS).partition("/")
+    if kind not in KINDS or not local:
+        return "", str(individual)
+    return kind, unquote(local.replace("_", " "))
+
+
+def _known(kind: str) -> str:
+    if kind not in KINDS:
+        raise KeyError(f'there is no kind "{kind}"; known: {", ".join(KINDS)}.')
+    return kind
+
+
+def _escape(match: re.Match[str]) -> str:
+    character = match.group()
+    return "_" if character == " " else quote(character, safe="").replace("_", "%5F")
