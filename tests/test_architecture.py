@@ -22,8 +22,9 @@ MAY_IMPORT = {
     "agent": {"inference", "kb", "nlu", "ontology", "sim"},
 }
 TOP_LEVEL = {
-    *PACKAGES, "tests", "benchmarks", "examples", "docs", ".ci", ".gitignore", "pyproject.toml", "requirements.lock", "Makefile",
-    "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "LICENSE",
+    *PACKAGES, *("tests", "benchmarks", "examples", "docs", ".ci", "Makefile", ".gitignore"),
+    "pyproject.toml", "requirements.lock", "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md",
+    "CHANGELOG.md", "LICENSE",
 }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ HEAD = "primitives:\n  findObject: [object]\n  raise: []\ntrees:\n"
 
 
 def written(tmp_path: Path, trees: str) -> Path:
+    """A file with these trees, which start in line 5."""
     path = tmp_path / "actions.yaml"
     path.write_text(HEAD + trees, encoding="utf-8")
     return path

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The goal manager: the preorder walk of an action tree, with four operations at each node.
+
+Paper, section 3.3 and Figure 3. At each node: getFeatures (which features matter here), visual
+search for exactly those, getAffordance (what the things seen afford, as constraints), and the
+action itself under these constraints. A tree's own action is its steps. The first failure ends the
+walk; it is an ordinary outcome with something to say.
+
+Arguments are reviewed before the walk (section 4.2): what the command left unsaid is filled in from
+the tree's defaults, so "pound the nail" looks for something used for pounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ..inference.affordance import FIND, Affordances
+from ..inference.goal import Candidate, Goal, Inference, Target
+from ..kb.interval import Interval
+from ..kb.rule import Atom
+from ..ontology.actions import FIXED, Actions, ActionTree, Affords, Loop
+from ..ontology.actions import Step as TreeStep
+from ..sim.percept import Percept
+from .outcome import Achievement, Answer, Constraint, Decision, Step, World
+from .perception import observed
+from .protocols import Motion, Vision
+
+Argument = Target | str
+
+
+@dataclass(frozen=True)
+class Request:
+    """A goal with what the speaker said about it.
+
+    Attributes:
+        action: the tree ("pass").
+        arguments: parameter -> the thing meant, or a name.
+        speaker: who asked.
+        part: the part to act on, when the command itself names it.
+        contexts: what else holds now, with how surely.
+    """
+
+    action: str
+    arguments: Mapping[str, Argument]
+    speaker: str
+    part: str | None = None
+    contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
+
+
+class GoalManager:
+    """Carries out goals by walking their action trees.
+
+    Args:
+        actions: the trees.
+        affordances: inference over the rules.
+        vision: the eyes.
+        motion: the hands; None decides but does not move.
+    """
+
+    def __init__(
+        self, actions: Actions, affordances: Affordances, vision: Vision, motion: Motion | None
+    ) -> None:
+        self.actions = actions
+        self.affordances = affordances
+        self.vision = vision
+        self.motion = motion
+
+    def achieve(self, request: Request) -> Achievement:
+        """Walk the tree of a goal to its end, or to its first failure.
+
+        Raises:
+            UnknownNameError: there is no tree of that name.
+        """
+        tree = self.actions.tree(request.action)
+        arguments = _reviewed(tree, request)
+        unable = self._unable(tree.name)
+        walk = _Walk(self, request, motion=None if unable else self.motion)
+        failure = walk.visit(tree.name, arguments)
+        answer = failure or walk.success(arguments)
+        if unable and not failure:
+            answer = Answer("not_able", answer.slots | {"ability": unable[0]}, "failed")
+        return Achievement(answer, walk.decision, tuple(walk.steps), walk.world)
+
+    def _unable(self, tree: str) -> list[str]:
+        """The primitives of a tree that the robot's motion cannot perform."""
+        if self.motion is None:
+            return []
+        below = (node for node in self.actions.nodes if node.startswith(f"{tree}/"))
+        needed = {node.rsplit("/", 1)[-1] for node in below} & self.actions.primitives.keys()
+        return sorted(needed - self.motion.abilities - {FIND})
+
+
+def _reviewed(tree: ActionTree, request: Request) -> dict[str, Argument]:
+    """All arguments of a tree: those said, then the tree's defaults."""
+    arguments = dict(request.arguments)
+    for parameter, default in tree.defaults.items():
+        if parameter not in arguments:
+            said = Target(used_for=default.affordance) if isinstance(default, Affords) else None
+            arguments[parameter] = said or request.speaker
+    return arguments
+
+
+class _Walk:
+    """One walk of one tree: what was found so far, and what was done."""
+
+    def __init__(self, manager: GoalManager, request: Request, motion: Motion | None) -> None:
+        self.manager = manager
+        self.request = request
+        self.motion = motion
+        self.steps: list[Step] = []
+        self.decision: Decision | None = None
+        self.world = World(executed=motion is not None)
+        self._found: dict[Target, tuple[Percept, Candidate]] = {}
+        self._primitives: dict[str, Callable[[Mapping[str, Argument], Inference], Answer | None]]
+        self._primitives = {
+            FIND: self._find,
+            "graspObject": self._grasp,
+            "moveTo": self._move_to,
+            "handOver": self._hand_over,
+            "pointAt": self._point_at,
+        }
+
+    # --- The four operations ---------------------------------------------------------------
+
+    def visit(self, node: str, arguments: Mapping[str, Argument]) -> Answer | None:
+        """Perform the four operations at a node, then its steps; returns the failure, if any."""
+        goal = self._goal(arguments)
+        features = self.manager.affordances.features(node, goal)
+        percepts = self._search(node, features, arguments)
+        observations = [observed(percept, features) for percept in percepts]
+        inference = self.manager.affordances.infer(node, goal, observations)
+        index = len(self.steps)
+        self.steps.append(_step(node, features, percepts, inference))
+        failure = self._act(node, arguments, percepts, inference)
+        self.steps[index] = replace(
+            self.steps[index],
+            constraint=self._constraint(node, arguments, inference),
+            action=failure.key if failure else self._did(node),
+        )
+        return failure
+
+    def _goal(self, arguments: Mapping[str, Argument]) -> Goal:
+        """The goal as this node sees it: about the thing already found, or the one looked for."""
+        target = self._target(arguments)
+        if target in self._found:
+            target = Target(object=self._found[target][0].object)
+        return Goal(self.request.action, target, self.request.contexts)
+
+    @staticmethod
+    def _target(arguments: Mapping[str, Argument]) -> Target:
+        targets = [value for value in arguments.values() if isinstance(value, Target)]
+        return targets[-1] if targets else Target()
+
+    def _search(
+        self, node: str, features: Sequence[Atom], arguments: Mapping[str, Argument]
+    ) -> Sequence[Percept]:
+        if not features:
+            return ()
+        percepts = self.manager.vision.search([str(feature) for feature in features])
+        target = self._target(arguments)
+        if target not in self._found or node.endswith(FIND):
+            return percepts
+        return [p for p in percepts if p.name == self._found[target][0].name]
+
+    def _act(
+        self,
+        node: str,
+        arguments: Mapping[str, Argument],
+        percepts: Sequence[Percept],
+        inference: Inference,
+    ) -> Answer | None:
+        action = node.rsplit("/", 1)[-1]
+        if action in self.manager.actions.trees:
+            return self._walk_steps(node, self.manager.actions.trees[action], arguments)
+        if action == FIND and inference.best:
+            chosen = next(p for p in percepts if p.name == inference.best.name)
+            self._found[self._target(arguments)] = (chosen, inference.best)
+        perform = self._primitives.get(action)
+        return perform(arguments, inference) if perform else None
+
+    def _walk_steps(
+        self, node: str, tree: ActionTree, arguments: Mapping[str, Argument]
+    ) -> Answer | None:
+        for step in tree.steps:
+            for inner in step.steps if isinstance(step, Loop) else (step,):
+                failure = self.visit(f"{node}/{inner.action}", self._passed(inner, arguments))
+                if failure:
+                    return failure
+        return None
+
+    def _passed(self, step: TreeStep, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
+        """The arguments that a step hands down, reviewed if it is a tree of its own."""
+        passed = {
+            parameter: word.removeprefix(FIXED) if word.startswith(FIXED) else arguments[word]
+            for parameter, word in step.arguments.items()
+        }
+        if step.action in self.manager.actions.trees:
+            inner = replace(self.request, arguments=passed)
+            return _reviewed(self.manager.actions.trees[step.action], inner)
+        return passed
+
+    # --- Primitives ------------------------------------------------------------------------
+
+    def _find(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
+        patient = self.request.arguments.get("patient")
+        self.decision = Decision(
+            inference,
+            named_part=self.request.part,
+            patient=patient.object if isinstance(patient, Target) else patient,
+        )
+        if inference.best:
+            return None
+        target = self._target(arguments)
+        slots = _wanted(target)
+        if not inference.candidates:
+            return Answer("nothing_seen", slots, "failed")
+        first = inference.candidates[0]
+        if first in inference.denied:
+            return Answer("nothing_fits", slots | {"object": first.object}, "failed")
+        return Answer("not_sure", slots | _judged(first), "asked")
+
+    def _grasp(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
+        percept, _ = self._found[self._target(arguments)]
+        if self.decision:
+            self.decision = replace(self.decision, part=inference)
+        part = self._part(percept, inference)
+        if self.motion is None:
+            return None
+        report = self.motion.grasp(percept, part)
+        self.world = replace(
+            self.world, touched=tuple(report.touched), attempts=report.attempts
+        )
+        if report.ok:
+            return None
+        return Answer(report.reason, {"object": percept.object, "part": part or ""}, "failed")
+
+    def _part(self, percept: Percept, inference: Inference) -> str | None:
+        """The part to grasp by: named, concluded, or the only one not forbidden."""
+        chosen = self.decision.chosen_part if self.decision else None
+        forbidden = {c.argument.name for c in inference.denied if c.argument}
+        allowed = [part for part in percept.parts if part not in forbidden]
+        return chosen or (allowed[0] if forbidden and allowed else None)
+
+    def _move_to(self, arguments: Mapping[str, Argument], _: Inference) -> Answer | None:
+        if self.motion is None:
+            return None
+        report = self.motion.lift()
+        self.world = replace(self.world, lifted_m=report.lifted_m, held_s=report.held_s)
+        return None if report.ok else self._failed(report.reason)
+
+    def _hand_over(self, arguments: Mapping[str, Argument], _: Inference) -> Answer | None:
+        if self.motion is None:
+            return None
+        report = self.motion.hand_over()
+        self.world = replace(self.world, handed_over=report.ok)
+        return None if report.ok else self._failed(report.reason)
+
+    def _point_at(self, arguments: Mapping[str, Argument], _: Inference) -> Answer | None:
+        if self.motion is None:
+            return None
+        percept, _ = self._found[self._target(arguments)]
+        report = self.motion.point_at(percept)
+        return None if report.ok else self._failed(report.reason)
+
+    # --- What to tell ----------------------------------------------------------------------
+
+    def success(self, arguments: Mapping[str, Argument]) -> Answer:
+        """What to say at the end of a walk that went well."""
+        slots = {k: v for k, v in arguments.items() if isinstance(v, str)} | self._slots()
+        return Answer(f"done_{self.request.action}", slots)
+
+    def _failed(self, reason: str) -> Answer:
+        return Answer(reason, self._slots(), "failed")
+
+    def _slots(self) -> dict[str, str]:
+        decision = self.decision
+        if decision is None or decision.object.best is None:
+            return {}
+        return {
+            "object": decision.object.best.object,
+            "part": decision.chosen_part or "",
+            "patient": decision.patient or "",
+        }
+
+    def _constraint(
+        self, node: str, arguments: Mapping[str, Argument], inference: Inference
+    ) -> Constraint | None:
+        best = inference.best
+        if best is None:
+            return None
+        part = best.argument.name if best.argument and best.argument.kind == "part" else None
+        return Constraint(best.object, part, best.interval.lower, best.interval.upper)
+
+    def _did(self, node: str) -> str:
+        action = node.rsplit("/", 1)[-1]
+        if action in self.manager.actions.trees:
+            return "walked"
+        return "executed" if action == FIND or self.motion is not None else "not executed"
+
+
+def _step(
+    node: str, features: Sequence[Atom], percepts: Sequence[Percept], inference: Inference
+) -> Step:
+    confidences = {percept.name: percept.confidence for percept in percepts}
+    return Step(node, tuple(map(str, features)), confidences, inference, None, "")
+
+
+def _wanted(target: Target) -> dict[str, str]:
+    """The blanks that say what was looked for."""
+    named = {
+        "object": target.object,
+        "affordance": target.used_for or target.not_used_for,
+        "properties": " ".join(sorted(target.properties)),
+    }
+    return {key: value for key, value in named.items() if value}
+
+
+def _judged(candidate: Candidate) -> dict[str, str]:
+    interval = candidate.interval
+    return {"candidate": candidate.object, "interval": f"[{interval.lower:.2f}, {interval.upper:.2f}]"}

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What came of a command: the steps that were taken, the decision, and what happened in the world.
+
+These values are what `hilt do --json` prints and what is kept as an episode. Nothing in them is
+prose but the reasons: the sentence that is spoken is made of a failure's or success's `key` and
+`slots` by `nlu.generation`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..inference.goal import Candidate, Inference
+
+Json = dict[str, object]
+Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What to say, before it is put into words.
+
+    Attributes:
+        key: the template in the language's answers.
+        slots: its blanks.
+        ending: how the thing asked for ended.
+    """
+
+    key: str
+    slots: Mapping[str, str] = field(default_factory=dict[str, str])
+    ending: Ending = "done"
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """What an action is bound to: this thing, this part."""
+
+    object: str
+    part: str | None
+    lower: float
+    upper: float
+
+    def as_json(self) -> Json:
+        """As a step of `hilt do --json` shows it."""
+        return {
+            "object": self.object,
+            "part": self.part,
+            "lower": round(self.lower, 6),
+            "upper": round(self.upper, 6),
+        }
+
+
+@dataclass(frozen=True)
+class Step:
+    """One node of the walk and its four operations.
+
+    Attributes:
+        node: its path ("pass/graspObject").
+        features: what getFeatures returned, as text.
+        percepts: what the visual search found: name -> confidence.
+        inference: what getAffordance concluded.
+        constraint: what the action was bound to, if anything.
+        action: what the action itself did, in a word: "walked", "executed", "not executed", or the
+            reason of its failure.
+    """
+
+    node: str
+    features: tuple[str, ...]
+    percepts: Mapping[str, float]
+    inference: Inference
+    constraint: Constraint | None
+    action: str
+
+    def as_json(self) -> Json:
+        """As `hilt do --json` shows it."""
+        return {
+            "node": self.node,
+            "features": [feature.partition(":")[2] for feature in self.features],
+            "percepts": [
+                {"name": name, "confidence": round(confidence, 6)}
+                for name, confidence in self.percepts.items()
+            ],
+            "constraint": self.constraint.as_json() if self.constraint else None,
+            "action": self.action,
+        }
+
+
+@dataclass(frozen=True)
+class Decision:
+    """Why this thing, and why this part.
+
+    Attributes:
+        object: the inference at the find node.
+        part: the inference at the grasp node; None where the action does not grasp.
+        named_part: the part that the command itself named, which needs no rule.
+        patient: what a tool is used on.
+    """
+
+    object: Inference
+    part: Inference | None = None
+    named_part: str | None = None
+    patient: str | None = None
+
+    @property
+    def chosen_part(self) -> str | None:
+        """The part to act on; None where nobody said one."""
+        best = self.part.best if self.part else None
+        return self.named_part or (best.argument.name if best and best.argument else None)
+
+    def as_json(self) -> Json:
+        """The `decision` of `hilt do --json`."""
+        best = self.object.best
+        first = best or (self.object.candidates[0] if self.object.candidates else None)
+        part = self.part.best if self.part and not self.named_part else None
+        rules = dict.fromkeys(
+            rule.id for candidate in (best, part) if candidate for rule in candidate.rules
+        )
+        result: Json = {
+            "object": best.object if best else None,
+            "part": self.chosen_part,
+            "lower": round(first.interval.lower, 6) if first else None,
+            "upper": round(first.interval.upper, 6) if first else None,
+            "lambda": round(first.certainty, 6) if first else None,
+            "threshold": self.object.threshold,
+            "candidates": [_candidate(c) for c in self.object.candidates],
+            "ties": [c.object for c in self.object.ties],
+            "rules": list(rules),
+        }
+        return result | ({"patient": self.patient} if self.patient else {})
+
+
+def _candidate(candidate: Candidate) -> Json:
+    return {
+        "object": candidate.object,
+        "name": candidate.name,
+        "lower": round(candidate.interval.lower, 6),
+        "upper": round(candidate.interval.upper, 6),
+        "lambda": round(candidate.certainty, 6),
+        "accepted": candidate.accepted,
+        "reason": candidate.reason,
+    }
+
+
+@dataclass(frozen=True)
+class World:
+    """What happened in the (simulated) world.
+
+    Attributes:
+        executed: whether the robot moved at all.
+        touched: the parts that the fingers touched when they closed.
+        lifted_m: how high the thing was lifted [m].
+        held_s: how long it was held [s].
+        handed_over: whether it was still held at the hand-over pose.
+        attempts: how often the hand had to close.
+        pictures: files that were written.
+    """
+
+    executed: bool = False
+    touched: tuple[str, ...] = ()
+    lifted_m: float = 0.0
+    held_s: float = 0.0
+    handed_over: bool = False
+    attempts: int = 0
+    pictures: tuple[str, ...] = ()
+
+    def as_json(self) -> Json:
+        """The `world` of `hilt do --json`."""
+        if not self.executed:
+            return {"executed": False}
+        return {
+            "executed": True,
+            "touched": list(self.touched),
+            "lifted_m": round(self.lifted_m, 4),
+            "held_s": round(self.held_s, 3),
+            "handed_over": self.handed_over,
+            "attempts": self.attempts,
+            "pictures": list(self.pictures),
+        }
+
+
+@dataclass(frozen=True)
+class Achievement:
+    """What came of one goal."""
+
+    answer: Answer
+    decision: Decision | None
+    steps: tuple[Step, ...]
+    world: World

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From what vision reports to what inference takes, and perfect vision for deciding without a robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..inference.goal import Observation
+from ..kb.interval import VACUOUS, Interval
+from ..kb.rule import Atom
+from ..ontology.objects import ObjectType
+from ..sim.percept import Percept
+from ..sim.scene import Scene
+
+
+def observed(percept: Percept, features: Sequence[Atom]) -> Observation:
+    """A percept as evidence: an interval for each feature that was looked for.
+
+    A thing detected with confidence d has each feature it shows with [d, 1]: what is left open is
+    not evidence against (theory of the paper; with rules [p, 1] only the lower bound matters). A
+    property it does not show is denied with [0, 1 - d]; other features it does not show stay out.
+    """
+    atoms: dict[Atom, Interval] = {}
+    for feature in features:
+        if _shows(percept, feature):
+            atoms[feature] = Interval(percept.confidence, 1.0)
+        elif feature.kind == "property":
+            atoms[feature] = Interval(0.0, 1.0 - percept.confidence)
+    return Observation(percept.name, percept.object, atoms)
+
+
+def _shows(percept: Percept, feature: Atom) -> bool:
+    shown = {
+        "object": (percept.object,),
+        "part": tuple(percept.parts),
+        "property": percept.properties,
+    }
+    return feature.name in shown.get(feature.kind, ())
+
+
+class PerfectVision:
+    """Sees everything in a scene with certainty: for decisions without noise (section 4.1)."""
+
+    def __init__(self, scene: Scene, objects: Mapping[str, ObjectType]) -> None:
+        self._percepts = tuple(
+            Percept(
+                name=placement.name,
+                object=placement.object,
+                confidence=1.0,
+                parts={},
+                properties=objects[placement.object].properties,
+            )
+            for placement in scene.placements
+        )
+
+    def search(self, features: Sequence[str]) -> Sequence[Percept]:
+        """The things of the scene that show one of the features."""
+        atoms = [Atom.parse(feature) for feature in features]
+        return [p for p in self._percepts if any(_shows(p, atom) for atom in atoms)]

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the agent asks of a robot's eyes and hands.
+
+Anybody's detector and motion stack fit in behind these two protocols; the simulated body of
+`hilt.sim` is one that does. Values that pass are small and frozen: a `Percept` for a thing seen, a
+`MotionReport` for an action tried. A failure is a report with a reason, never an exception.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from ..sim.percept import Percept
+from ..sim.report import MotionReport
+
+
+class Vision(Protocol):
+    """Searches the scene for what it is asked for, and nothing else (top-down attention)."""
+
+    def search(self, features: Sequence[str]) -> Sequence[Percept]:
+        """The things in view that show one of the features.
+
+        Args:
+            features: atoms as text: "object:knife", "part:blade", "property:red".
+        """
+        ...
+
+
+class Motion(Protocol):
+    """Performs the bottom-level actions of the action trees, one at a time."""
+
+    @property
+    def abilities(self) -> frozenset[str]:
+        """The primitives it can perform ("graspObject", "handOver", ...)."""
+        ...
+
+    def grasp(self, percept: Percept, part: str | None) -> MotionReport:
+        """Close the hand on a thing, by this part only; None leaves the choice to the hand."""
+        ...
+
+    def lift(self) -> MotionReport:
+        """Take what is held up from the table, and hold it for a second."""
+        ...
+
+    def hand_over(self) -> MotionReport:
+        """Bring what is held to the receiver, its free part first."""
+        ...
+
+    def point_at(self, percept: Percept) -> MotionReport:
+        """Point at a thing without touching it."""
+        ...

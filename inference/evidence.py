@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Evidence operators on belief intervals: AND, modus ponens, fusion, and the confidence measure.
+
+An interval [a, b] = [Bel, Pl] stands for the Dempster-Shafer masses m(true) = a, m(false) = 1 - b
+and m(either) = b - a of one proposition. The paper (section 2) names the steps: AND over the
+antecedents, modus ponens with the rule's interval, fusion of equal conclusions, then the measure
+lambda of Nunez et al. (2013) against a threshold; it prints no formula. Those here are derived, and
+each docstring says from what. Where there is a choice, every choice has a name in a table
+(`CONJUNCTIONS`, `MODUS_PONENS`, `FUSIONS`, `RANKINGS`); `Operators` holds one of each.
+
+Products are taken in sorted order, so that a result does not depend, not even in its last bit, on
+the order in which things were taught.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import log2, prod
+from types import MappingProxyType
+
+from ..kb.interval import VACUOUS, Interval
+from ..ontology.errors import ConflictError, UnknownNameError
+
+EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper differ by .0016
+
+Conjunction = Callable[[Sequence[Interval]], Interval]
+ModusPonens = Callable[[Interval, Interval], Interval]
+Fusion = Callable[[Sequence[Interval]], Interval]
+Ranking = Callable[[Interval], float]
+
+
+def _bounded(lower: float, upper: float) -> Interval:
+    """The interval after rounding errors of the last bits are taken back into [0, 1]."""
+    lower = min(max(lower, 0.0), 1.0)
+    return Interval(lower, min(max(upper, lower), 1.0))
+
+
+def _product(factors: Iterable[float]) -> float:
+    return prod(sorted(factors))
+
+
+# --- Logical operators -------------------------------------------------------------------
+
+
+def conjunction(intervals: Sequence[Interval]) -> Interval:
+    """AND of independent propositions: [a1·a2, b1·b2] (Sarathy & Scheutz 2016; product frame)."""
+    return _bounded(_product(i.lower for i in intervals), _product(i.upper for i in intervals))
+
+
+def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
+    """AND when nothing is known of the dependence: [max(0, Σa - (n-1)), min b] (Fréchet)."""
+    total = sum(sorted(i.lower for i in intervals)) - (len(intervals) - 1)
+    return _bounded(total, min((i.upper for i in intervals), default=1.0))
+
+
+def conjunction_min(intervals: Sequence[Interval]) -> Interval:
+    """AND when one proposition implies the other: [min a, min b]."""
+    return _bounded(
+        min((i.lower for i in intervals), default=1.0),
+        min((i.upper for i in intervals), default=1.0),
+    )
+
+
+def disjunction(intervals: Sequence[Interval]) -> Interval:
+    """OR of independent propositions: [1 - Π(1-a), 1 - Π(1-b)], the dual of `conjunction`."""
+    return negation(conjunction([negation(i) for i in intervals]))
+
+
+def negation(interval: Interval) -> Interval:
+    """NOT: [1-b, 1-a]."""
+    return Interval(1 - interval.upper, 1 - interval.lower)
+
+
+# --- Modus ponens ------------------------------------------------------------------------
+
+
+def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
+    """Conclude by the conditional reading: [a·α, 1 - a·(1-β)].
+
+    Derived by conditional embedding (Smets): the bounds of P(C) over P(A) in [a, b] and P(C|A) in
+    [α, β] with P(C|not A) free. A doubtful antecedent never yields more than ignorance.
+    """
+    a = antecedent.lower
+    return _bounded(a * rule.lower, 1 - a * (1 - rule.upper))
+
+
+def modus_ponens_published(antecedent: Interval, rule: Interval) -> Interval:
+    """Conclude [a·α, β], as Sarathy & Scheutz are recalled to have published it.
+
+    Equal to `modus_ponens` whenever β = 1. With β < 1 an absent antecedent still disbelieves.
+    """
+    return _bounded(antecedent.lower * rule.lower, rule.upper)
+
+
+def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
+    """Conclude [a·α, 1 - b·(1-β)]: the rule read as the material implication (derived)."""
+    return _bounded(antecedent.lower * rule.lower, 1 - antecedent.upper * (1 - rule.upper))
+
+
+# --- Fusion of several intervals for one proposition ---------------------------------------
+
+
+def _commonalities(intervals: Sequence[Interval]) -> tuple[float, float, float]:
+    """Products (Π b, Π (1-a), Π (b-a)): what stays compatible with true, false, either."""
+    return (
+        _product(i.upper for i in intervals),
+        _product(1 - i.lower for i in intervals),
+        _product(i.upper - i.lower for i in intervals),
+    )
+
+
+def fuse_yager(intervals: Sequence[Interval]) -> Interval:
+    """Fuse by Yager's rule (1987) over all sources at once: conflict becomes ignorance.
+
+    Always defined: [1, 1] with [0, 0] gives [0, 1]. Taken n-ary because pairwise it is not
+    associative, and the result would depend on the order of teaching.
+    """
+    if len(intervals) == 1:
+        return intervals[0]
+    true, false, either = _commonalities(intervals)
+    return _bounded(true - either, 1 - false + either)
+
+
+def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
+    """Fuse by Dempster's rule: conflict is divided out.
+
+    Raises:
+        ConflictError: the sources contradict each other fully.
+    """
+    if len(intervals) == 1:
+        return intervals[0]
+    true, false, either = _commonalities(intervals)
+    agreement = true + false - either
+    if agreement <= 0:
+        shown = ", ".join(str(i) for i in intervals)
+        raise ConflictError(
+            f"The sources {shown} contradict each other fully. Discount one of them, or fuse by "
+            '"yager".'
+        )
+    return _bounded((true - either) / agreement, true / agreement)
+
+
+def fuse_cautious(intervals: Sequence[Interval]) -> Interval:
+    """Fuse sources that may repeat each other by Denœux's cautious rule (2008): idempotent.
+
+    Raises:
+        ConflictError: a source is certain (a = b), for which the rule is not defined.
+    """
+    for interval in intervals:
+        if interval.upper - interval.lower <= 0:
+            raise ConflictError(f"The cautious rule needs lower < upper; {interval} has none.")
+    weight_true = min(((i.upper - i.lower) / i.upper for i in intervals), default=1.0)
+    weight_false = min(((i.upper - i.lower) / (1 - i.lower) for i in intervals), default=1.0)
+    return fuse_dempster([Interval(1 - weight_true, 1.0), Interval(0.0, weight_false)])
+
+
+def fuse_mean(intervals: Sequence[Interval]) -> Interval:
+    """Fuse by the average of the bounds; [0, 1] when there is nothing to average."""
+    if not intervals:
+        return VACUOUS
+    count = len(intervals)
+    return _bounded(
+        sum(sorted(i.lower for i in intervals)) / count,
+        sum(sorted(i.upper for i in intervals)) / count,
+    )
+
+
+def fuse_latest(intervals: Sequence[Interval]) -> Interval:
+    """The last interval, which is the one taught last; [0, 1] when there is none."""
+    return intervals[-1] if intervals else VACUOUS
+
+
+# --- How sure is that? ---------------------------------------------------------------------
+
+
+def relative_plausibility(interval: Interval) -> float:
+    """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
+    return interval.upper / (1 + interval.upper - interval.lower)
+
+
+def certainty(interval: Interval) -> float:
+    """The confidence measure lambda of Núñez et al. (2013), in [0, 1].
+
+    lambda = 1 + (b/γ)·log2(b/γ) + ((1-a)/γ)·log2((1-a)/γ) with γ = 1 + b - a, which is one minus
+    the entropy of the plausibility transform. It is blind to truth: [0, 0] is as certain as [1, 1].
+    """
+    share = relative_plausibility(interval)
+    return max(0.0, 1 + _entropy_term(share) + _entropy_term(1 - share))
+
+
+def _entropy_term(share: float) -> float:
+    return share * log2(share) if share > 0 else 0.0
+
+
+def is_affirmed(interval: Interval, threshold: float) -> bool:
+    """Whether to act on it: rather true than false, and lambda above the threshold (strictly)."""
+    return interval.lower + interval.upper > 1 + EPSILON and certainty(interval) > threshold
+
+
+def is_denied(interval: Interval, threshold: float) -> bool:
+    """Whether it is believed not to hold: the mirror of `is_affirmed`."""
+    return is_affirmed(negation(interval), threshold)
+
+
+# --- The named choices ---------------------------------------------------------------------
+
+CONJUNCTIONS: Mapping[str, Conjunction] = MappingProxyType(
+    {"product": conjunction, "frechet": conjunction_frechet, "min": conjunction_min}
+)
+MODUS_PONENS: Mapping[str, ModusPonens] = MappingProxyType(
+    {
+        "conditional": modus_ponens,
+        "published": modus_ponens_published,
+        "material": modus_ponens_material,
+    }
+)
+FUSIONS: Mapping[str, Fusion] = MappingProxyType(
+    {
+        "yager": fuse_yager,
+        "dempster": fuse_dempster,
+        "cautious": fuse_cautious,
+        "mean": fuse_mean,
+        "latest": fuse_latest,
+    }
+)
+RANKINGS: Mapping[str, Ranking] = MappingProxyType(
+    {
+        "plausibility": relative_plausibility,
+        "belief": lambda interval: interval.lower,
+        "pignistic": lambda interval: (interval.lower + interval.upper) / 2,
+        "lambda": certainty,
+    }
+)
+
+
+@dataclass(frozen=True)
+class Operators:
+    """One choice of each operator, by name.
+
+    Raises:
+        UnknownNameError: a name is in none of the tables.
+    """
+
+    conjunction: str = "product"
+    modus_ponens: str = "conditional"
+    fusion: str = "yager"
+    ranking: str = "plausibility"
+
+    def __post_init__(self) -> None:
+        _known("conjunction", self.conjunction, CONJUNCTIONS)
+        _known("modus ponens", self.modus_ponens, MODUS_PONENS)
+        _known("fusion", self.fusion, FUSIONS)
+        _known("ranking", self.ranking, RANKINGS)
+
+    def all_of(self, intervals: Sequence[Interval]) -> Interval:
+        """AND of the intervals; [1, 1] of none."""
+        return CONJUNCTIONS[self.conjunction](intervals)
+
+    def conclude(self, antecedent: Interval, rule: Interval) -> Interval:
+        """Modus ponens."""
+        return MODUS_PONENS[self.modus_ponens](antecedent, rule)
+
+    def fuse(self, intervals: Sequence[Interval]) -> Interval:
+        """One interval from several for the same proposition."""
+        return FUSIONS[self.fusion](intervals)
+
+    def rank(self, interval: Interval) -> float:
+        """A number by which candidates are ordered, higher is better."""
+        return RANKINGS[self.ranking](interval)
+
+
+def _known(kind: str, name: str, table: Mapping[str, object]) -> None:
+    if name not in table:
+        raise UnknownNameError(kind, name, table)

@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The laws of the evidence operators, and the numbers that the theory predicts."""
+
+from itertools import combinations, pairwise, permutations
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from hilt.inference.evidence import (
+    CONJUNCTIONS,
+    FUSIONS,
+    MODUS_PONENS,
+    Operators,
+    certainty,
+    conjunction,
+    disjunction,
+    fuse_cautious,
+    fuse_dempster,
+    fuse_yager,
+    is_affirmed,
+    modus_ponens,
+    modus_ponens_material,
+    modus_ponens_published,
+    negation,
+    relative_plausibility,
+)
+from hilt.kb.interval import VACUOUS, Interval
+from hilt.ontology.errors import ConflictError, UnknownNameError
+
+TRUE, FALSE = Interval(1.0, 1.0), Interval(0.0, 0.0)
+LEVELS = {"G": 0.95, "O": 0.75, "S": 0.5, "c": 0.25}
+
+unit = st.floats(0, 1, allow_subnormal=False)
+intervals = st.tuples(unit, unit).map(lambda pair: Interval(min(pair), max(pair)))
+grid = st.integers(0, 10).map(lambda n: n / 10)
+grid_intervals = st.tuples(grid, grid).map(lambda pair: Interval(min(pair), max(pair)))
+
+
+def close(one: Interval, other: Interval) -> bool:
+    """Whether two intervals are equal but for rounding."""
+    return (one.lower, one.upper) == pytest.approx((other.lower, other.upper), abs=1e-12)
+
+
+# --- AND, OR, NOT --------------------------------------------------------------------------
+
+
+@given(st.permutations([Interval(0.3, 0.7), Interval(0.21, 0.9), Interval(0.77, 0.8)]))
+def test_conjunction_is_the_same_to_the_last_bit_in_any_order(shuffled: list[Interval]):
+    """Factors are multiplied in sorted order."""
+    assert conjunction(shuffled) == conjunction(shuffled[::-1])
+
+
+@given(intervals)
+def test_conjunction_with_truth_changes_nothing(interval: Interval):
+    """[1, 1] is neutral for AND."""
+    assert conjunction([interval, TRUE]) == interval
+
+
+@given(intervals)
+def test_conjunction_with_falsehood_is_false(interval: Interval):
+    """[0, 0] is the zero of AND."""
+    assert conjunction([interval, FALSE]) == FALSE
+
+
+@given(intervals, intervals)
+def test_de_morgan_holds(one: Interval, other: Interval):
+    """NOT of an AND is the OR of the NOTs."""
+    assert close(negation(conjunction([one, other])), disjunction([negation(one), negation(other)]))
+
+
+@given(grid_intervals, grid_intervals)
+def test_product_lies_within_the_frechet_bounds(one: Interval, other: Interval):
+    """What holds for every dependence holds for independence."""
+    anyhow = CONJUNCTIONS["frechet"]([one, other])
+
+    both = conjunction([one, other])
+
+    assert anyhow.lower - 1e-12 <= both.lower
+    assert both.upper <= anyhow.upper + 1e-12
+
+
+# --- Modus ponens --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MODUS_PONENS)
+@given(rule=intervals)
+def test_certain_antecedent_concludes_the_rule_itself(name: str, rule: Interval):
+    """All readings return [α, β] when the antecedent is certain."""
+    assert close(MODUS_PONENS[name](TRUE, rule), rule)
+
+
+@given(intervals, unit)
+def test_all_readings_agree_on_every_rule_that_the_paper_prints(seen: Interval, alpha: float):
+    """For β = 1 the conclusion is [a·α, 1], whatever b is."""
+    rule = Interval(alpha, 1.0)
+
+    concluded = {name: reading(seen, rule) for name, reading in MODUS_PONENS.items()}
+
+    assert len(set(concluded.values())) == 1
+    assert concluded["conditional"].lower == pytest.approx(seen.lower * alpha)
+
+
+@given(intervals)
+def test_absent_antecedent_concludes_nothing_by_the_conditional_reading(rule: Interval):
+    """A shoe that is not there says nothing, even under a negative rule."""
+    assert modus_ponens(FALSE, rule) == VACUOUS
+
+
+def test_published_reading_disbelieves_by_an_absent_antecedent():
+    """The known flaw of [a·α, β], kept as a named option for comparison."""
+    assert modus_ponens_published(FALSE, Interval(0.0, 0.1)) == Interval(0.0, 0.1)
+    assert modus_ponens_material(FALSE, Interval(0.0, 0.1)) == VACUOUS
+
+
+@given(intervals, intervals)
+def test_conclusion_is_never_surer_than_its_antecedent(seen: Interval, rule: Interval):
+    """Bel(a) does not exceed Bel(f AND c)."""
+    assert modus_ponens(seen, rule).lower <= seen.lower
+
+
+@given(intervals, intervals, grid, grid)
+def test_conclusion_bounds_every_probability(
+    seen: Interval, rule: Interval, at: float, given_not: float
+):
+    """It holds P(C) whatever P(A) and P(C|A) are in their intervals, P(C|not A) being free."""
+    p_a = seen.lower + at * (seen.upper - seen.lower)
+    for p_c in (rule.lower, rule.upper):
+        probability = p_a * p_c + (1 - p_a) * given_not
+
+        concluded = modus_ponens(seen, rule)
+
+        assert concluded.lower - 1e-9 <= probability <= concluded.upper + 1e-9
+
+
+# --- Fusion --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["yager", "dempster", "mean"])
+@given(taught=st.lists(st.tuples(st.integers(1, 8), st.integers(1, 8)), min_size=1, max_size=5))
+def test_fusion_is_the_same_to_the_last_bit_in_any_order(name: str, taught: list[tuple[int, int]]):
+    """What is fused does not depend on the order of teaching."""
+    sources = [Interval(min(a, b) / 9, max(a, b) / 9) for a, b in taught]
+
+    fused = {FUSIONS[name](list(order)) for order in permutations(sources)}
+
+    assert len(fused) == 1
+
+
+@pytest.mark.parametrize("name", ["yager", "dempster"])
+@given(interval=intervals)
+def test_ignorance_is_neutral_for_fusion(name: str, interval: Interval):
+    """[0, 1] adds nothing."""
+    assume(interval.upper > 0)
+    assert close(FUSIONS[name]([interval, VACUOUS]), interval)
+
+
+def test_yager_turns_full_conflict_into_ignorance():
+    """[1, 1] with [0, 0] gives [0, 1], and nothing raises."""
+    assert fuse_yager([TRUE, FALSE]) == VACUOUS
+
+
+def test_dempster_tells_full_conflict():
+    """Dempster's rule is not defined there, and the caller hears it."""
+    with pytest.raises(ConflictError, match="contradict each other fully"):
+        fuse_dempster([TRUE, FALSE])
+
+
+def test_yager_over_three_sources_is_not_the_pairwise_fold():
+    """The n-ary form has no order; the pairwise fold gives [1, 1] or [0, 1]."""
+    fold_one = fuse_yager([fuse_yager([TRUE, FALSE]), TRUE])
+    fold_other = fuse_yager([fuse_yager([TRUE, TRUE]), FALSE])
+
+    assert (fold_one, fold_other) == (TRUE, VACUOUS)
+    assert fuse_yager([TRUE, FALSE, TRUE]) == VACUOUS
+
+
+def test_conflict_lowers_belief_by_yager_less_by_dempster():
+    """The worked example of conflicting sources."""
+    sources = [Interval(0.9, 1.0), Interval(0.0, 0.5)]
+
+    assert close(fuse_yager(sources), Interval(0.45, 0.95))
+    assert close(fuse_dempster(sources), Interval(0.9 * 0.5 / 0.55, 0.5 / 0.55))
+
+
+@given(st.lists(unit, min_size=1, max_size=6))
+def test_fusion_of_pure_support_is_noisy_or(degrees: list[float]):
+    """On [p, 1] there is no conflict: Yager is Dempster is 1 - Π(1-p)."""
+    sources = [Interval(p, 1.0) for p in degrees]
+    miss = 1.0
+    for p in degrees:
+        miss *= 1 - p
+
+    assert close(fuse_yager(sources), Interval(min(1 - miss, 1.0), 1.0))
+    assert close(fuse_yager(sources), fuse_dempster(sources))
+
+
+@given(st.floats(0.01, 0.99), st.integers(1, 5))
+def test_cautious_rule_counts_repetition_once(degree: float, times: int):
+    """Sources that repeat each other add nothing."""
+    assert close(fuse_cautious([Interval(degree, 1.0)] * times), Interval(degree, 1.0))
+
+
+def masses(interval: Interval) -> dict[frozenset[str], float]:
+    """The mass function of an interval on the frame {T, F}."""
+    return {
+        frozenset("T"): interval.lower,
+        frozenset("F"): 1 - interval.upper,
+        frozenset("TF"): interval.upper - interval.lower,
+    }
+
+
+@given(st.lists(grid_intervals, min_size=1, max_size=4))
+def test_yager_agrees_with_explicit_mass_functions(sources: list[Interval]):
+    """Brute force: intersect every choice of focal elements, give conflict to the whole frame."""
+    focal = {frozenset("TF"): 1.0}
+    for source in sources:
+        merged: dict[frozenset[str], float] = {}
+        for (left, m), (right, n) in (
+            (a, b) for a in focal.items() for b in masses(source).items()
+        ):
+            merged[left & right] = merged.get(left & right, 0.0) + m * n
+        focal = merged
+
+    fused = fuse_yager(sources)
+
+    assert fused.lower == pytest.approx(focal.get(frozenset("T"), 0.0), abs=1e-12)
+    assert 1 - fused.upper == pytest.approx(focal.get(frozenset("F"), 0.0), abs=1e-12)
+
+
+SUBSETS = {
+    "c": (0.25, 0.0148), "S": (0.5, 0.0817), "Sc": (0.625, 0.1546), "O": (0.75, 0.2781),
+    "Oc": (0.8125, 0.3708), "OS": (0.875, 0.4967), "OSc": (0.90625, 0.5780), "G": (0.95, 0.7238),
+    "Gc": (0.9625, 0.7757), "GS": (0.975, 0.8346), "GSc": (0.98125, 0.8676),
+    "GO": (0.9875, 0.9040), "GOc": (0.990625, 0.9240), "GOS": (0.99375, 0.9455),
+    "GOSc": (0.9953125, 0.9572), "": (0.0, 0.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("subset", "expected"), SUBSETS.items())
+def test_sixteen_fused_subsets_have_their_table_values(subset: str, expected: tuple[float, float]):
+    """Belief and lambda of every set of the paper's four levels."""
+    fused = fuse_yager([Interval(LEVELS[letter], 1.0) for letter in subset])
+
+    assert fused.lower == pytest.approx(expected[0], abs=1e-12)
+    assert certainty(fused) == pytest.approx(expected[1], abs=5e-5)
+
+
+def test_sixteen_subsets_stand_in_binary_order():
+    """More or better evidence is always ranked higher: G=8, O=4, S=2, c=1."""
+    subsets = [set(s) for n in range(5) for s in combinations("GOSc", n)]
+    subsets.sort(key=lambda s: sum({"G": 8, "O": 4, "S": 2, "c": 1}[x] for x in s))
+
+    ranks = [
+        relative_plausibility(fuse_yager([Interval(LEVELS[x], 1.0) for x in s])) for s in subsets
+    ]
+
+    assert all(low < high for low, high in pairwise(ranks))
+
+
+# --- Lambda and acceptance -----------------------------------------------------------------
+
+
+@given(intervals)
+def test_certainty_is_a_share_and_blind_to_truth(interval: Interval):
+    """Lambda lies in [0, 1] and is the same for a statement and its negation."""
+    assert 0 <= certainty(interval) <= 1
+    assert certainty(interval) == pytest.approx(certainty(negation(interval)), abs=1e-9)
+
+
+def test_certain_falsehood_is_not_accepted():
+    """Lambda alone would act on [0, 0]; the direction is asked too."""
+    assert certainty(FALSE) == 1
+    assert not is_affirmed(FALSE, 0.005)
+
+
+@pytest.mark.parametrize("percent", range(0, 101, 5))
+def test_undecided_is_never_accepted_even_at_threshold_zero(percent: int):
+    """A + b = 1 says nothing, though rounding may leave lambda above zero."""
+    a = min(percent, 100 - percent) / 100
+
+    assert not is_affirmed(Interval(a, 1 - a), 0.0)
+
+
+THRESHOLDS = {
+    0.0025: (0.111, 0.117, 0.148, 0.222, 0.445),
+    0.005: (0.154, 0.162, 0.205, 0.307, 0.615),
+    0.01: (0.211, 0.222, 0.281, 0.421, 0.842),
+    0.1: (0.538, 0.566, 0.717, None, None),
+}
+
+
+@pytest.mark.parametrize(("threshold", "row"), THRESHOLDS.items())
+def test_least_detection_for_each_level_and_threshold(threshold: float, row: tuple[float | None]):
+    """From which detection confidence on each level is sure enough to act on."""
+    for level, least in zip((1.0, *LEVELS.values()), row, strict=True):
+        rule = Interval(level, 1.0)
+        feasible = [
+            d / 1000
+            for d in range(1, 1001)
+            if is_affirmed(modus_ponens(Interval(d / 1000, 1.0), rule), threshold)
+        ]
+
+        assert (min(feasible) if feasible else None) == pytest.approx(least, abs=1.01e-3)
+
+
+# --- Named choices -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("field", ["conjunction", "modus_ponens", "fusion", "ranking"])
+def test_unknown_operator_is_told_with_the_known_ones(field: str):
+    """A misspelt choice is an error when it is made, not when it is used."""
+    with pytest.raises(UnknownNameError, match="Known: "):
+        Operators(**{field: "nonsense"})
