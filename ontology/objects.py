@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The household domain: object types, their parts, and what they are made of.
+
+`objects.yaml` holds the eight household objects of section 4.1 of the paper and the fixtures they
+are used with (a table, a nail and its block). An object is a tree of two levels: the object and
+its named parts, each of them solids of one material. Nothing here says what an object is for, nor
+where it should be grasped: that is learned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from .errors import UnknownNameError
+from .solids import Colour, Point3, Solid, read_colour, read_solid, read_turn
+from .source import Field, read_yaml
+
+OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
+MAX_MASS = 500.0  # [kg]
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a part is made of.
+
+    Attributes:
+        name: "steel", "wood", ...
+        friction: lateral friction coefficient; between two bodies the product of both counts.
+        shine: how bright its highlights are, in [0, 1].
+    """
+
+    name: str
+    friction: float
+    shine: float
+
+
+@dataclass(frozen=True)
+class PartType:
+    """One named part of an object.
+
+    Attributes:
+        name: "handle", "blade", ...
+        role: what the part is to the object: "grip", "edge", "container", ...
+        properties: what can be perceived of it: "sharp", "long", ...
+        material: what it is made of.
+        colour: of all its solids that have none of their own.
+        mass: [kg].
+        shape: the solids it is made of, in the frame of the object.
+    """
+
+    name: str
+    role: str
+    properties: frozenset[str]
+    material: Material
+    colour: Colour
+    mass: float
+    shape: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A way in which an object can lie or stand on a table.
+
+    Attributes:
+        name: "upright", "flat", "upside down", ...
+        turn: roll, pitch, yaw of the object's frame before any turn about the vertical [rad].
+        usual: whether seeded scenes use it; the others are used only when asked for.
+    """
+
+    name: str
+    turn: Point3
+    usual: bool
+
+
+@dataclass(frozen=True)
+class ObjectType:
+    """A kind of object.
+
+    Attributes:
+        name: "knife", ...
+        is_a: the class above it, itself an object or one of the file's classes; None for a root.
+        properties: what can be perceived of it as a whole.
+        graspable: whether it can be taken up; False for fixtures.
+        parts: by name, in the order of the file.
+        rests: how it can lie or stand; at least one is usual.
+
+    >>> knife = load_objects()["knife"]
+    >>> list(knife.parts), knife.part("blade").role
+    (['handle', 'blade'], 'edge')
+    """
+
+    name: str
+    is_a: str | None
+    properties: frozenset[str]
+    graspable: bool
+    parts: Mapping[str, PartType] = field(hash=False)
+    rests: tuple[Rest, ...]
+
+    @cached_property
+    def mass(self) -> float:
+        """The mass of all its parts together [kg]."""
+        return sum(part.mass for part in self.parts.values())
+
+    def part(self, name: str) -> PartType:
+        """One of its parts.
+
+        Raises:
+            UnknownNameError: it has no such part.
+        """
+        if name not in self.parts:
+            raise UnknownNameError(f"part of {self.name}", name, self.parts)
+        return self.parts[name]
+
+    def rest(self, name: str) -> Rest:
+        """One of its ways to lie or stand.
+
+        Raises:
+            UnknownNameError: it has no such rest.
+        """
+        known = {rest.name: rest for rest in self.rests}
+        if name not in known:
+            raise UnknownNameError(f"rest of {self.name}", name, known)
+        return known[name]
+
+
+@dataclass(frozen=True)
+class Household:
+    """All that `objects.yaml` says.
+
+    Attributes:
+        objects: by name.
+        classes: class -> the class above it, or None.
+        roles: role of a part -> what it means.
+        properties: property -> what it means.
+    """
+
+    objects: Mapping[str, ObjectType]
+    classes: Mapping[str, str | None]
+    roles: Mapping[str, str]
+    properties: Mapping[str, str]
+
+
+def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
+    """The object types of a file; of Hilt's own when `path` is None.
+
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    return dict(load_household(path).objects)
+
+
+def load_household(path: Path | None = None) -> Household:
+    """All that a file of objects says: types, classes, roles and properties.
+
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    top = read_yaml(path or OBJECTS_FILE).entries(
+        required={"classes", "roles", "properties", "materials", "objects"}, optional=()
+    )
+    reader = _Reader(
+        classes=_read_classes(top["classes"]),
+        roles=_read_glossary(top["roles"]),
+        properties=_read_glossary(top["properties"]),
+        materials={n: _read_material(n, f) for n, f in top["materials"].entries().items()},
+    )
+    fields = top["objects"].entries()
+    objects = {name: reader.object(name, spec, fields) for name, spec in fields.items()}
+    above = reader.classes | {name: kind.is_a for name, kind in objects.items()}
+    _refuse_circles(above, top["classes"].entries() | fields)
+    return Household(objects, reader.classes, reader.roles, reader.properties)
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Reads objects against the words that the file declares."""
+
+    classes: dict[str, str | None]
+    roles: Mapping[str, str]
+    properties: Mapping[str, str]
+    materials: Mapping[str, Material]
+
+    def object(self, name: str, spec: Field, fields: Mapping[str, Field]) -> ObjectType:
+        keys = spec.entries(
+            required={"is_a", "parts", "rests"}, optional={"properties", "graspable"}
+        )
+        parts = keys["parts"].entries()
+        if not parts:
+            raise keys["parts"].fail("expected at least one part.")
+        return ObjectType(
+            name,
+            keys["is_a"].text(choices={*self.classes, *fields} - {name}),
+            self._words(keys),
+            keys["graspable"].truth() if "graspable" in keys else True,
+            {part: self._part(part, field) for part, field in parts.items()},
+            _read_rests(keys["rests"]),
+        )
+
+    def _part(self, name: str, spec: Field) -> PartType:
+        keys = spec.entries(
+            required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
+        )
+        shape = tuple(read_solid(item) for item in keys["shape"].items())
+        if not any(solid.felt for solid in shape):
+            raise keys["shape"].fail("expected at least one solid that can be felt.")
+        return PartType(
+            name,
+            keys["role"].text(choices=self.roles),
+            self._words(keys),
+            self.materials[keys["material"].text(choices=self.materials)],
+            read_colour(keys["colour"]),
+            keys["mass"].number(low=1e-4, high=MAX_MASS),
+            shape,
+        )
+
+    def _words(self, keys: Mapping[str, Field]) -> frozenset[str]:
+        if "properties" not in keys:
+            return frozenset()
+        return frozenset(keys["properties"].texts(choices=self.properties))
+
+
+def _read_glossary(spec: Field) -> dict[str, str]:
+    return {word: meaning.text() for word, meaning in spec.entries().items()}
+
+
+def _read_classes(spec: Field) -> dict[str, str | None]:
+    fields = spec.entries()
+    return {
+        name: None if above.value is None else above.text(choices=set(fields) - {name})
+        for name, above in fields.items()
+    }
+
+
+def _read_material(name: str, spec: Field) -> Material:
+    keys = spec.entries(required={"friction", "shine"}, optional=())
+    return Material(
+        name, keys["friction"].number(low=0, high=2), keys["shine"].number(low=0, high=1)
+    )
+
+
+def _read_rests(spec: Field) -> tuple[Rest, ...]:
+    rests = tuple(_read_rest(name, item) for name, item in spec.entries().items())
+    if not any(rest.usual for rest in rests):
+        raise spec.fail("expected at least one rest that is usual.")
+    return rests
+
+
+def _read_rest(name: str, spec: Field) -> Rest:
+    keys = spec.entries(required={"turn_deg"}, optional={"usual"})
+    usual = keys["usual"].truth() if "usual" in keys else True
+    return Rest(name, read_turn(keys["turn_deg"]), usual)
+
+
+def _refuse_circles(above: Mapping[str, str | None], fields: Mapping[str, Field]) -> None:
+    for name, spec in fields.items():
+        seen, word = {name}, above[name]
+        while word is not None:
+            if word in seen:
+                raise spec.fail(f'"{name}" is a kind of itself, through "{word}".')
+            seen.add(word)
+            word = above[word]
