@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import ctypes
 import os
-import sys
 from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -520,18 +519,24 @@ def _import_pybullet() -> Any:
 @contextmanager
 def _quiet() -> Generator[None]:
     """Keep what PyBullet prints from C out of the user's terminal."""
+    with ExitStack() as stack, open(os.devnull, "wb") as nothing:
+        for number in (1, 2):
+            stack.enter_context(_redirected(number, nothing.fileno()))
+        yield
+
+
+@contextmanager
+def _redirected(number: int, target: int) -> Generator[None]:
     try:
-        target = sys.__stdout__.fileno() if sys.__stdout__ else -1
-        saved = os.dup(target)
-    except (OSError, ValueError):  # standard output is closed or is no file: nothing to hide
+        saved = os.dup(number)
+    except OSError:  # the stream is closed: there is nothing to hide
         yield
         return
+    os.dup2(target, number)
     try:
-        with open(os.devnull, "wb") as nothing:
-            os.dup2(nothing.fileno(), target)
         yield
     finally:
         # What C has printed waits in its own buffer; let it out while nobody reads it.
         ctypes.CDLL(None).fflush(None)
-        os.dup2(saved, target)
+        os.dup2(saved, number)
         os.close(saved)
