@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Grasps of one part of an object, found in its point cloud and ordered by how well they hold.
+
+`plan_grasps` proposes poses of the hand (`hand_poses`), judges each by its width profile (`hold`),
+turns the best ones a little to see whether that makes them better, and gives the good ones, best
+first. The part constraint is a filter: both contact bands must lie wholly on the wanted part. When
+nothing is left, `GraspPlan.reason` says what was in the way most often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import hold, poses
+from .clouds import Surroundings
+from .hand_poses import propose
+from .hold import Holds
+from .poses import Array
+from .robots import Gripper
+
+COARSE_CELL = 0.0035  # [m] between the points that proposals look at
+FINE_CELL = 0.002  # [m] between the points that the profile looks at
+COARSE_REACH, FINE_REACH = 0.15, 0.13  # [m] round the part, what a hand may run into
+JUDGED = 240  # proposals that are judged
+PLACE = 0.02  # [m], side of the cubes that are one place; each place gets its share of them
+TILT_COST = 0.03  # [m], a level approach counts as this much farther from the balance
+SHUFFLE = 0.02  # [m], so that different directions come first at one place
+REFINED = 24  # of those, the best are turned and judged again
+TURNS_DEG = (-7.0, -3.5, 3.5, 7.0)  # about the approach direction
+DEEPER = 0.004  # [m], the best ones are also tried deeper
+LEAST_POINTS = 12  # of a part, else nothing can be said about it
+APART = 0.012  # [m], grasps nearer than this and turned alike are one
+APART_ANGLE = 0.35  # [rad]
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One way to take hold of a part.
+
+    Attributes:
+        world_from_grip: (4, 4), the grip frame when the fingers close.
+        width: of the part between the pads [m].
+        opening: of the hand before it closes [m].
+        score: at most 1, the higher the better.
+    """
+
+    world_from_grip: Array
+    width: float
+    opening: float
+    score: float
+
+    @property
+    def approach(self) -> Array:
+        """The direction (3,) in which the hand comes."""
+        return self.world_from_grip[:3, 2]
+
+
+@dataclass(frozen=True)
+class GraspPlan:
+    """The grasps of a part, best first, and what ruled out the others.
+
+    Attributes:
+        grasps: the good ones.
+        rejected: obstacle -> how many poses it ruled out.
+    """
+
+    grasps: tuple[Grasp, ...]
+    rejected: Mapping[str, int]
+
+    @property
+    def reason(self) -> str:
+        """The obstacle met most often; empty when there are grasps or there was nothing to try."""
+        if self.grasps or not any(self.rejected.values()):
+            return ""
+        return max(self.rejected, key=lambda obstacle: self.rejected[obstacle])
+
+
+def plan_grasps(
+    surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Generator, count: int = 40
+) -> GraspPlan:
+    """Plan grasps of the wanted part.
+
+    Args:
+        surroundings: the part, and what is near it.
+        gripper: the hand.
+        rng: where the search begins.
+        count: most grasps that are given.
+    """
+    if len(surroundings.wanted) < LEAST_POINTS:
+        return GraspPlan((), {})
+    coarse = surroundings.thinned(COARSE_CELL, reach=COARSE_REACH)
+    fine = surroundings.thinned(FINE_CELL, reach=FINE_REACH)
+    proposed = propose(coarse, gripper, rng=rng)
+    first = _spread_out(proposed.world_from_grip, surroundings.balance, rng)
+    holds = hold.judge(proposed.world_from_grip[first], fine, gripper)
+    rejected = _count(holds)
+    rejected["too_wide"] = rejected.get("too_wide", 0) + proposed.too_wide
+    rejected["part"] = rejected.get("part", 0) + proposed.blocked
+    holds = _refine(holds, fine, gripper)
+    best = holds[_distinct(holds, count)]
+    return GraspPlan(tuple(_grasps(best)), rejected)
+
+
+def _spread_out(world_from_grip: Array, balance: Array, rng: np.random.Generator) -> np.ndarray:
+    """Which proposals to judge: some from each place, those near the centre of mass first."""
+    positions = world_from_grip[:, :3, 3]
+    cost = np.linalg.norm(positions - balance, axis=1) + TILT_COST * (1 + world_from_grip[:, 2, 2])
+    order = np.argsort(cost + rng.uniform(0.0, SHUFFLE, len(cost)))
+    places = np.unique(np.floor(positions / PLACE).astype(int), axis=0, return_inverse=True)[1]
+    rank = np.zeros(len(order), dtype=int)
+    for place in np.unique(places):
+        members = order[places[order] == place]
+        rank[members] = np.arange(len(members))
+    return np.lexsort((cost, rank))[:JUDGED]
+
+
+def _refine(holds: Holds, fine: Surroundings, gripper: Gripper) -> Holds:
+    best = holds[_distinct(holds, REFINED)]
+    turns = np.tile(np.eye(4), (len(TURNS_DEG) + 1, 1, 1))
+    turns[:-1, :3, :3] = poses.rotation_about((0, 0, 1), np.radians(TURNS_DEG))
+    turns[-1, 2, 3] = DEEPER
+    changed = (best.world_from_grip[:, None] @ turns).reshape(-1, 4, 4)
+    return holds.joined(hold.judge(changed, fine, gripper))
+
+
+def _count(holds: Holds) -> dict[str, int]:
+    numbers = np.bincount(holds.obstacle, minlength=len(hold.OBSTACLES))
+    return {name: int(n) for name, n in zip(hold.OBSTACLES, numbers, strict=True) if name and n}
+
+
+def _distinct(holds: Holds, count: int) -> np.ndarray:
+    """Indices of the good holds, best first, without those that nearly repeat a better one."""
+    chosen: list[int] = []
+    for index in np.argsort(-holds.score, kind="stable"):
+        if len(chosen) == count or holds.score[index] <= 0:
+            break
+        if not chosen or not _near(holds.world_from_grip[chosen], holds.world_from_grip[index]):
+            chosen.append(int(index))
+    return np.array(chosen, dtype=int)
+
+
+def _grasps(holds: Holds) -> Iterator[Grasp]:
+    for each in range(len(holds.score)):
+        yield Grasp(
+            holds.world_from_grip[each],
+            float(holds.width[each]),
+            float(holds.opening[each]),
+            float(holds.score[each]),
+        )
+
+
+def _near(chosen: Array, candidate: Array) -> bool:
+    close = np.linalg.norm(chosen[:, :3, 3] - candidate[:3, 3], axis=1) < APART
+    turned = poses.angle_between(chosen[:, :3, :3], candidate[:3, :3])
+    return bool(np.any(close & (turned < APART_ANGLE)))

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hand poses worth a closer look: where two fingers find room on both sides of the wanted part.
+
+From points spread over the part and a fixed set of hand directions, each pose is judged by one
+row of bins along the closing direction: what the fingers would sweep over is counted into them,
+and beside the part there must be room for a finger on either side, with the part narrower than
+the hand and nothing else between the fingers. Thin plates rule out surface normals (a plate of
+2 mm has none that can be trusted), so the direction is tried, not derived.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import poses
+from .clouds import Label, Surroundings, level_direction, spread
+from .poses import Array
+from .robots import Gripper
+
+SAMPLES = 40  # points of the part from which poses are tried
+BIN = 0.002  # [m] along the closing direction
+HALF_BINS = 52  # a section may lie wholly on one side of its sample: 104 mm
+TIP_DEPTHS = (0.003, 0.008, 0.014)  # [m] of the finger tips below the sample
+TABLE_CLEARANCE = 0.001  # [m] between the tips and the table
+SIDE_CLEARANCE = 0.0035  # [m] between a finger and the part as the hand comes down
+TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
+LEVEL_ROLLS = 16  # for the hand that looks straight down
+
+
+@dataclass(frozen=True)
+class HandPoses:
+    """Poses of the open hand.
+
+    Attributes:
+        world_from_grip: (c, 4, 4).
+        too_wide: how many places were wider than the hand.
+        blocked: how many had no room for the fingers.
+    """
+
+    world_from_grip: Array
+    too_wide: int
+    blocked: int
+
+
+def hand_directions(heading: float) -> Array:
+    """Rotations `world_from_grip` (d, 3, 3) that are tried, turned by `heading` [rad]."""
+    down = poses.rotation_about((1.0, 0.0, 0.0), np.pi)
+    rolls = poses.rotation_about((0, 0, 1), heading + np.arange(LEVEL_ROLLS) * np.pi / LEVEL_ROLLS)
+    result = [rolls @ down]
+    for tilt_deg, headings, roll_count in TILTS_DEG:
+        tilt = poses.rotation_about((0, 1, 0), np.radians(tilt_deg))
+        around = poses.rotation_about(
+            (0, 0, 1), heading + np.arange(headings) * 2 * np.pi / headings
+        )
+        roll = poses.rotation_about((0, 0, 1), np.arange(roll_count) * np.pi / roll_count)
+        tilted = around[:, None] @ tilt @ down @ roll[None]
+        result.append(tilted.reshape(-1, 3, 3))
+    return np.concatenate(result)
+
+
+def propose(surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Generator) -> HandPoses:
+    """Poses of the open hand round the wanted part of `surroundings`."""
+    wanted = surroundings.wanted
+    samples = wanted[spread(wanted, SAMPLES, first=int(rng.integers(len(wanted))))]
+    found: list[Array] = []
+    too_wide = blocked = 0
+    for rotation in hand_directions(level_direction(wanted)):
+        sections = _Sections.along(rotation, samples, surroundings, gripper)
+        too_wide += sections.too_wide
+        blocked += sections.blocked
+        found.append(poses.pose(rotation, sections.centres @ rotation.T))
+    return HandPoses(np.concatenate(found), too_wide, blocked)
+
+
+@dataclass(frozen=True)
+class _Sections:
+    """Cuts through the part that fit between the fingers, for one direction of the hand."""
+
+    centres: Array  # (c, 3) of the grip frame, in the directions of the hand [m]
+    too_wide: int
+    blocked: int
+
+    @classmethod
+    def along(
+        cls, rotation: Array, samples: Array, surroundings: Surroundings, gripper: Gripper
+    ) -> _Sections:
+        points, starts = surroundings.points @ rotation, samples @ rotation
+        tips = _tip_depths(rotation, samples, surroundings.table, gripper)  # (s, t)
+        possible = tips[:, 0] > 0
+        starts, tips = starts[possible], tips[possible]
+        wanted, other = _count(points, surroundings.labels, starts, tips, gripper)
+        room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
+        right = _first_room(wanted + other, room)
+        left = _first_room((wanted + other)[..., ::-1], room)
+        width = (left + right - 1) * BIN
+        reach = np.arange(-HALF_BINS, HALF_BINS + 1)
+        within = (reach > -left[..., None] - room) & (reach < right[..., None] + room)
+        clear = ~np.any((other > 0) & within, axis=-1) & (left < HALF_BINS) & (right < HALF_BINS)
+        narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
+        ok = clear & narrow & (tips > 0)
+        row, depth = np.nonzero(ok)
+        shift = (right - left)[row, depth] * BIN / 2
+        centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
+        return cls(centres, int(np.sum(~narrow)), int(np.sum(narrow & ~clear)))
+
+
+def _tip_depths(rotation: Array, samples: Array, table: float, gripper: Gripper) -> Array:
+    """How far the tips go below each sample (s, t) [m]; -1 where the table is in the way."""
+    down = -rotation[2, 2]
+    corner = gripper.finger_width / 2 * abs(rotation[2, 0])
+    room = (samples[:, 2] - table - TABLE_CLEARANCE - corner) / max(down, 1e-6)
+    depths = np.minimum(np.array(TIP_DEPTHS), room[:, None])
+    fresh = np.diff(depths, prepend=0.0, axis=1) > 0.25 * TIP_DEPTHS[0]
+    return np.where(fresh, depths, -1.0)
+
+
+def _count(
+    points: Array, labels: np.ndarray, starts: Array, tips: Array, gripper: Gripper
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points that the fingers would sweep over: (s, t, bins), wanted and other ones."""
+    s, t = tips.shape
+    bins = 2 * HALF_BINS + 1
+    beside = np.abs(points[:, 0] - starts[:, :1]) <= gripper.finger_width / 2
+    beside &= points[:, 2] <= (starts[:, 2] + tips.max(axis=1))[:, None]
+    row, point = np.nonzero(beside)
+    place = np.rint((points[point, 1] - starts[row, 1]) / BIN).astype(int) + HALF_BINS
+    depth = points[point, 2] - starts[row, 2]
+    layer = np.sum(depth[:, None] > np.maximum.accumulate(tips, axis=1)[row], axis=1)
+    inside = (place >= 0) & (place < bins) & (layer < t)
+    row, place, layer, point = row[inside], place[inside], layer[inside], point[inside]
+    kind = (labels[point] != Label.WANTED).astype(int)
+    key = ((kind * s + row) * t + layer) * bins + place
+    counts = np.bincount(key, minlength=2 * s * t * bins).reshape(2, s, t, bins)
+    wanted, other = np.cumsum(counts, axis=2)
+    return wanted, other
+
+
+def _first_room(counts: np.ndarray, room: int) -> np.ndarray:
+    """Bins from the middle to the first run of `room` empty ones; half of them if there is none."""
+    middle = counts.shape[-1] // 2
+    total = np.cumsum(counts[..., middle:], axis=-1)
+    empty = total[..., room:] == total[..., :-room]  # bins i+1 .. i+room are empty
+    first = np.argmax(empty, axis=-1) + 1
+    return np.where(empty.any(axis=-1), first, middle)
