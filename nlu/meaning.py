@@ -299,7 +299,9 @@ class Misunderstanding:
     def as_json(self) -> Json:
         """This failure as the meaning schema writes it."""
         result: Json = {"error": True, "message": self.message, "where": self.where}
-        return result | {"expected": list(self.expected), "nearest": list(self.nearest)}
+        result["expected"] = list(self.expected)
+        result["nearest"] = list(self.nearest)
+        return result
 
 
 Meaning = (
@@ -338,4 +340,7 @@ def _present(named: dict[str, str | None]) -> Json:
 
 
 def _rest(props: tuple[str, ...], revises: bool = False) -> Json:
-    return ({"props": list(props)} if props else {}) | ({"revises": True} if revises else {})
+    result: Json = {"props": list(props)} if props else {}
+    if revises:
+        result["revises"] = True
+    return result

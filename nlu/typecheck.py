@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Types of meanings, and the check of a term against the type its category demands.
+
+There are three kinds of basic meanings: `e`, things and names of things; `t`, what can be done or
+be so; `d`, degrees of confidence. All others are functions, written `e -> t`. A constant may have
+several types (`implies` joins two names or two clauses); which one is meant shows in its arguments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from .terms import Bound, Constant, Lambda, Term, show, spine
+
+
+@dataclass(frozen=True, slots=True)
+class Basic:
+    """A type that is not a function: `e`, `t` or `d`."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """The type of functions from `source` to `target`."""
+
+    source: Type
+    target: Type
+
+    def __str__(self) -> str:
+        source = f"({self.source})" if isinstance(self.source, Arrow) else str(self.source)
+        return f"{source} -> {self.target}"
+
+
+Type: TypeAlias = Basic | Arrow
+Signature: TypeAlias = Mapping[str, Sequence[Type]]
+
+BASIC_TYPES = ("e", "t", "d")
+
+
+class TypeMismatchError(TypeError):
+    """A term does not have the type that is expected of it; the message is one clause."""
+
+
+def check(term: Term, expected: Type, signature: Signature, context: tuple[Type, ...] = ()) -> None:
+    """Check that a term has a type.
+
+    Args:
+        term: the term.
+        expected: the type it should have.
+        signature: the types that each constant may have.
+        context: the types of the free variables, innermost first.
+
+    Raises:
+        TypeMismatchError: it does not, or it uses a constant that the signature does not know.
+    """
+    if isinstance(term, Lambda):
+        if not isinstance(expected, Arrow):
+            raise TypeMismatchError(f"expected {expected}, found the function {show(term)}")
+        check(term.body, expected.target, signature, (expected.source, *context))
+        return
+    head, arguments = spine(term)
+    failures: list[TypeMismatchError] = []
+    for candidate in _types_of(head, signature, context):
+        try:
+            found = _type_of_call(head, candidate, arguments, signature, context)
+            if found == expected:
+                return
+            failures.append(
+                TypeMismatchError(f"expected {expected}, but {_shown(head)} gives {found}")
+            )
+        except TypeMismatchError as error:
+            failures.append(error)
+    raise failures[0]
+
+
+def _types_of(head: Term, signature: Signature, context: tuple[Type, ...]) -> Sequence[Type]:
+    match head:
+        case Bound(index) if index < len(context):
+            return (context[index],)
+        case Constant(name) if name in signature:
+            return signature[name]
+        case Constant(name):
+            raise TypeMismatchError(f'the name "{name}" is neither bound nor declared')
+        case _:
+            raise TypeMismatchError(f"{show(head)} cannot stand before arguments")
+
+
+def _type_of_call(
+    head: Term,
+    found: Type,
+    arguments: Sequence[Term],
+    signature: Signature,
+    context: tuple[Type, ...],
+) -> Type:
+    for argument in arguments:
+        if not isinstance(found, Arrow):
+            raise TypeMismatchError(f"{_shown(head)} takes fewer arguments than it is given")
+        check(argument, found.source, signature, context)
+        found = found.target
+    return found
+
+
+def _shown(head: Term) -> str:
+    return f'"{head.name}"' if isinstance(head, Constant) else "a variable"
