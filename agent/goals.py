@@ -22,6 +22,7 @@ from ..kb.rule import Atom
 from ..ontology.actions import FIXED, Actions, ActionTree, Affords, Loop
 from ..ontology.actions import Step as TreeStep
 from ..sim.percept import Percept
+from . import answers
 from .outcome import Achievement, Answer, Constraint, Decision, Step, World
 from .perception import observed
 from .protocols import Motion, Vision
@@ -77,10 +78,19 @@ class GoalManager:
         unable = self._unable(tree.name)
         walk = _Walk(self, request, motion=None if unable else self.motion)
         failure = walk.visit(tree.name, arguments)
-        answer = failure or walk.success(arguments)
-        if unable and not failure:
-            answer = Answer("not_able", answer.slots | {"ability": unable[0]}, "failed")
+        answer = failure or self._answer(walk, request, str(arguments.get("recipient", "")), unable)
         return Achievement(answer, walk.decision, tuple(walk.steps), walk.world)
+
+    def _answer(
+        self, walk: _Walk, request: Request, recipient: str, unable: Sequence[str]
+    ) -> Answer:
+        if walk.decision is None:  # a tree that looks for nothing
+            return Answer("okay")
+        if unable:
+            return answers.unable(request.action, unable[0], walk.decision)
+        if self.motion is None:
+            return answers.decided(request.action, walk.decision)
+        return answers.done(request.action, walk.decision, request.speaker, recipient)
 
     def _unable(self, tree: str) -> list[str]:
         """The primitives of a tree that the robot's motion cannot perform."""
@@ -147,10 +157,10 @@ class _Walk:
             target = Target(object=self._found[target][0].object)
         return Goal(self.request.action, target, self.request.contexts)
 
-    @staticmethod
-    def _target(arguments: Mapping[str, Argument]) -> Target:
+    def _target(self, arguments: Mapping[str, Argument]) -> Target:
+        """The thing a node is about: its own argument, or what was found last."""
         targets = [value for value in arguments.values() if isinstance(value, Target)]
-        return targets[-1] if targets else Target()
+        return (targets or list(self._found) or [Target()])[-1]
 
     def _search(
         self, node: str, features: Sequence[Atom], arguments: Mapping[str, Argument]
@@ -211,14 +221,7 @@ class _Walk:
         )
         if inference.best:
             return None
-        target = self._target(arguments)
-        slots = _wanted(target)
-        if not inference.candidates:
-            return Answer("nothing_seen", slots, "failed")
-        first = inference.candidates[0]
-        if first in inference.denied:
-            return Answer("nothing_fits", slots | {"object": first.object}, "failed")
-        return Answer("not_sure", slots | _judged(first), "asked")
+        return answers.not_found(self._target(arguments), inference)
 
     def _grasp(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
         percept, _ = self._found[self._target(arguments)]
@@ -228,12 +231,10 @@ class _Walk:
         if self.motion is None:
             return None
         report = self.motion.grasp(percept, part)
-        self.world = replace(
-            self.world, touched=tuple(report.touched), attempts=report.attempts
-        )
+        self.world = replace(self.world, touched=tuple(report.touched), attempts=report.attempts)
         if report.ok:
             return None
-        return Answer(report.reason, {"object": percept.object, "part": part or ""}, "failed")
+        return answers.motion_failed(report.reason, percept.object, part)
 
     def _part(self, percept: Percept, inference: Inference) -> str | None:
         """The part to grasp by: named, concluded, or the only one not forbidden."""
@@ -242,46 +243,33 @@ class _Walk:
         allowed = [part for part in percept.parts if part not in forbidden]
         return chosen or (allowed[0] if forbidden and allowed else None)
 
-    def _move_to(self, arguments: Mapping[str, Argument], _: Inference) -> Answer | None:
+    def _move_to(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
         if self.motion is None:
             return None
         report = self.motion.lift()
         self.world = replace(self.world, lifted_m=report.lifted_m, held_s=report.held_s)
-        return None if report.ok else self._failed(report.reason)
+        return None if report.ok else self._failed(report.reason, arguments)
 
-    def _hand_over(self, arguments: Mapping[str, Argument], _: Inference) -> Answer | None:
+    def _hand_over(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
         if self.motion is None:
             return None
         report = self.motion.hand_over()
         self.world = replace(self.world, handed_over=report.ok)
-        return None if report.ok else self._failed(report.reason)
+        return None if report.ok else self._failed(report.reason, arguments)
 
-    def _point_at(self, arguments: Mapping[str, Argument], _: Inference) -> Answer | None:
+    def _point_at(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
         if self.motion is None:
             return None
         percept, _ = self._found[self._target(arguments)]
         report = self.motion.point_at(percept)
-        return None if report.ok else self._failed(report.reason)
+        return None if report.ok else self._failed(report.reason, arguments)
 
-    # --- What to tell ----------------------------------------------------------------------
+    def _failed(self, reason: str, arguments: Mapping[str, Argument]) -> Answer:
+        percept, _ = self._found[self._target(arguments)]
+        part = self.decision.chosen_part if self.decision else None
+        return answers.motion_failed(reason, percept.object, part)
 
-    def success(self, arguments: Mapping[str, Argument]) -> Answer:
-        """What to say at the end of a walk that went well."""
-        slots = {k: v for k, v in arguments.items() if isinstance(v, str)} | self._slots()
-        return Answer(f"done_{self.request.action}", slots)
-
-    def _failed(self, reason: str) -> Answer:
-        return Answer(reason, self._slots(), "failed")
-
-    def _slots(self) -> dict[str, str]:
-        decision = self.decision
-        if decision is None or decision.object.best is None:
-            return {}
-        return {
-            "object": decision.object.best.object,
-            "part": decision.chosen_part or "",
-            "patient": decision.patient or "",
-        }
+    # --- What is recorded --------------------------------------------------------------------
 
     def _constraint(
         self, node: str, arguments: Mapping[str, Argument], inference: Inference
@@ -304,18 +292,3 @@ def _step(
 ) -> Step:
     confidences = {percept.name: percept.confidence for percept in percepts}
     return Step(node, tuple(map(str, features)), confidences, inference, None, "")
-
-
-def _wanted(target: Target) -> dict[str, str]:
-    """The blanks that say what was looked for."""
-    named = {
-        "object": target.object,
-        "affordance": target.used_for or target.not_used_for,
-        "properties": " ".join(sorted(target.properties)),
-    }
-    return {key: value for key, value in named.items() if value}
-
-
-def _judged(candidate: Candidate) -> dict[str, str]:
-    interval = candidate.interval
-    return {"candidate": candidate.object, "interval": f"[{interval.lower:.2f}, {interval.upper:.2f}]"}

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From what vision reports to what inference takes, and perfect vision for deciding without a robot.
-"""
+"""From what vision reports to what inference takes; and perfect vision, to decide without a robot."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 from ..inference.goal import Observation
-from ..kb.interval import VACUOUS, Interval
+from ..kb.interval import Interval
 from ..kb.rule import Atom
 from ..ontology.objects import ObjectType
 from ..sim.percept import Percept

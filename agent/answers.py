@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which answer fits what came of a command: the keys and blanks for `nlu.generation`.
+
+Language itself is data (`ontology/english/answers.yaml`); this says only which of its sentences is
+meant. Every way in which a command can end has one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..inference.goal import Candidate, Inference, Target
+from .outcome import Answer, Decision
+
+_DONE = {
+    "pass": ("passed", "passed_by", "passed_as_told"),
+    "pickUp": ("picked_up", "picked_up_by", "picked_up_as_told"),
+    "pointTo": ("pointed_at",) * 3,
+    "grasp": ("grasped_somewhere", "grasped", "grasped"),
+    "use": ("picked_up", "picked_up_by", "picked_up_as_told"),
+}
+_MOTION = {  # reason of a motion report -> the answer with a part, and without
+    "unreachable": ("unreachable_part", "unreachable"),
+    "no_grasp": ("no_grasp", "no_grasp_anywhere"),
+    "missed": ("no_grasp", "no_grasp_anywhere"),
+    "too_wide": ("too_wide_part", "too_wide"),
+    "blocked": ("blocked_part", "blocked"),
+    "wrong_part": ("wrong_part", "no_grasp_anywhere"),
+    "slipped": ("dropped", "dropped"),
+    "dropped": ("dropped", "dropped"),
+    "nothing_held": ("dropped", "dropped"),
+    "bumped": ("unreachable_part", "unreachable"),
+    "nothing_seen": ("lost_sight_part", "lost_sight"),
+}
+
+
+def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answer:
+    """The answer to a command that was carried out.
+
+    Args:
+        action: the goal's tree.
+        decision: what was chosen, and why.
+        speaker: who asked.
+        recipient: who got it.
+    """
+    slots = _chosen(action, decision)
+    if decision.patient:
+        return Answer("done_with_tool", slots)
+    if action == "pass" and recipient != speaker:
+        return Answer("passed_to", slots | {"recipient": recipient})
+    teacher = _teacher(decision)
+    if teacher:
+        slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
+    plain, by_part, as_told = _DONE.get(action, _DONE["use"])
+    return Answer(as_told if teacher else by_part if decision.chosen_part else plain, slots)
+
+
+def decided(action: str, decision: Decision) -> Answer:
+    """The answer to a command that was decided but not carried out (no robot is there)."""
+    slots = _chosen(action, decision)
+    if decision.patient:
+        return Answer("would_use_tool", slots)
+    return Answer("would_do_by" if decision.chosen_part else "would_do", slots)
+
+
+def not_found(target: Target, inference: Inference) -> Answer:
+    """The answer when no candidate is sure enough."""
+    if not inference.candidates:
+        return _nothing(target)
+    first = inference.candidates[0]
+    if first in inference.denied or (not first.rules and target.object is None):
+        return _nothing(target)
+    wanted = target.used_for or target.not_used_for
+    if wanted is None:
+        return Answer("not_sure_seen", {"object": _named(target)}, "asked")
+    return Answer("not_sure", {"object": first.object, "affordance": wanted}, "asked")
+
+
+def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:
+    """The answer to a motion that did not succeed."""
+    with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
+    slots = {"object": object_name} | ({"part": part} if part else {})
+    return Answer(with_part if part else without, slots, "failed")
+
+
+def unable(action: str, primitive: str, decision: Decision) -> Answer:
+    """The answer when the robot's motion cannot perform a step of the tree."""
+    return Answer("not_able", _chosen(action, decision) | {"ability": primitive}, "failed")
+
+
+def _nothing(target: Target) -> Answer:
+    if target.used_for:
+        return Answer("nothing_used_for", {"affordance": target.used_for}, "failed")
+    if target.not_used_for:
+        return Answer("nothing_not_used_for", {"affordance": target.not_used_for}, "failed")
+    return Answer("nothing_seen", {"object": _named(target)}, "failed")
+
+
+def _named(target: Target) -> str:
+    return " ".join((*sorted(target.properties), target.object or "thing"))
+
+
+def _teacher(decision: Decision) -> str | None:
+    """Who taught the part that was chosen; None when a rule had no say in it."""
+    best: Candidate | None = decision.part.best if decision.part else None
+    if decision.named_part or best is None or not best.rules:
+        return None
+    return best.rules[-1].speaker
+
+
+def _chosen(action: str, decision: Decision) -> dict[str, str]:
+    best = decision.object.best
+    slots: Mapping[str, str | None] = {
+        "goal": action,
+        "object": best.object if best else None,
+        "tool": best.object if best else None,
+        "part": decision.chosen_part,
+        "patient": decision.patient,
+    }
+    return {key: value for key, value in slots.items() if value}

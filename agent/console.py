@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a person sees on the terminal: dialogue, rules, the walk, the decision, the world.
+
+Each function turns one of the agent's values into something that rich can print; colour and width
+are rich's to decide, so a pipe gets plain text. Nothing here prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rich.console import Group, RenderableType
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+from rich.tree import Tree
+
+from ..inference.goal import Candidate
+from ..kb.rule import Rule
+from .outcome import Achievement, Decision, Step, World
+from .reply import Reply
+
+
+def turn(reply: Reply) -> RenderableType:
+    """One turn of a dialogue: what was said, its predicate form, and the answer."""
+    lines = [
+        Text.assemble((f"{reply.speaker.capitalize():>6}  ", "bold cyan"), reply.text),
+        Text.assemble(" " * 8, (reply.understanding.pragmatics, "dim")),
+        Text.assemble(("  Hilt  ", "bold green"), reply.said),
+    ]
+    return Group(*(line for line in lines if line.plain.strip()))
+
+
+def rules(found: Iterable[Rule]) -> Table:
+    """A table of rules with interval and source."""
+    table = Table("rule", "interval", "speaker", "utterance", title="Rules", title_justify="left")
+    for rule in found:
+        table.add_row(
+            escape(rule_text(rule)), escape(str(rule.interval)), rule.speaker, str(rule.utterance)
+        )
+    return table
+
+
+def rule_text(rule: Rule) -> str:
+    """A rule as the paper writes it: "object:knife & action:pass => graspObject(part:blade)"."""
+    left = " & ".join(str(atom) for atom in (*sorted(rule.features), *sorted(rule.contexts)))
+    return f"{left} => {rule.functor}({rule.argument or ''})"
+
+
+def walk(steps: Sequence[Step]) -> Tree:
+    """The action tree as it was walked, with the four operations at each node."""
+    tree = Tree("Action tree, in preorder")
+    branches: dict[str, Tree] = {}
+    for step in steps:
+        parent, _, name = step.node.rpartition("/")
+        branch = branches.get(parent, tree).add(Text(name, "bold"))
+        branches[step.node] = branch
+        for operation, result in _operations(step):
+            branch.add(Text.assemble((f"{operation:<15}", "dim"), result))
+    return tree
+
+
+def _operations(step: Step) -> Iterable[tuple[str, str]]:
+    seen = ", ".join(f"{name} {sure:.2f}" for name, sure in step.percepts.items())
+    constraint = step.constraint
+    held_by = f" by the {constraint.part}" if constraint and constraint.part else ""
+    concluded = (
+        f"{constraint.object}{held_by} [{constraint.lower:.2f}, {constraint.upper:.2f}]"
+        if constraint
+        else "no constraint"
+    )
+    yield "getFeatures", ", ".join(step.features) or "none"
+    yield "visual search", seen or ("nothing seen" if step.features else "not needed")
+    yield "getAffordance", concluded
+    yield "action", step.action
+
+
+def decision(made: Decision) -> Table:
+    """Every candidate with its interval, lambda and reason; the part below the object."""
+    table = Table(
+        "candidate", "interval", "lambda", "", "because", title="Decision", title_justify="left"
+    )
+    for candidate in made.object.candidates:
+        _add_candidate(table, candidate, candidate.name)
+    for candidate in made.part.candidates if made.part else ():
+        part = candidate.argument.name if candidate.argument else ""
+        _add_candidate(table, candidate, f"  by the {part}")
+    return table
+
+
+def _add_candidate(table: Table, candidate: Candidate, name: str) -> None:
+    mark = Text("yes", "green") if candidate.accepted else Text("no", "red")
+    told = "; ".join(
+        f"{rule.speaker}, utterance {rule.utterance}, {rule.interval}" for rule in candidate.rules
+    )
+    table.add_row(
+        name,
+        escape(str(candidate.interval)),
+        f"{candidate.certainty:.4f}",
+        mark,
+        escape(f"{candidate.reason}{f' ({told})' if told else ''}"),
+    )
+
+
+def world(happened: World) -> Table:
+    """What happened in the world, a line each."""
+    table = Table(show_header=False, title="In the world", title_justify="left")
+    if not happened.executed:
+        table.add_row("executed", "no")
+        return table
+    table.add_row("fingers touched", ", ".join(happened.touched) or "nothing")
+    table.add_row("lifted", f"{happened.lifted_m:.3f} m")
+    table.add_row("held", f"{happened.held_s:.1f} s")
+    table.add_row("handed over", "yes" if happened.handed_over else "no")
+    table.add_row("closings of the hand", str(happened.attempts))
+    return table
+
+
+def achievement(came: Achievement) -> RenderableType:
+    """All that came of a command: the walk, the decision, the world."""
+    parts: list[RenderableType] = [walk(came.steps)]
+    if came.decision:
+        parts.append(decision(came.decision))
+    parts.append(world(came.world))
+    return Group(*parts)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The answer to one utterance: what was understood, what was learned or done, what is said.
+
+`as_json` writes the document that `hilt tell`, `hilt do` and `hilt ask` print; programs outside
+rely on its keys.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..kb.rule import Rule
+from ..nlu.understanding import Understanding
+from .outcome import Achievement, Ending, Json
+
+
+@dataclass(frozen=True)
+class Reply:
+    """The answer to one utterance.
+
+    Attributes:
+        text: what was said to the robot.
+        speaker: who said it.
+        understanding: what the language part made of it.
+        said: the spoken answer.
+        ending: how the thing asked for ended; "done" for a statement that is believed.
+        rules: what was learned, or what the answer rests on.
+        achievement: what came of a command.
+        seed: of everything random in it.
+    """
+
+    text: str
+    speaker: str
+    understanding: Understanding
+    said: str
+    ending: Ending
+    rules: tuple[Rule, ...] = ()
+    achievement: Achievement | None = None
+    seed: int = 0
+
+    @property
+    def is_done(self) -> bool:
+        """Whether what was asked for was done; decides the exit code."""
+        return self.ending == "done"
+
+    def as_tell_json(self) -> Json:
+        """As `hilt tell --json` prints it."""
+        return {
+            "utterance": self.text,
+            "accepted": self.is_done,
+            "said": self.said,
+            "rules": [rule.as_json() for rule in self.rules] if self.is_done else [],
+            "new_words": [word.as_json() for word in self.understanding.new_words],
+        }
+
+    def as_ask_json(self) -> Json:
+        """As `hilt ask --json` prints it."""
+        return {
+            "utterance": self.text,
+            "answered": self.is_done,
+            "said": self.said,
+            "rules": [rule.as_json() for rule in self.rules],
+        }
+
+    def as_do_json(self) -> Json:
+        """As `hilt do --json` prints it."""
+        came = self.achievement
+        return {
+            "utterance": self.text,
+            "goal": self.understanding.goal,
+            "outcome": self.ending,
+            "said": self.said,
+            "decision": came.decision.as_json() if came and came.decision else None,
+            "steps": [step.as_json() for step in came.steps] if came else [],
+            "world": came.world.as_json() if came else {"executed": False},
+            "seed": self.seed,
+        }

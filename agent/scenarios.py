@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The paper's learning scenarios: what is taught, in which words, and what is then right.
+
+Section 4.1 and Table 2. The sentences follow Table 3's templates. What is right is read off the
+table alone, never from the inference that is being tested: the objects of the highest column that
+has one in the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..ontology.source import Field, read_yaml
+
+SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
+LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
+ACTIONS = {"pass": "pass me", "pickUp": "pick up", "pointTo": "point to"}
+_INFINITIVES = {"pass": "pass", "pickUp": "pick up"}
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One set of norms.
+
+    Attributes:
+        name: "A" or "B".
+        affordances: affordance -> level -> the objects of that level.
+        grasps: object -> context -> the part to grasp.
+    """
+
+    name: str
+    affordances: Mapping[str, Mapping[str, tuple[str, ...]]]
+    grasps: Mapping[str, Mapping[str, str]]
+
+    def sentences(self) -> list[str]:
+        """All that has to be said to teach it."""
+        functional = [
+            f"{_article(name)} {name} is {level} used for {affordance}"
+            for affordance, levels in self.affordances.items()
+            for level, names in levels.items()
+            for name in names
+        ]
+        return functional + [
+            grasp_sentence(name, context, part)
+            for name, parts in self.grasps.items()
+            for context, part in parts.items()
+        ]
+
+    def best(self, affordance: str, scene: Collection[str]) -> frozenset[str]:
+        """The right choices for an affordance among the objects of a scene; empty if none."""
+        levels = self.affordances[affordance]
+        present = (frozenset(levels.get(level, ())) & frozenset(scene) for level in LEVELS)
+        return next((names for names in present if names), frozenset())
+
+    def mirrored(self, name: str) -> Scenario:
+        """The scenario with its columns reversed."""
+        opposite = dict(zip(LEVELS, reversed(LEVELS), strict=True))
+        turned = {
+            affordance: {opposite[level]: names for level, names in levels.items()}
+            for affordance, levels in self.affordances.items()
+        }
+        return Scenario(name, turned, self.grasps)
+
+
+def grasp_sentence(name: str, context: str, part: str) -> str:
+    """The sentence that teaches by which part to take an object in a context."""
+    return f"To {_INFINITIVES[context]} a {name} generally grab the {name} by the {part}"
+
+
+def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[Scenario, Scenario]:
+    """Scenario A, as the file has it, and Scenario B, its mirror image.
+
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    top = read_yaml(path).entries(required={"affordances", "grasps"}, optional=())
+    affordances = {name: _levels(spec) for name, spec in top["affordances"].entries().items()}
+    grasps = {name: _parts(spec) for name, spec in top["grasps"].entries().items()}
+    scenario = Scenario("A", affordances, grasps)
+    return scenario, scenario.mirrored("B")
+
+
+def _levels(spec: Field) -> dict[str, tuple[str, ...]]:
+    return {level: names.texts() for level, names in spec.entries(optional=LEVELS).items()}
+
+
+def _parts(spec: Field) -> dict[str, str]:
+    return {context: part.text() for context, part in spec.entries(optional=_INFINITIVES).items()}
+
+
+def _article(name: str) -> str:
+    return "an" if name[0] in "aeiou" else "a"

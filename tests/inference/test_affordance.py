@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: Apache-2.0
+"""getFeatures and getAffordance at the nodes of an action tree."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.inference.affordance import Affordances, Settings
+from hilt.inference.goal import Goal, Observation, Target
+from hilt.kb.interval import Interval
+from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.ontology.errors import UnknownNameError
+
+G, O, S, C = (Interval(p, 1.0) for p in (0.95, 0.75, 0.5, 0.25))  # noqa: E741
+NEVER = Interval(0.0, 0.05)
+FIND, GRASP = "pass/findObject", "pass/graspObject"
+CUTTING = Goal("pass", Target(used_for="cutting"))
+KNIFE = Goal("pass", Target(object="knife"))
+
+
+class Rules:
+    """Rules in a list, found by their node."""
+
+    def __init__(self, *rules: Rule) -> None:
+        self.rules = list(rules)
+        self.asked: list[str] = []
+
+    @property
+    def sequence(self) -> int:
+        """How many rules there are."""
+        return len(self.rules)
+
+    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+        """The rules that hang on these nodes."""
+        self.asked += nodes
+        return [rule for rule in self.rules if rule.node in nodes]
+
+
+def seen(name: str, sure: float = 1.0, *others: Atom) -> Observation:
+    """A thing seen as what it is called, with other features."""
+    interval = Interval(sure, 1.0)
+    return Observation(
+        name, name, {Atom("object", name): interval, **dict.fromkeys(others, interval)}
+    )
+
+
+def found(*rules: Rule, goal: Goal = CUTTING, scene: Sequence[str], settings=None):
+    """What the find node concludes for a scene of certain things."""
+    affordances = Affordances(Rules(*rules), settings)
+    return affordances.infer(FIND, goal, [seen(name) for name in scene])
+
+
+def knife_rules() -> tuple[Rule, Rule, Rule]:
+    """Rules r1 to r3 of the paper's section 3.3."""
+    return (
+        functional("knife", "cutting", interval=G),
+        grasping("knife", "handle", "pickUp", interval=G),
+        grasping("knife", "blade", "pass", interval=G),
+    )
+
+
+# --- getFeatures ---------------------------------------------------------------------------
+
+
+def test_features_of_the_find_node_are_those_of_the_affordance():
+    """Only what might be used for cutting is looked for."""
+    other = functional("mug", "containing", interval=G)
+
+    features = Affordances(Rules(*knife_rules(), other)).features(FIND, CUTTING)
+
+    assert features == (Atom("object", "knife"),)
+
+
+def test_features_of_a_named_object_are_the_object_and_its_adjectives():
+    """A command that names its object needs no rule to look for it."""
+    goal = Goal("pass", Target(object="mug", properties=frozenset({"red"})))
+
+    assert Affordances(Rules()).features(FIND, goal) == (
+        Atom("object", "mug"),
+        Atom("property", "red"),
+    )
+
+
+def test_node_without_rules_has_no_features():
+    """Nothing is looked for where nothing was told."""
+    assert Affordances(Rules(*knife_rules())).features("pass/moveTo", KNIFE) == ()
+
+
+# --- getAffordance: which thing ------------------------------------------------------------
+
+
+def test_nothing_told_means_nothing_found():
+    """Without a rule no thing is accepted, and the reason says so."""
+    inference = found(scene=["knife"])
+
+    assert inference.best is None
+    assert inference.candidates[0].reason == "nothing that was told says so"
+
+
+@pytest.mark.parametrize(
+    ("scene", "chosen"),
+    [
+        (["spoon", "screwdriver", "knife"], "knife"),
+        (["spoon", "screwdriver"], "screwdriver"),
+        (["spoon"], "spoon"),
+        (["mug"], None),
+    ],
+)
+def test_next_best_thing_is_taken_when_the_best_is_absent(scene: list[str], chosen: str | None):
+    """Principles 1, 2 and 4 of section 4.1."""
+    rules = [
+        functional("knife", "cutting", interval=G),
+        functional("screwdriver", "cutting", interval=S),
+        functional("spoon", "cutting", interval=C),
+    ]
+
+    best = found(*rules, scene=scene).best
+
+    assert (best.name if best else None) == chosen
+
+
+def test_equally_good_things_tie_in_scene_order():
+    """Principle 3: either may be taken; the scene decides, the same way each time."""
+    rules = [functional(name, "cutting", interval=C) for name in ("spoon", "spatula")]
+
+    inference = found(*rules, scene=["spoon", "spatula"])
+
+    assert [c.name for c in inference.ties] == ["spoon", "spatula"]
+    assert inference.best is not None and inference.best.name == "spoon"
+
+
+def test_numbers_of_the_running_example():
+    """A knife detected with .95 under a rule [.95, 1] is believed to [.9025, 1]."""
+    affordances = Affordances(Rules(*knife_rules()))
+
+    best = affordances.infer(FIND, CUTTING, [seen("knife", 0.95)]).best
+
+    assert best is not None
+    assert (best.interval.lower, best.interval.upper) == pytest.approx((0.9025, 1.0))
+    assert best.certainty == pytest.approx(0.5674, abs=1e-3)
+
+
+def test_evidence_of_several_speakers_is_fused():
+    """Two speakers who say often and sometimes make it [.875, 1]."""
+    rule = functional("knife", "cutting", interval=O)
+    other = functional("knife", "cutting", interval=S, speaker="kim")
+
+    best = found(rule, other, scene=["knife"]).best
+
+    assert best is not None
+    assert best.interval.lower == pytest.approx(0.875)
+    assert len(best.rules) == 2
+
+
+def test_shared_antecedent_is_counted_once():
+    """Fusing rules before modus ponens keeps belief below that in the knife itself."""
+    rules = [functional("knife", "cutting", interval=level) for level in (G, O)]
+    source = Rules(*rules)
+
+    fused = Affordances(source).infer(FIND, CUTTING, [seen("knife", 0.9)]).best
+    literal = Affordances(source, Settings(stage="conclusions")).infer(
+        FIND, CUTTING, [seen("knife", 0.9)]
+    )
+
+    assert fused is not None and fused.interval.lower == pytest.approx(0.88875)
+    assert literal.candidates[0].interval.lower > 0.9
+
+
+def test_untrusted_share_of_a_rule_is_no_evidence():
+    """What a half-trusted speaker says generally counts as [.475, 1]."""
+    rule = replace(functional("knife", "cutting", interval=G), trust=0.5)
+
+    best = found(rule, scene=["knife"]).best
+
+    assert best is not None and best.interval.lower == pytest.approx(0.475)
+
+
+def test_negative_rule_denies_and_is_not_chosen():
+    """Never used for cutting is knowledge, not ignorance."""
+    inference = found(functional("spoon", "cutting", interval=NEVER), scene=["spoon"])
+
+    assert inference.best is None
+    assert [c.name for c in inference.denied] == ["spoon"]
+
+
+def test_not_used_for_takes_what_is_denied_only():
+    """Ignorance about a mug is no reason to say that it is not used for cutting."""
+    goal = Goal("pass", Target(not_used_for="cutting"))
+    rules = [functional("spoon", "cutting", interval=NEVER)]
+
+    inference = found(*rules, goal=goal, scene=["mug", "spoon"])
+
+    assert [(c.name, c.accepted) for c in inference.candidates] == [
+        ("spoon", True),
+        ("mug", False),
+    ]
+
+
+def test_weak_detection_is_not_sure_enough():
+    """What is used occasionally needs a detection of .62 at the default threshold."""
+    affordances = Affordances(Rules(functional("spoon", "cutting", interval=C)))
+
+    weak, strong = (
+        affordances.infer(FIND, CUTTING, [seen("spoon", sure)]).best for sure in (0.61, 0.62)
+    )
+
+    assert weak is None
+    assert strong is not None
+
+
+def test_threshold_of_the_nearest_context_goes_first():
+    """A context may ask for more certainty than others."""
+    settings = Settings(thresholds={"pass": 0.9})
+
+    inference = found(knife_rules()[0], scene=["knife"], settings=settings)
+
+    assert (inference.threshold, inference.best) == (0.9, None)
+
+
+def test_all_features_must_be_seen():
+    """A rule about red mugs says nothing about a mug that is not red."""
+    rule = functional("mug", "cutting", interval=G, properties=["red"])
+    red = seen("mug", 1.0, Atom("property", "red"))
+
+    best = Affordances(Rules(rule)).infer(FIND, CUTTING, [seen("mug"), red]).best
+
+    assert best is not None and best.interval == G
+
+
+# --- getAffordance: which part -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("node", "part"),
+    [("pass/graspObject", "blade"), ("pickUp/graspObject", "handle"), ("use/graspObject", None)],
+)
+def test_context_decides_the_part(node: str, part: str | None):
+    """The same knife is passed by the blade and picked up by the handle."""
+    best = Affordances(Rules(*knife_rules())).infer(node, KNIFE, [seen("knife")]).best
+
+    assert (best.argument.name if best and best.argument else None) == part
+
+
+def test_nearest_context_goes_before_the_contexts_above():
+    """Picking up to pound is picking up; pounding counts where picking up says nothing."""
+    pickup = grasping("hammer", "handle", "pickUp", interval=S)
+    pound = grasping("hammer", "head", "pound", interval=G)
+    goal = Goal("pound", Target(object="hammer"))
+    node = "pound/pickUp/graspObject"
+
+    both = Affordances(Rules(pickup, pound)).infer(node, goal, [seen("hammer")]).best
+    one = Affordances(Rules(pound)).infer(node, goal, [seen("hammer")]).best
+
+    assert both is not None and both.argument == Atom("part", "handle")
+    assert one is not None and one.argument == Atom("part", "head")
+
+
+def test_rules_of_other_objects_do_not_bind():
+    """How to pass a shoe says nothing about a knife."""
+    rule = grasping("shoe", "sole", "pass", interval=G)
+
+    assert Affordances(Rules(rule)).infer(GRASP, KNIFE, [seen("knife")]).candidates == ()
+
+
+def test_forbidden_part_is_denied():
+    """Never by the blade names no part to take, but one to avoid."""
+    rule = grasping("knife", "blade", "pass", interval=NEVER)
+
+    inference = Affordances(Rules(rule)).infer(GRASP, KNIFE, [seen("knife")])
+
+    assert inference.best is None
+    assert [c.argument for c in inference.denied] == [Atom("part", "blade")]
+
+
+def test_place_context_counts_with_its_own_interval():
+    """A rule for the kitchen counts as far as it is believed that this is one."""
+    kitchen = Atom("place", "kitchen")
+    rule = replace(knife_rules()[0], contexts=frozenset({kitchen}))
+    there = Goal("pass", Target(used_for="cutting"), {kitchen: Interval(0.5, 1.0)})
+
+    elsewhere = found(rule, scene=["knife"]).best
+    best = found(rule, goal=there, scene=["knife"]).best
+
+    assert elsewhere is None
+    assert best is not None and best.interval.lower == pytest.approx(0.475)
+
+
+# --- The set taught, nothing else ----------------------------------------------------------
+
+
+@given(st.permutations(range(6)))
+def test_order_of_teaching_changes_no_bit(order: list[int]):
+    """The same set of rules gives the same intervals whatever the order."""
+    rules = [
+        functional(name, "cutting", interval=level, speaker=speaker)
+        for name, level, speaker in [
+            ("knife", G, "sam"), ("knife", O, "kim"), ("knife", C, "ann"),
+            ("spoon", S, "sam"), ("spoon", C, "kim"), ("spoon", O, "ann"),
+        ]
+    ]  # fmt: skip
+
+    shuffled = found(*(rules[i] for i in order), scene=["knife", "spoon"])
+    sorted_ = found(*rules, scene=["knife", "spoon"])
+
+    assert [c.interval for c in shuffled.candidates] == [c.interval for c in sorted_.candidates]
+
+
+def test_rules_are_asked_for_again_only_after_something_was_told():
+    """Assimilation goes by sequence number."""
+    source = Rules(knife_rules()[0])
+    affordances = Affordances(source)
+
+    for _ in range(3):
+        affordances.infer(FIND, CUTTING, [seen("knife")])
+    before = len(source.asked)
+    source.rules.append(functional("spoon", "cutting", interval=C))
+    after = affordances.features(FIND, CUTTING)
+
+    assert before == 1
+    assert Atom("object", "spoon") in after
+
+
+def test_unknown_stage_is_told():
+    """A misspelt option is an error when it is made."""
+    with pytest.raises(UnknownNameError, match="fusion stage"):
+        Settings(stage="nonsense")
