@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Paths of an arm through joint space, and how they are run through in time.
+
+A path is a list of postures. `timed` runs through it with a speed that starts and ends at zero
+(s = 3 t^2 - 2 t^3) and never asks a joint for more than its share of its speed limit; corners are
+rounded off by a running mean.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from .poses import Array
+
+PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
+SHORTEST = 0.12  # [s], also for a path of no length
+ROUNDING = 0.1  # [s] over which corners are rounded off
+
+
+def densified(points: Array, largest: float) -> Array:
+    """The path (n, k) with so many postures that no joint turns more than `largest` [rad]."""
+    pieces = [points[:1]]
+    for start, end in pairwise(points):
+        count = max(1, int(np.ceil(np.abs(end - start).max() / largest)))
+        pieces.append(start + np.linspace(0, 1, count + 1)[1:, None] * (end - start))
+    return np.concatenate(pieces)
+
+
+def timed(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Array, Array]:
+    """Run through a path.
+
+    Args:
+        points: postures (n, k) [rad].
+        limits: of the joints' speeds (k,) [rad/s].
+        step: time between two answers [s].
+        pace: share of the limits that is used, in (0, 1].
+
+    Returns:
+        Positions (t, k) [rad] and speeds (t, k) [rad/s] at the steps; the last one stands still.
+    """
+    lengths = np.max(np.abs(np.diff(points, axis=0)) / limits, axis=1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    duration = max(SHORTEST, PEAK * along[-1] / pace)
+    t = np.linspace(0.0, 1.0, max(2, int(np.ceil(duration / step))) + 1)[1:]
+    where = along[-1] * t * t * (3 - 2 * t)
+    positions = np.column_stack([np.interp(where, along, column) for column in points.T])
+    if len(points) > 2:
+        positions = _rounded(positions, points[0], max(1, round(ROUNDING / step / 2)))
+    before = np.vstack([points[:1], positions[:-1]])
+    speeds = (positions - before) / step
+    speeds[-1] = 0.0
+    return positions, speeds
+
+
+def _rounded(positions: Array, start: Array, half: int) -> Array:
+    ends = np.vstack(
+        [np.repeat(start[None], half, 0), positions, np.repeat(positions[-1:], 2 * half, 0)]
+    )
+    total = np.cumsum(np.vstack([0 * start[None], ends]), axis=0)
+    window = 2 * half + 1
+    rounded = (total[window:] - total[:-window]) / window
+    return np.vstack([rounded, positions[-1:]])
