@@ -77,7 +77,7 @@ def clearance(
     spheres: Spheres,
     joints: Array,
     *,
-    base_from_world: Array,
+    world_from_base: Array,
     seen: Array,
     table: float,
 ) -> float:
@@ -87,11 +87,10 @@ def clearance(
         chain: the arm.
         spheres: what it fills.
         joints: postures (n, k) [rad].
-        base_from_world: (4, 4).
+        world_from_base: (4, 4).
         seen: points (p, 3) in the world [m].
         table: height of the table in the world [m].
     """
-    world_from_base = poses.inverse(base_from_world)
     centres = poses.transform(world_from_base, spheres.placed(chain.frames(joints)).reshape(-1, 3))
     radius = np.tile(spheres.radius, len(joints))
     gap = float(np.min(centres[:, 2] - radius)) - table

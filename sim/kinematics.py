@@ -26,6 +26,7 @@ POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to
 ROTATION_TOLERANCE = 2e-3  # [rad]
 MAX_STEPS = 80
 LARGEST_STEP = 0.4  # [rad] a joint may turn in one step, else the linearisation means little
+LARGEST_JUMP = 0.5  # [rad] between two poses of a path; more means another branch of the arm
 DAMPING = 0.03  # of a far target; near the target it goes down to a tenth
 REACH_SCALE = 0.3  # [m], an error of this size is far
 
@@ -58,7 +59,8 @@ class Solution:
     """What inverse kinematics found for m targets.
 
     Attributes:
-        joints: (m, k) [rad], the best answer for each target, within the limits.
+        joints: (m, k) [rad], the best answer for each target, within the limits; for paths
+            (m, t, k).
         found: (m,) bool, whether that answer reaches the target within the tolerances.
     """
 
@@ -160,15 +162,24 @@ class Chain:
             joints[busy] = np.clip(joints[busy] + step, self.low, self.high)
         return error
 
-    def follow(self, base_from_tip: Array, start: Array) -> Solution:
-        """Joints (m, k) for the poses of a path, each sought from the one before."""
-        joints, found = [], []
-        for target in base_from_tip:
-            answer = self.solve(target[None], start[None])
-            start = answer.joints[0]
-            joints.append(start)
-            found.append(bool(answer.found[0]))
-        return Solution(np.array(joints), np.array(found))
+    def track(self, base_from_tip: Array, starts: Array) -> Solution:
+        """Joints along m paths of t poses each, every pose sought from the one before.
+
+        Args:
+            base_from_tip: (m, t, 4, 4).
+            starts: (m, k), joints a little before each path [rad].
+
+        Returns:
+            Joints (m, t, k); a path is found when all its poses are, without a jump of the joints.
+        """
+        joints, path = starts.copy(), []
+        found = np.ones(len(starts), dtype=bool)
+        for step in range(base_from_tip.shape[1]):
+            before = joints.copy()
+            error = self._descend(joints, base_from_tip[:, step])
+            found &= _is_small(error) & (np.abs(joints - before).max(axis=1) < LARGEST_JUMP)
+            path.append(joints.copy())
+        return Solution(np.stack(path, axis=1), found)
 
 
 def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ways of the arm to where the hand should be: inverse kinematics, then a path that hits nothing.
+
+`Reacher` plans for one robot at one moment. A way to a grasp has three parts: a transit through
+free space to a point before the grasp, a straight approach, and a straight lift; a grasp whose
+lift is out of reach is no use. Paths are checked against what was seen (`clearance`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import poses
+from .clearance import Spheres, clearance
+from .grasp import Grasp
+from .kinematics import Solution
+from .paths import densified
+from .poses import Array
+from .robot import Robot
+
+RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
+APPROACH_STEP = 0.015  # [m] between the poses of a straight way
+CHECK_STEP = 0.12  # [rad] between the postures that are checked
+TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
+APPROACH_GAP = -0.003  # [m] to the rest; the spheres are a little larger than the hand
+VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A way to take hold of something.
+
+    Attributes:
+        grasp: what for; its pose may be turned by half a turn about the approach.
+        transit: postures (n, k) from here to the point before the grasp [rad].
+        approach: postures (m, k) from there to the grasp [rad].
+        lift: postures (l, k) from the grasp upwards [rad].
+    """
+
+    grasp: Grasp
+    transit: Array
+    approach: Array
+    lift: Array
+
+
+@dataclass(frozen=True)
+class Reacher:
+    """Plans ways for a robot.
+
+    Attributes:
+        robot: where it is now is where ways begin.
+        table: height of the table [m].
+        seen: points (n, 3) of everything on the table [m].
+        others: the same without the thing that is to be grasped.
+    """
+
+    robot: Robot
+    table: float
+    seen: Array
+    others: Array
+
+    def ways_to(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[Reach]:
+        """Ways to grasps, in the order given; those out of reach are left out.
+
+        Args:
+            grasps: best first.
+            lift: how high the thing must be lifted afterwards [m].
+        """
+        if not grasps:
+            return
+        both = [turned for grasp in grasps for turned in (grasp, _half_turned(grasp))]
+        at = np.stack([grasp.world_from_grip for grasp in both])
+        before = self._solve(at @ poses.translation(0, 0, -RETREAT))
+        approach = self._straight(at @ poses.translation(0, 0, -RETREAT), at, before.joints)
+        up = self._straight(at, poses.translation(0, 0, lift) @ at, approach.joints[:, -1])
+        found = before.found & approach.found & up.found
+        for index in np.flatnonzero(found):
+            way = self._free_way(
+                both[index], before.joints[index], approach.joints[index], up.joints[index]
+            )
+            if way is not None:
+                yield way
+
+    def _free_way(self, grasp: Grasp, before: Array, approach: Array, up: Array) -> Reach | None:
+        spheres = self.robot.body_spheres(grasp.opening)
+        if self._gap(spheres, approach, self.others) < APPROACH_GAP:
+            return None
+        transit = self.transit(before, spheres, self.seen)
+        if transit is None:
+            return None
+        return Reach(
+            grasp,
+            transit,
+            np.vstack([before[None], approach]),
+            np.vstack([approach[-1:], up]),
+        )
+
+    def transit(
+        self, goal: Array, spheres: Spheres, seen: Array, *, gap: float = TRANSIT_GAP
+    ) -> Array | None:
+        """Postures from where the arm is to the posture `goal`, hitting nothing; None if none."""
+        start = self.robot.joints
+        over_start, over_goal = self._raised(start), self._raised(goal)
+        home = self.robot.kind.home
+        for via in (
+            [],
+            [over_goal],
+            [over_start, over_goal],
+            [home],
+            [over_start, home, over_goal],
+        ):
+            path = densified(np.vstack([start, *via, goal]), CHECK_STEP)
+            # The start is where it is: something may be nearer to it than a path should be.
+            if self._gap(spheres, path[1:], seen) >= min(gap, self._gap(spheres, path[:1], seen)):
+                return path
+        return None
+
+    def straight_up(self, height: float) -> Array | None:
+        """Postures from where the arm is, straight up by `height` [m]; None when out of reach."""
+        grip, start = self.robot.world_from_grip, self.robot.joints
+        way = self._straight(
+            grip[None], (poses.translation(0, 0, height) @ grip)[None], start[None]
+        )
+        return np.vstack([start[None], way.joints[0]]) if way.found[0] else None
+
+    def straight_to(self, world_from_grip: Array) -> Array | None:
+        """Postures from where the arm is, straight to a pose; None when out of reach."""
+        start = self.robot.joints
+        way = self._straight(self.robot.world_from_grip[None], world_from_grip[None], start[None])
+        return np.vstack([start[None], way.joints[0]]) if way.found[0] else None
+
+    def postures(self, world_from_grip: Array) -> Solution:
+        """Joints for poses of the grip (m, 4, 4)."""
+        return self._solve(world_from_grip)
+
+    def _solve(self, world_from_grip: Array) -> Solution:
+        targets = self.robot.base_from_hand(world_from_grip)
+        return self.robot.chain.solve(targets, self.robot.kind.starts)
+
+    def _straight(self, start: Array, end: Array, joints: Array) -> Solution:
+        longest = np.linalg.norm(end[:, :3, 3] - start[:, :3, 3], axis=1).max(initial=0.0)
+        count = max(1, int(np.ceil(longest / APPROACH_STEP)))
+        fractions = np.linspace(0.0, 1.0, count + 1)[1:]
+        path = np.stack(
+            [poses.interpolate(a, b, fractions) for a, b in zip(start, end, strict=True)]
+        )
+        return self.robot.chain.track(self.robot.base_from_hand(path), joints)
+
+    def _raised(self, joints: Array) -> Array:
+        """The posture with the hand as high as `VIA_HEIGHT` above the table, where it can be."""
+        chain = self.robot.chain
+        base_from_hand = chain.forward(joints[None])
+        world_from_hand = self.robot.world_from_base @ base_from_hand
+        lack = self.table + VIA_HEIGHT + self.robot.gripper.grip - world_from_hand[0, 2, 3]
+        world_from_hand[0, 2, 3] += max(0.0, lack)
+        target = poses.inverse(self.robot.world_from_base) @ world_from_hand
+        answer = chain.solve(target, joints[None])
+        return answer.joints[0] if answer.found[0] else joints
+
+    def _gap(self, spheres: Spheres, path: Array, seen: Array) -> float:
+        return clearance(
+            self.robot.chain,
+            spheres,
+            path,
+            world_from_base=self.robot.world_from_base,
+            seen=seen,
+            table=self.table,
+        )
+
+
+def _half_turned(grasp: Grasp) -> Grasp:
+    half = poses.pose(poses.rotation_about((0, 0, 1), np.pi), np.zeros(3))
+    return Grasp(grasp.world_from_grip @ half, grasp.width, grasp.opening, grasp.score)
