@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrangements: where the objects of a scene stand, so that none touches another.
+
+An object covers a convex footprint on the table. Places are drawn at random until each footprint
+is clear of the others, the longest objects first; when a table fills up so badly that one finds
+no place, all are drawn again. The same scene and seed always give the same arrangement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..ontology.errors import SimulationError
+from ..ontology.objects import ObjectType
+from . import poses
+from .poses import Array
+from .scene import Placement, Scene
+
+GAP = 0.02  # [m], smallest distance between two objects
+DROP = 0.0005  # [m], how far above the table an object is let go
+AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], x and y that the middle of an object may have
+LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], x and y that every point of it must have
+TRIES = 60
+ROUNDS = 60
+
+
+class Outlined(Protocol):
+    """What is known of an object before it is placed; a `Model` is one."""
+
+    @property
+    def kind(self) -> ObjectType:
+        """Its type."""
+        ...
+
+    @property
+    def points(self) -> Array:
+        """Corners of its hull (n, 3), in its own frame [m]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Where one object of a scene is let go.
+
+    Attributes:
+        placement: the object; all that was open is now filled in.
+        world_from_object: its pose (4, 4).
+        footprint: corners of what it covers (k, 2), counter-clockwise [m].
+    """
+
+    placement: Placement
+    world_from_object: Array
+    footprint: Array
+
+
+def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
+    """Find a place for every object of a scene, in the order of the scene.
+
+    Args:
+        scene: what is to stand on the table.
+        models: type -> its outline.
+
+    Raises:
+        SimulationError: there is no room for all, or two fixed places overlap.
+    """
+    rng = np.random.default_rng(scene.seed)
+    drawn = [
+        _complete(placement, models[placement.object].kind, rng) for placement in scene.placements
+    ]
+    order = sorted(range(len(drawn)), key=lambda i: _urgency(drawn[i], models))
+    for _ in range(ROUNDS):
+        spots: dict[int, Spot] = {}
+        for i in order:
+            spot = _find_spot(drawn[i], models[drawn[i].object], list(spots.values()), rng)
+            if spot is None:
+                break
+            spots[i] = spot
+        else:
+            return tuple(spots[i] for i in range(len(drawn)))
+    raise SimulationError(f"There is no room on the table for {len(drawn)} objects.")
+
+
+def _complete(placement: Placement, kind: ObjectType, rng: np.random.Generator) -> Placement:
+    """The placement with its way to lie filled in."""
+    usual = [rest.name for rest in kind.rests if rest.usual]
+    drawn = usual[int(rng.integers(len(usual)))]
+    rest = kind.rest(placement.rest or drawn).name
+    return Placement(placement.name, placement.object, placement.at, placement.yaw, rest)
+
+
+def _urgency(placement: Placement, models: Mapping[str, Outlined]) -> tuple[bool, float]:
+    """Sorts fixed places first, then long objects."""
+    extent = np.ptp(models[placement.object].points, axis=0).max()
+    return placement.at is None, -float(extent)
+
+
+def _find_spot(
+    placement: Placement, model: Outlined, taken: list[Spot], rng: np.random.Generator
+) -> Spot | None:
+    for _ in range(TRIES):
+        spot = _draw_spot(placement, model, rng)
+        clear = all(distance(spot.footprint, other.footprint) >= GAP for other in taken)
+        if clear and (placement.at is not None or _is_within(spot.footprint)):
+            return spot
+        if placement.at is not None and placement.yaw is not None:
+            raise SimulationError(
+                f'"{placement.name}" stands less than {GAP:g} m from another object. Move it.'
+            )
+    return None
+
+
+def _draw_spot(placement: Placement, model: Outlined, rng: np.random.Generator) -> Spot:
+    yaw = placement.yaw if placement.yaw is not None else float(rng.uniform(-np.pi, np.pi))
+    rest = model.kind.rest(placement.rest or "")
+    rotation = poses.rotation_from_rpy(0, 0, yaw) @ poses.rotation_from_rpy(*rest.turn)
+    turned = model.points @ rotation.T
+    height = DROP - turned[:, 2].min()
+    if placement.at is None:
+        middle = (turned[:, :2].min(axis=0) + turned[:, :2].max(axis=0)) / 2
+        at = np.array([rng.uniform(*AREA[0]), rng.uniform(*AREA[1])]) - middle
+    else:
+        at = np.array(placement.at)
+    filled = Placement(
+        placement.name, placement.object, (float(at[0]), float(at[1])), yaw, rest.name
+    )
+    world_from_object = poses.pose(rotation, (*at, height))
+    return Spot(filled, world_from_object, outline(turned[:, :2] + at))
+
+
+def _is_within(footprint: Array) -> bool:
+    low, high = np.array(LIMITS).T
+    return bool((footprint >= low).all() and (footprint <= high).all())
+
+
+def outline(points: Array) -> Array:
+    """The convex hull of points (n, 2) in the plane, counter-clockwise (Andrew 1979)."""
+    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
+    return np.array(_half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1])
+
+
+def _half_hull(points: Array) -> list[Array]:
+    chain: list[Array] = []
+    for point in points:
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0:
+            chain.pop()
+        chain.append(point)
+    return chain
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def distance(first: Array, second: Array) -> float:
+    """The distance of two convex polygons (n, 2) and (m, 2) [m]; 0 where they overlap."""
+    if not (_separated(first, second) or _separated(second, first)):
+        return 0.0
+    return min(_corner_distance(first, second), _corner_distance(second, first))
+
+
+def _separated(first: Array, second: Array) -> bool:
+    """Whether a side of the first polygon has all of the second on its outer side."""
+    ahead = np.roll(first, -1, axis=0) - first
+    offsets = second[None] - first[:, None]  # (sides, corners, 2)
+    aside = ahead[:, None, 0] * offsets[..., 1] - ahead[:, None, 1] * offsets[..., 0]
+    return bool((aside < 0).all(axis=1).any())
+
+
+def _corner_distance(corners: Array, polygon: Array) -> float:
+    ahead = np.roll(polygon, -1, axis=0) - polygon
+    offsets = corners[:, None] - polygon[None]  # (corners, sides, 2)
+    along = np.einsum("csd,sd->cs", offsets, ahead) / np.einsum("sd,sd->s", ahead, ahead)
+    nearest = offsets - np.clip(along, 0, 1)[..., None] * ahead[None]
+    return float(np.linalg.norm(nearest, axis=2).min())

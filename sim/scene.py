@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes: which objects are on the table, and where as far as anybody has said.
+
+A scene is what `--scene` names: a YAML file, `objects:knife,mug`, `random:SEED` or `all`. What it
+leaves open (place, turn, way to lie) is drawn later from its seed, by `arrange`. A file reads:
+
+    seed: 7
+    objects:
+      - knife
+      - {object: mug, name: my mug, at: [0.5, 0.1], yaw_deg: 30, rest: upright}
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import radians
+from pathlib import Path
+
+from ..ontology.errors import DataError, UnknownNameError
+from ..ontology.objects import ObjectType
+from ..ontology.source import Field, read_yaml
+
+ROOM = ("floor", "table")  # what every scene has anyway
+MAX_OBJECTS = 40
+MAX_SEED = 2**31 - 1
+TABLE_REACH = 1.0  # [m], how far from the robot's base something can be put on the table
+
+
+@dataclass(frozen=True)
+class Placement:
+    """One object of a scene.
+
+    Attributes:
+        name: of this very object: "knife", "knife 2", ...
+        object: name of its type.
+        at: x, y of its frame on the table [m]; None where the seed decides.
+        yaw: its turn about the vertical [rad]; None where the seed decides.
+        rest: name of the way it lies or stands; None where the seed picks a usual one.
+    """
+
+    name: str
+    object: str
+    at: tuple[float, float] | None = None
+    yaw: float | None = None
+    rest: str | None = None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is on the table.
+
+    Attributes:
+        placements: the objects, each with its own name.
+        seed: from which all that is open is drawn.
+    """
+
+    placements: tuple[Placement, ...]
+    seed: int
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The types of its objects, each once, in order."""
+        return tuple(dict.fromkeys(placement.object for placement in self.placements))
+
+
+def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
+    """Read what `--scene` says.
+
+    Args:
+        spec: a YAML file, `objects:knife,mug`, `random:SEED` or `all`.
+        seed: for all that `spec` leaves open.
+        objects: the types there are.
+
+    Raises:
+        UnknownNameError: an object that is not known.
+        DataError: the text or the file is wrong; says what was expected.
+    """
+    kind, colon, rest = spec.partition(":")
+    if spec == "all":
+        return scene_of(graspable(objects), seed=seed, objects=objects)
+    if kind == "objects" and colon:
+        names = [name.strip().replace("_", " ") for name in rest.split(",")]
+        return scene_of(names, seed=seed, objects=objects)
+    if kind == "random" and colon:
+        return _random_scene(rest, objects)
+    return _read_scene(Path(spec), seed, objects)
+
+
+def graspable(objects: Mapping[str, ObjectType]) -> tuple[str, ...]:
+    """The types that can be taken up, in the order of their file."""
+    return tuple(name for name, kind in objects.items() if kind.graspable)
+
+
+def scene_of(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
+    """A scene of these types; a type named twice is there twice.
+
+    Raises:
+        UnknownNameError: a type that is not known.
+    """
+    for name in names:
+        _refuse_unknown(name, objects)
+    plain = [Placement(name, name) for name in names]
+    return Scene(_with_own_names(plain), seed)
+
+
+def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:
+    import numpy as np  # here: the other scenes do without its 0.2 s
+
+    if not text.isdecimal() or int(text) > MAX_SEED:
+        raise DataError(
+            f'expected a whole number up to {MAX_SEED} after "random:", found "{text}".',
+            source="--scene",
+        )
+    rng = np.random.default_rng(int(text))
+    names = graspable(objects)
+    count = int(rng.integers(1, len(names) + 1))
+    chosen = {names[i] for i in rng.choice(len(names), count, replace=False)}
+    return scene_of([n for n in names if n in chosen], seed=int(text), objects=objects)
+
+
+def _read_scene(path: Path, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
+    if path.suffix not in {".yaml", ".yml"}:
+        raise DataError(
+            f'expected a YAML file, "objects:knife,mug", "random:SEED" or "all", found "{path}".',
+            source="--scene",
+        )
+    keys = read_yaml(path).entries(required={"objects"}, optional={"seed"})
+    items = keys["objects"].items()
+    if len(items) > MAX_OBJECTS:
+        raise keys["objects"].fail(f"expected at most {MAX_OBJECTS} objects, found {len(items)}.")
+    placements = [_read_placement(item, objects) for item in items]
+    if "seed" in keys:
+        seed = keys["seed"].integer(low=0, high=MAX_SEED)
+    _refuse_double_names(placements, items)
+    return Scene(_with_own_names(placements), seed)
+
+
+def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement:
+    known = set(objects) - set(ROOM)
+    if isinstance(item.value, str):
+        kind = item.text(choices=known)
+        return Placement(kind, kind)
+    keys = item.entries(required={"object"}, optional={"name", "at", "yaw_deg", "rest"})
+    kind = keys["object"].text(choices=known)
+    rests = {rest.name for rest in objects[kind].rests}
+    at = keys["at"].numbers(count=2, low=-TABLE_REACH, high=TABLE_REACH) if "at" in keys else None
+    return Placement(
+        keys["name"].text() if "name" in keys else kind,
+        kind,
+        (at[0], at[1]) if at else None,
+        radians(keys["yaw_deg"].number(low=-360, high=360)) if "yaw_deg" in keys else None,
+        keys["rest"].text(choices=rests) if "rest" in keys else None,
+    )
+
+
+def _refuse_double_names(placements: Sequence[Placement], items: Sequence[Field]) -> None:
+    seen: set[str] = set()
+    for placement, item in zip(placements, items, strict=True):
+        if placement.name in {*seen, *ROOM} and placement.name != placement.object:
+            raise item.fail(f'the name "{placement.name}" is taken.')
+        seen.add(placement.name)
+
+
+def _with_own_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
+    """The placements with a number after names that occur again."""
+    taken: Counter[str] = Counter()
+    result: list[Placement] = []
+    for placement in placements:
+        taken[placement.name] += 1
+        number = taken[placement.name]
+        name = placement.name if number == 1 else f"{placement.name} {number}"
+        result.append(
+            Placement(name, placement.object, placement.at, placement.yaw, placement.rest)
+        )
+    return tuple(result)
+
+
+def _refuse_unknown(name: str, objects: Mapping[str, ObjectType]) -> None:
+    known = set(objects) - set(ROOM)
+    if name not in known:
+        raise UnknownNameError("object", name, known)

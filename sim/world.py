@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The world: a table, what stands on it, and time.
+
+A `World` fills an engine with the room and the objects of a scene and lets them settle. The
+robot is not part of it: it is loaded into the same engine by `robot`. Other parts let time pass
+through `World.step`, so that whoever watches (a recorder) sees every moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+
+from ..ontology.objects import ObjectType
+from . import poses
+from .arrange import Spot, arrange
+from .engine import TIME_STEP, Engine
+from .models import Model, model_of
+from .poses import Array
+from .scene import Scene
+
+FLOOR, TABLE = "floor", "table"
+FLOOR_HEIGHT = -0.72  # [m], where the legs of the table end
+TABLE_CENTRE = (0.40, 0.0, 0.0)  # [m], so that the robot stands on the table near its edge
+SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists turning
+ROLLING_FRICTION = 0.0003  # [m]; lets round things come to rest
+
+SETTLE_LIMIT = 3.0  # [s]
+STILL_SPEED = 0.002  # [m/s]
+STILL_TURN = 0.02  # [rad/s]
+STILL_STEPS = 24  # so long must all be still
+
+
+@dataclass
+class World:
+    """The room with the objects of one scene.
+
+    Use it in a `with` block, or `close` it.
+
+    Attributes:
+        scene: what was asked for.
+        engine: the simulator it lives in.
+        kinds: name of each object on the table -> its type.
+        models: type -> its model.
+        watcher: called after every step while it is not None.
+    """
+
+    scene: Scene
+    engine: Engine
+    kinds: Mapping[str, ObjectType]
+    models: Mapping[str, Model]
+    watcher: Callable[[], None] | None = None
+
+    @classmethod
+    def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
+        """Put a scene on the table and let it settle.
+
+        Args:
+            scene: what is to stand there.
+            objects: the types there are, room included.
+            gui: whether to show a window.
+
+        Raises:
+            SimulationError: there is no room for all.
+        """
+        models = {name: model_of(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
+        spots = arrange(scene, models)
+        world = cls(
+            scene,
+            Engine(gui=gui),
+            {spot.placement.name: objects[spot.placement.object] for spot in spots},
+            models,
+        )
+        world._furnish()
+        for spot in spots:
+            world._add(spot)
+        world.settle()
+        return world
+
+    def _furnish(self) -> None:
+        floor = poses.translation(0, 0, FLOOR_HEIGHT)
+        self.engine.load(FLOOR, self.models[FLOOR].urdf, floor, fixed=True)
+        self.engine.load(
+            TABLE, self.models[TABLE].urdf, poses.translation(*TABLE_CENTRE), fixed=True
+        )
+
+    def _add(self, spot: Spot) -> None:
+        name = spot.placement.name
+        self.engine.load(name, self.models[spot.placement.object].urdf, spot.world_from_object)
+        self.engine.set_surface(name, spinning=SPINNING_FRICTION, rolling=ROLLING_FRICTION)
+
+    def close(self) -> None:
+        """Stop the simulator."""
+        self.engine.close()
+
+    def __enter__(self) -> World:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def time(self) -> float:
+        """How much time has passed in the world [s]."""
+        return self.engine.steps * TIME_STEP
+
+    def step(self, count: int = 1) -> None:
+        """Let `count` steps pass, and let whoever watches see each of them."""
+        if self.watcher is None:
+            self.engine.step(count)
+            return
+        for _ in range(count):
+            self.engine.step()
+            self.watcher()
+
+    def settle(self, limit: float = SETTLE_LIMIT) -> bool:
+        """Let time pass until all objects are still.
+
+        Args:
+            limit: most time to wait [s].
+
+        Returns:
+            Whether all are still.
+        """
+        still = 0
+        for _ in range(round(limit / TIME_STEP)):
+            self.step()
+            still = still + 1 if self._is_still() else 0
+            if still >= STILL_STEPS:
+                return True
+        return False
+
+    def _is_still(self) -> bool:
+        speeds = np.array([self.engine.speed(name) for name in self.kinds] or [(0.0, 0.0)])
+        return bool((speeds < (STILL_SPEED, STILL_TURN)).all())
+
+    def pose(self, name: str) -> Array:
+        """`world_from_object` of an object."""
+        return self.engine.pose(name)
+
+    def points(self, name: str) -> Array:
+        """Corners of an object's hull where it is now (n, 3), in the world [m]."""
+        return poses.transform(self.pose(name), self.models[self.kinds[name].name].points)
+
+    def clearance(self, name: str) -> float:
+        """How high the lowest point of an object is above the table [m]."""
+        return float(self.points(name)[:, 2].min())
