@@ -13,8 +13,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..inference.goal import Candidate, Inference
+from ..kb.rule import Rule
 
 Json = dict[str, object]
+Slot = str | tuple[str, ...] | tuple[float, float]  # a name, a list of names, an interval
 Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
 
@@ -29,7 +31,7 @@ class Answer:
     """
 
     key: str
-    slots: Mapping[str, str] = field(default_factory=dict[str, str])
+    slots: Mapping[str, Slot] = field(default_factory=dict[str, Slot])
     ending: Ending = "done"
 
 
@@ -109,14 +111,17 @@ class Decision:
         best = self.part.best if self.part else None
         return self.named_part or (best.argument.name if best and best.argument else None)
 
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules that the choice rests on: those of the object, then those of the part."""
+        part = self.part.best if self.part and not self.named_part else None
+        chosen = [candidate for candidate in (self.object.best, part) if candidate]
+        return tuple(dict.fromkeys(rule for candidate in chosen for rule in candidate.rules))
+
     def as_json(self) -> Json:
         """The `decision` of `hilt do --json`."""
         best = self.object.best
         first = best or (self.object.candidates[0] if self.object.candidates else None)
-        part = self.part.best if self.part and not self.named_part else None
-        rules = dict.fromkeys(
-            rule.id for candidate in (best, part) if candidate for rule in candidate.rules
-        )
         result: Json = {
             "object": best.object if best else None,
             "part": self.chosen_part,
@@ -126,7 +131,7 @@ class Decision:
             "threshold": self.object.threshold,
             "candidates": [_candidate(c) for c in self.object.candidates],
             "ties": [c.object for c in self.object.ties],
-            "rules": list(rules),
+            "rules": [rule.id for rule in self.rules],
         }
         return result | ({"patient": self.patient} if self.patient else {})
 

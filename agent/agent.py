@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The agent: knowledge base, language, inference and body joined into one that can be talked to.
+
+    with Agent.open("memory:", scene="objects:knife,mug", seed=7) as agent:
+        agent.hear("A knife is used for cutting")
+        agent.hear("pass me something used for cutting").said
+
+The body is made when the first command comes: teaching and asking need no robot.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from platformdirs import user_data_path
+
+from ..inference.affordance import Affordances, Settings
+from ..kb.beliefs import KnowledgeBase
+from ..nlu.understanding import Language
+from ..ontology.actions import Actions, load_actions
+from ..ontology.objects import load_objects
+from ..sim.scene import Scene, parse_scene
+from .dialogue import Dialogue
+from .goals import GoalManager
+from .perception import PerfectVision
+from .reply import Reply
+
+if TYPE_CHECKING:
+    from ..sim.body import Body
+
+
+def default_location() -> Path:
+    """The folder of the user's own knowledge base."""
+    return user_data_path("hilt") / "kb"
+
+
+def open_base(location: str | None) -> KnowledgeBase:
+    """Open a knowledge base; None is the user's own.
+
+    Raises:
+        StoreError: it cannot be opened.
+    """
+    return KnowledgeBase.open(location or str(default_location()))
+
+
+class Agent:
+    """One robot, or one mind without a robot.
+
+    Args:
+        base: where it keeps what it is told.
+        language: what it understands and speaks.
+        actions: what it can do.
+        scene: what is on its table.
+        simulate: whether it has a simulated body; without one it decides but does not move.
+        gui: whether the simulator shows a window.
+        settings: the choices of the inference.
+    """
+
+    def __init__(
+        self,
+        base: KnowledgeBase,
+        language: Language,
+        actions: Actions,
+        scene: Scene,
+        *,
+        simulate: bool = True,
+        gui: bool = False,
+        settings: Settings | None = None,
+    ) -> None:
+        self.base = base
+        self.actions = actions
+        self.scene = scene
+        self.objects = load_objects()
+        self.affordances = Affordances(base, settings)
+        self.simulate = simulate
+        self.gui = gui
+        self.dialogue = Dialogue(base, language, self._goal_manager, self.visible, seed=scene.seed)
+
+    @classmethod
+    def open(
+        cls,
+        location: str | None = None,
+        *,
+        scene: str = "all",
+        seed: int = 0,
+        simulate: bool = True,
+        gui: bool = False,
+        settings: Settings | None = None,
+    ) -> Agent:
+        """An agent over a knowledge base.
+
+        Args:
+            location: `memory:`, a folder, or an endpoint; None is the user's own base.
+            scene: a YAML file, `objects:knife,mug`, `random:SEED`, or `all`.
+            seed: of everything random.
+            simulate: whether it has a simulated body.
+            gui: whether the simulator shows a window.
+            settings: the choices of the inference.
+
+        Raises:
+            DataError: the scene is wrong.
+            StoreError: the base cannot be opened.
+        """
+        on_table = parse_scene(scene, seed=seed, objects=load_objects())
+        language = Language.load()
+        return cls(
+            open_base(location),
+            language,
+            load_actions(),
+            on_table,
+            simulate=simulate,
+            gui=gui,
+            settings=settings,
+        )
+
+    def hear(self, text: str, *, speaker: str = "sam", only: str | None = None) -> Reply:
+        """Listen to one utterance, do what follows from it, and answer.
+
+        Args:
+            text: what is said.
+            speaker: who says it.
+            only: "tell", "do" or "ask" to take statements, commands or questions only.
+        """
+        return self.dialogue.hear(text, speaker=speaker, only=only)
+
+    def visible(self) -> tuple[str, ...]:
+        """The objects on the table, in the order of the scene."""
+        return tuple(placement.object for placement in self.scene.placements)
+
+    @cached_property
+    def body(self) -> Body:
+        """The simulated body, made when it is first needed.
+
+        Raises:
+            MissingExtraError: the simulator is not installed.
+        """
+        from ..sim.body import Body
+
+        return Body(self.scene, self.objects, seed=self.scene.seed, gui=self.gui)
+
+    def _goal_manager(self) -> GoalManager:
+        if self.simulate:
+            return GoalManager(self.actions, self.affordances, self.body, self.body)
+        vision = PerfectVision(self.scene, self.objects)
+        return GoalManager(self.actions, self.affordances, vision, None)
+
+    def close(self) -> None:
+        """Release the body and the base."""
+        if "body" in self.__dict__:
+            self.body.close()
+        self.base.close()
+
+    def __enter__(self) -> Agent:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Questions answered from the graph, each with the interval and the source it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from ..inference.affordance import FIND, Affordances
+from ..inference.evidence import relative_plausibility
+from ..inference.goal import Goal, Observation, Target
+from ..kb.beliefs import KnowledgeBase
+from ..kb.interval import CERTAIN
+from ..kb.rule import Atom, Rule
+from ..nlu.meaning import Question
+from .outcome import Answer, Slot
+from .reply import Reply
+
+Describe = Callable[[Rule], str]
+Answered = tuple[Answer, tuple[Rule, ...]]
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """What questions are answered from.
+
+    Attributes:
+        base: the knowledge base.
+        describe: puts a rule into words.
+        visible: the names of the objects in view, in the order of the scene.
+        last: the last command that was carried out or tried.
+    """
+
+    base: KnowledgeBase
+    describe: Describe
+    visible: Callable[[], tuple[str, ...]]
+    last: Reply | None
+
+
+def answer(question: Question, known: Knowledge) -> Answered:
+    """The answer to a question, and the rules that it rests on."""
+    return _ANSWERS[question.ask](question, known)
+
+
+def _uses_of(question: Question, known: Knowledge) -> Answered:
+    rules = _strongest(known.base.rules(object=question.object), "affordance")
+    uses = tuple(rule.affordance for rule in rules if rule.affordance and rule.asserts)
+    if not uses:
+        return _say("no_uses_of", object=question.object), ()
+    return _say("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
+
+
+def _objects_for(question: Question, known: Knowledge) -> Answered:
+    rules = [r for r in _functional(question, known) if r.asserts]
+    if not rules:
+        return _say("nothing_known_for", affordance=question.affordance), ()
+    names = tuple(dict.fromkeys(rule.object or "anything" for rule in rules))
+    slots = {"objects": names, "affordance": question.affordance}
+    return _say("objects_for", done=True, **slots), tuple(rules)
+
+
+def _best_for(question: Question, known: Knowledge) -> Answered:
+    rules = _functional(question, known)
+    goal = Goal("find", Target(used_for=question.affordance))
+    names = dict.fromkeys(rule.object for rule in rules if rule.object)
+    seen = [Observation(name, name, {Atom("object", name): CERTAIN}) for name in names]
+    best = Affordances(known.base).infer(FIND, goal, seen).best
+    if best is None:
+        return _say("nothing_known_for", affordance=question.affordance), ()
+    interval = (best.interval.lower, best.interval.upper)
+    slots = {"object": best.object, "affordance": question.affordance, "confidence": interval}
+    return _say("best_for", done=True, **slots), best.rules
+
+
+def _how(question: Question, known: Knowledge) -> Answered:
+    rules = known.base.rules(object=question.object, context=question.context)
+    grasps = _strongest((rule for rule in rules if rule.part), "part")
+    if not grasps:
+        return _say("no_how", goal=question.context or "grasp", object=question.object), ()
+    return _told("how", grasps[0], known), (grasps[0],)
+
+
+def _is_used_for(question: Question, known: Knowledge) -> Answered:
+    rules = [r for r in _functional(question, known) if r.object == question.object]
+    if not rules:
+        slots = {"object": question.object, "affordance": question.affordance}
+        return _say("is_not_used_for", done=True, **slots), ()
+    key = "is_used_for" if rules[0].asserts else "is_denied"
+    return _told(key, rules[0], known), (rules[0],)
+
+
+def _about(question: Question, known: Knowledge) -> Answered:
+    rules = known.base.rules(object=question.object)
+    if not rules:
+        return _say("nothing_about", object=question.object), ()
+    said = tuple(known.describe(rule) for rule in rules)
+    return _say("about", done=True, object=question.object, rules=said), tuple(rules)
+
+
+def _confidence(question: Question, known: Knowledge) -> Answered:
+    rules = _meant(question, known)
+    if not rules:
+        return _say("not_known"), ()
+    interval = rules[0].support
+    slots = {"rule": known.describe(rules[0]), "confidence": (interval.lower, interval.upper)}
+    return _say("confidence", done=True, **slots), (rules[0],)
+
+
+def _source(question: Question, known: Knowledge) -> Answered:
+    rules = _meant(question, known)
+    if not rules or rules[0].utterance is None:
+        return _say("no_source"), ()
+    text = known.base.utterance(rules[0].utterance).text
+    return _say("source", done=True, speaker=rules[0].speaker, text=text), (rules[0],)
+
+
+def _why(question: Question, known: Knowledge) -> Answered:
+    rules = _last_rules(known)
+    if known.last is None:
+        return _say("nothing_done"), ()
+    if not rules or rules[-1].utterance is None:
+        return _say("because", done=True, reason=_reason(known.last, question.object)), ()
+    text = known.base.utterance(rules[-1].utterance).text
+    return _say("because_told", done=True, speaker=rules[-1].speaker, text=text), tuple(rules)
+
+
+def _why_not(question: Question, known: Knowledge) -> Answered:
+    if known.last is None:
+        return _say("nothing_done"), ()
+    reason = _reason(known.last, question.object)
+    return _say("why_not", done=True, object=question.object or "thing", reason=reason), ()
+
+
+def _see(_: Question, known: Knowledge) -> Answered:
+    names = known.visible()
+    return (_say("see", done=True, objects=names) if names else _say("see_nothing")), ()
+
+
+def _trust(question: Question, known: Knowledge) -> Answered:
+    if question.speaker is None:
+        return _say("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
+    trust = known.base.trust(question.speaker)
+    key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
+    return _say(key, done=True, speaker=question.speaker), ()
+
+
+def _capabilities(_: Question, __: Knowledge) -> Answered:
+    return _say("capabilities", done=True), ()
+
+
+# --- Helpers -------------------------------------------------------------------------------
+
+
+def _say(key: str, *, done: bool = False, **slots: Slot | None) -> Answer:
+    given = {name: value for name, value in slots.items() if value is not None}
+    return Answer(key, given, "done" if done else "failed")
+
+
+def _told(key: str, rule: Rule, known: Knowledge) -> Answer:
+    interval = (rule.support.lower, rule.support.upper)
+    said = known.describe(rule)
+    return _say(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)
+
+
+def _functional(question: Question, known: Knowledge) -> list[Rule]:
+    return _by_strength(known.base.rules(affordance=question.affordance))
+
+
+def _meant(question: Question, known: Knowledge) -> list[Rule]:
+    """The rules a question is about: those it names, else those of the last command."""
+    named = (question.object, question.affordance, question.context)
+    if not any(named):
+        return _last_rules(known) or _latest(known)
+    rules = known.base.rules(
+        object=question.object, affordance=question.affordance, context=question.context
+    )
+    return _by_strength(rule for rule in rules if question.part in {None, rule.part})
+
+
+def _latest(known: Knowledge) -> list[Rule]:
+    return sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
+
+
+def _last_rules(known: Knowledge) -> list[Rule]:
+    came = known.last.achievement if known.last else None
+    if came is None or came.decision is None:
+        return []
+    return list(came.decision.rules)
+
+
+def _reason(last: Reply, name: str | None) -> str:
+    """Why the last command took or did not take a thing."""
+    decision = last.achievement.decision if last.achievement else None
+    candidates = decision.object.candidates if decision else ()
+    for candidate in candidates:
+        if name in {None, candidate.object}:
+            return candidate.reason
+    return "I did not see it, or had no reason to look for it"
+
+
+def _by_strength(rules: Iterable[Rule]) -> list[Rule]:
+    return sorted(rules, key=lambda rule: -relative_plausibility(rule.support))
+
+
+def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
+    """Of rules with the same conclusion the strongest, best first."""
+    best: dict[str, Rule] = {}
+    for rule in _by_strength(rules):
+        concluded = getattr(rule, argument)
+        if concluded:
+            best.setdefault(concluded, rule)
+    return list(best.values())
+
+
+_ANSWERS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
+    "about": _about,
+    "best_for": _best_for,
+    "capabilities": _capabilities,
+    "confidence": _confidence,
+    "how": _how,
+    "is_used_for": _is_used_for,
+    "objects_for": _objects_for,
+    "see": _see,
+    "source": _source,
+    "trust": _trust,
+    "uses_of": _uses_of,
+    "why": _why,
+    "why_not": _why_not,
+}
