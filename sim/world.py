@@ -29,9 +29,9 @@ SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists t
 ROLLING_FRICTION = 0.0003  # [m]; lets round things come to rest
 
 SETTLE_LIMIT = 3.0  # [s]
-STILL_SPEED = 0.002  # [m/s]
-STILL_TURN = 0.02  # [rad/s]
-STILL_STEPS = 24  # so long must all be still
+STILL_STEPS = 24  # over so many steps the poses are compared; speeds of light things only jitter
+STILL_SHIFT = 1e-4  # [m]
+STILL_TURN = 0.004  # [rad]
 
 
 @dataclass
@@ -130,17 +130,17 @@ class World:
         Returns:
             Whether all are still.
         """
-        still = 0
-        for _ in range(round(limit / TIME_STEP)):
-            self.step()
-            still = still + 1 if self._is_still() else 0
-            if still >= STILL_STEPS:
+        before = self._poses()
+        for _ in range(round(limit / TIME_STEP / STILL_STEPS)):
+            self.step(STILL_STEPS)
+            after = self._poses()
+            if _are_close(before, after):
                 return True
+            before = after
         return False
 
-    def _is_still(self) -> bool:
-        speeds = np.array([self.engine.speed(name) for name in self.kinds] or [(0.0, 0.0)])
-        return bool((speeds < (STILL_SPEED, STILL_TURN)).all())
+    def _poses(self) -> Array:
+        return np.array([self.pose(name) for name in self.kinds] or [np.eye(4)])
 
     def pose(self, name: str) -> Array:
         """`world_from_object` of an object."""
@@ -153,3 +153,10 @@ class World:
     def clearance(self, name: str) -> float:
         """How high the lowest point of an object is above the table [m]."""
         return float(self.points(name)[:, 2].min())
+
+
+def _are_close(before: Array, after: Array) -> bool:
+    """Whether no pose of (n, 4, 4) has moved or turned from one moment to the other."""
+    shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
+    turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])
+    return bool((shifts < STILL_SHIFT).all() and (turns < STILL_TURN).all())
