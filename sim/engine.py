@@ -468,6 +468,7 @@ class Engine:
             lightDiffuseCoeff=light.diffuse,
             lightSpecularCoeff=light.specular,
             shadow=int(light.shadow),
+            flags=self._p.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
             renderer=self._p.ER_TINY_RENDERER,
         )
         colour = np.asarray(raw[2], dtype=np.uint8).reshape(height, width, 4)[..., :3]

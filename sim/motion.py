@@ -141,7 +141,7 @@ class Motion:
         """Stand still; how long the thing was held [s]."""
         steps, lost = round(seconds / TIME_STEP), self._loses(held.name)
         for step in range(steps):
-            self.robot.advance()
+            self.robot.advance(1)
             if lost():
                 return step * TIME_STEP
         return steps * TIME_STEP

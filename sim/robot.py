@@ -42,7 +42,7 @@ class Robot:
         engine: the world it moves in.
         kind: what robot it is.
         world_from_base: where it stands; the origin when None.
-        watch: called after each step of time, for instance to record.
+        step: lets so many steps of time pass; the engine's own when None.
     """
 
     def __init__(
@@ -51,9 +51,10 @@ class Robot:
         kind: RobotType,
         *,
         world_from_base: Array | None = None,
-        watch: Callable[[], None] | None = None,
+        step: Callable[[int], None] | None = None,
     ) -> None:
-        self.engine, self.kind, self.watch = engine, kind, watch
+        self.engine, self.kind = engine, kind
+        self.advance = step or engine.step
         self.world_from_base = np.eye(4) if world_from_base is None else world_from_base
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
@@ -127,18 +128,11 @@ class Robot:
         positions, speeds = timed(path, self.chain.speed, step=TIME_STEP, pace=pace)
         for position, speed in zip(positions, speeds, strict=True):
             self._hold_arm(position, speed)
-            self.advance()
+            self.advance(1)
             if stop is not None and stop():
                 self._hold_arm(self.joints)
                 return False
         return True
-
-    def advance(self, steps: int = 1) -> None:
-        """Let time pass."""
-        for _ in range(steps):
-            self.engine.step()
-            if self.watch is not None:
-                self.watch()
 
     def wait(self, seconds: float) -> None:
         """Stand still for a while [s]."""
@@ -155,7 +149,7 @@ class Robot:
             self.engine.drive_speed(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
         still = 0
         for step in range(round(CLOSING_TIME / TIME_STEP)):
-            self.advance()
+            self.advance(1)
             speeds = self.engine.joint_speeds(NAME, self.gripper.joints)
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
             if still == STILL_STEPS:
