@@ -27,7 +27,7 @@ from .interval import CERTAIN, VACUOUS, Interval
 from .rule import Atom, Rule, functional, grasping
 
 if TYPE_CHECKING:
-    from .base import KnowledgeBase
+    from .beliefs import KnowledgeBase
 
 __all__ = [
     "CERTAIN",
@@ -44,7 +44,7 @@ __all__ = [
 def __getattr__(name: str) -> object:
     # The base brings the store engine with it; who needs only the values does not pay for that.
     if name == "KnowledgeBase":
-        from .base import KnowledgeBase
+        from .beliefs import KnowledgeBase
 
         return KnowledgeBase
     raise AttributeError(name)

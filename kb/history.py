@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The history: everything that was said, by whom, when, and what it did to the rules.
+
+Utterances are numbered from 1 as they arrive; inference assimilates by that number. What an
+utterance asserted stays linked to it when the rule is later retracted or superseded, so the base
+can tell what it believed at any time.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from typing import cast
+
+from ..ontology.errors import ValidationError
+from ..ontology.vocabulary import Iri, iri, split, term
+from .rule import check_speaker
+from .stars import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
+from .terms import Quad, Term, lexical
+
+HISTORY = iri("graph", "history")
+MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
+
+SEQUENCE, TEXT, PREDICATE, KIND = (term(n) for n in ("sequence", "text", "predicate", "kind"))
+ACCEPTED, ANSWER = term("accepted"), term("answer")
+ASSERTS, RETRACTS, SUPERSEDES = (term(n) for n in ("asserts", "retracts", "supersedes"))
+
+
+@dataclass(frozen=True)
+class Utterance:
+    """One sentence of the history.
+
+    Attributes:
+        sequence: its number, from 1.
+        text: as it was said.
+        predicate: what was understood, in predicate form; empty when nothing was.
+        speaker: who said it.
+        time: when, with its time zone.
+        kind: statement, command, question, correction, ...
+        accepted: whether it was believed or carried out.
+        answer: what was said back; empty when not known.
+        asserts: ids of the rules it asserted.
+        retracts: ids of the rules it took back.
+        supersedes: ids of the rules that it replaced.
+    """
+
+    sequence: int
+    text: str
+    predicate: str
+    speaker: str
+    time: datetime
+    kind: str = "statement"
+    accepted: bool = True
+    answer: str = ""
+    asserts: tuple[str, ...] = ()
+    retracts: tuple[str, ...] = ()
+    supersedes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_speaker(self.speaker)
+        for text in (self.text, self.predicate, self.kind, self.answer):
+            _check_text(text)
+        if self.time.tzinfo is None:
+            raise ValidationError([f"The time {self.time} has no time zone."])
+
+    def as_json(self) -> dict[str, object]:
+        """As `hilt history --json` prints it."""
+        return {
+            "sequence": self.sequence,
+            "text": self.text,
+            "predicate": self.predicate or None,
+            "speaker": self.speaker,
+            "time": lexical(self.time)[0],
+            "kind": self.kind,
+            "accepted": self.accepted,
+            "answer": self.answer or None,
+            "asserts": list(self.asserts),
+            "retracts": list(self.retracts),
+            "supersedes": list(self.supersedes),
+        }
+
+
+def utterance_iri(sequence: int) -> Iri:
+    """The node of an utterance."""
+    return iri("utterance", str(sequence))
+
+
+def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
+    """The statements about an utterance."""
+    node = utterance_iri(utterance.sequence)
+    for predicate, value in _properties(utterance):
+        yield Quad(node, predicate, value, HISTORY)
+
+
+def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
+    """The utterance of a node's properties, as `utterance_quads` wrote them.
+
+    Raises:
+        ValidationError: something is missing or malformed.
+    """
+    found: dict[Iri, list[Term]] = defaultdict(list)
+    for predicate, value in properties:
+        found[predicate].append(value)
+    try:
+        return _read(found)
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValidationError([f"An utterance is malformed: {error}."]) from error
+
+
+def _properties(utterance: Utterance) -> Iterator[tuple[Iri, Term]]:
+    yield TYPE, term("Utterance")
+    yield SEQUENCE, utterance.sequence
+    yield TEXT, utterance.text
+    if utterance.predicate:
+        yield PREDICATE, utterance.predicate
+    yield KIND, utterance.kind
+    yield ACCEPTED, utterance.accepted
+    if utterance.answer:
+        yield ANSWER, utterance.answer
+    yield ATTRIBUTED_TO, iri("speaker", utterance.speaker)
+    yield GENERATED_AT, utterance.time
+    for link, ids in (
+        (ASSERTS, utterance.asserts),
+        (RETRACTS, utterance.retracts),
+        (SUPERSEDES, utterance.supersedes),
+    ):
+        for one in ids:
+            yield link, rule_iri(one)
+
+
+def _read(found: dict[Iri, list[Term]]) -> Utterance:
+    return Utterance(
+        cast(int, found[SEQUENCE][0]),
+        cast(str, found[TEXT][0]),
+        cast(str, found[PREDICATE][0]) if PREDICATE in found else "",
+        split(cast(Iri, found[ATTRIBUTED_TO][0]))[1],
+        cast(datetime, found[GENERATED_AT][0]),
+        cast(str, found[KIND][0]),
+        cast(bool, found[ACCEPTED][0]),
+        cast(str, found[ANSWER][0]) if ANSWER in found else "",
+        *(
+            tuple(sorted(rule_id(cast(Iri, node)) for node in found.get(link, ())))
+            for link in (ASSERTS, RETRACTS, SUPERSEDES)
+        ),
+    )
+
+
+def _check_text(text: str) -> None:
+    try:
+        lexical(text)
+    except ValueError as error:
+        raise ValidationError([f"The text is no Unicode: {text[:60]!r}."]) from error
+    if len(text) > MAX_TEXT:
+        raise ValidationError(
+            [f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."]
+        )

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The embedded store, in memory or in a folder: the only module that knows its engine.
+
+What the engine leaves to its user is done here. It detects no write conflicts, so one lock is
+held round every write. A write survives the death of the process at once, but power loss only
+after a flush, so every unit is flushed before it returns. It must not be used after a fork, so
+a store remembers which process opened it. Open results keep the folder locked, so they are read
+to the end before they are given out.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Generator, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any, cast
+
+import pyoxigraph as engine
+
+from ..ontology.errors import DataError, QueryError, StoreError
+from ..ontology.vocabulary import PREFIXES, Iri
+from .results import Solutions
+from .sparql import delete_insert, syntax_problem
+from .store import MEMORY
+from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
+
+# A folder that has this file is one the engine made.
+_MARK = "CURRENT"
+_PREFIXES = dict(PREFIXES)
+_FORMATS = {
+    "turtle": engine.RdfFormat.TURTLE,
+    "trig": engine.RdfFormat.TRIG,
+    "nquads": engine.RdfFormat.N_QUADS,
+    "ntriples": engine.RdfFormat.N_TRIPLES,
+}
+
+
+class OxigraphStore:
+    """A store that this process owns; see `hilt.kb.store.Store` for its methods."""
+
+    has_cheap_patterns = True
+
+    def __init__(self, inner: engine.Store, location: str, *, read_only: bool) -> None:
+        self._inner: engine.Store | None = inner
+        self._lock = threading.RLock()
+        self._process = os.getpid()
+        self.location = location
+        self.read_only = read_only
+
+    def select(self, query: str) -> Solutions:
+        """The rows of a SELECT query, all of them."""
+        found = self._run(query)
+        if not isinstance(found, engine.QuerySolutions):
+            raise QueryError("Expected a SELECT query.")
+        names = tuple(variable.value for variable in found.variables)
+        with _reported(self.location):
+            rows = tuple(tuple(None if t is None else _term(t) for t in row) for row in found)
+        return Solutions(names, rows)
+
+    def ask(self, query: str) -> bool:
+        """The answer of an ASK query."""
+        found = self._run(query)
+        if not isinstance(found, engine.QueryBoolean):
+            raise QueryError("Expected an ASK query.")
+        return bool(found)
+
+    def construct(self, query: str) -> list[Quad]:
+        """The statements of a CONSTRUCT or DESCRIBE query."""
+        found = self._run(query)
+        if not isinstance(found, engine.QueryTriples):
+            raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
+        with _reported(self.location):
+            return [Quad(*(_term(part) for part in triple)) for triple in found]  # pyright: ignore[reportArgumentType]
+
+    def quads(
+        self,
+        subject: Iri | None = None,
+        predicate: Iri | None = None,
+        object: Term | None = None,  # noqa: A002 - the name RDF gives it
+        graph: Iri | None = None,
+    ) -> Iterator[Quad]:
+        """All statements that match."""
+        found = self._engine().quads_for_pattern(
+            None if subject is None else engine.NamedNode(subject),
+            None if predicate is None else engine.NamedNode(predicate),
+            None if object is None else _engine_term(object),
+            None if graph is None else engine.NamedNode(graph),
+        )
+        with _reported(self.location):
+            for quad in found:
+                yield _quad(quad)
+
+    def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
+        """Delete, then insert, as one unit."""
+        gone, new = list(delete), list(insert)
+        with self._changing() as store:
+            if gone:
+                store.update(delete_insert(gone, new))
+            else:
+                store.extend([_engine_quad(quad) for quad in new])
+            store.flush()
+
+    def update(self, update: str) -> None:
+        """Run a SPARQL update as one unit."""
+        with self._changing(update) as store:
+            store.update(update, prefixes=_PREFIXES)
+            store.flush()
+
+    def writing(self) -> AbstractContextManager[object]:
+        """The lock round every write; the same thread may take it again."""
+        return self._lock
+
+    def close(self) -> None:
+        """Let go of the folder."""
+        with self._lock:
+            self._inner = None
+
+    def _run(self, query: str) -> object:
+        with _reported(self.location, query):
+            return self._engine().query(query, prefixes=_PREFIXES)
+
+    def _engine(self) -> engine.Store:
+        if self._inner is None:
+            raise StoreError(f'The knowledge base "{self.location}" is closed.')
+        if os.getpid() != self._process:
+            raise StoreError(
+                f'The knowledge base "{self.location}" was opened by another process. '
+                "Open it after a fork, not before."
+            )
+        return self._inner
+
+    @contextmanager
+    def _changing(self, update: str = "") -> Generator[engine.Store]:
+        with self._lock, _reported(self.location, update):
+            store = self._engine()
+            if self.read_only:
+                raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
+            yield store
+
+
+def open_memory(*, read_only: bool = False) -> OxigraphStore:
+    """An empty store that lives as long as the process."""
+    return OxigraphStore(engine.Store(), MEMORY, read_only=read_only)
+
+
+def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
+    """A store in a folder, which is made when it is not there.
+
+    Raises:
+        StoreError: the folder is in use, cannot be written, holds something else, or is damaged.
+    """
+    try:
+        is_base = _check_folder(folder)
+        if read_only:
+            if not is_base:
+                raise StoreError(f'There is no knowledge base "{folder}" to read.')
+            return OxigraphStore(engine.Store.read_only(str(folder)), str(folder), read_only=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        return OxigraphStore(engine.Store(str(folder)), str(folder), read_only=False)
+    except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
+        raise _open_error(folder, error) from error
+
+
+def parse_rdf(data: bytes, *, format: str, source: str) -> Iterator[Quad]:  # noqa: A002
+    """The statements of an RDF text.
+
+    Args:
+        data: the text in UTF-8.
+        format: turtle, trig, nquads or ntriples.
+        source: its name in messages.
+
+    Raises:
+        DataError: it is wrong; says where.
+    """
+    try:
+        for quad in engine.parse(data, format=_FORMATS[format]):
+            yield _quad(quad)
+    except SyntaxError as error:
+        raise _syntax_error(error, data, source) from error
+    except (QueryError, ValueError, OSError) as error:
+        raise DataError(str(error), source=source) from error
+
+
+def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
+    """Statements as RDF text in UTF-8, with the prefixes of the vocabulary.
+
+    Args:
+        quads: what to write; for turtle and ntriples their graphs are left out.
+        format: as for `parse_rdf`.
+    """
+    chosen = _FORMATS[format]
+    if chosen.supports_datasets:
+        statements = [_engine_quad(quad) for quad in quads]
+    else:
+        statements = [_engine_quad(quad).triple for quad in quads]
+    written = engine.serialize(statements, format=chosen, prefixes=dict(PREFIXES))
+    return cast(bytes, written)
+
+
+def _check_folder(folder: Path) -> bool:
+    if not folder.exists():
+        return False
+    if not folder.is_dir():
+        raise StoreError(f'"{folder}" is a file. A knowledge base is a folder.')
+    if (folder / _MARK).exists():
+        return True
+    if any(folder.iterdir()):
+        raise StoreError(
+            f'"{folder}" holds other files and no knowledge base. Name another folder.'
+        )
+    return False
+
+
+def _open_error(folder: Path, error: Exception) -> StoreError:
+    if isinstance(error, StoreError):
+        return error
+    if "lock" in str(error).lower():
+        return StoreError(
+            f'The knowledge base "{folder}" is in use by another process. Close that one first, '
+            "or name another folder."
+        )
+    if (folder / _MARK).exists():
+        return StoreError(
+            f'The knowledge base "{folder}" is damaged or cannot be read: {_short(error)} '
+            "Restore it from a backup or an export."
+        )
+    return StoreError(f'The knowledge base "{folder}" cannot be created: {_short(error)}')
+
+
+def _short(error: Exception) -> str:
+    text = getattr(error, "strerror", None) or str(error)
+    return text.strip().rstrip(".").splitlines()[0] + "."
+
+
+@contextmanager
+def _reported(location: str, text: str = "") -> Generator[None]:
+    """Turn the engine's errors into ours; `text` is the SPARQL that it was given."""
+    try:
+        yield
+    except (QueryError, StoreError):
+        raise
+    except (OSError, RuntimeError) as error:
+        raise StoreError(f'The knowledge base "{location}" failed: {_short(error)}') from error
+    except (SyntaxError, ValueError) as error:
+        raise QueryError(syntax_problem(str(error), text)) from error
+
+
+def _syntax_error(error: SyntaxError, data: bytes, source: str) -> DataError:
+    line, column = error.lineno or 0, error.offset or 0
+    problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
+    lines = data.splitlines()
+    text = lines[line - 1].decode("utf-8", "replace") if 0 < line <= len(lines) else ""
+    return DataError(
+        problem.rstrip(".") + ".", source=source, line=line, column=column, text=text[:500]
+    )
+
+
+def _term(term: Any) -> Term:
+    kind = type(term)
+    if kind is engine.NamedNode:
+        return Iri(term.value)
+    if kind is engine.Literal:
+        return literal(term.value, term.datatype.value, term.language or "")
+    if kind is engine.BlankNode:
+        return Iri(str(term))
+    raise QueryError("A statement about a statement (RDF 1.2) cannot be read as RDF 1.1.")
+
+
+def _quad(quad: engine.Quad) -> Quad:
+    graph = quad.graph_name
+    return Quad(
+        cast(Iri, _term(quad.subject)),
+        Iri(quad.predicate.value),
+        _term(quad.object),
+        None if isinstance(graph, engine.DefaultGraph) else cast(Iri, _term(graph)),
+    )
+
+
+def _engine_term(term: Term) -> engine.NamedNode | engine.Literal:
+    if isinstance(term, Iri):
+        return engine.NamedNode(term)
+    text, datatype, language = lexical(term)
+    if datatype == STRING:
+        return engine.Literal(text)
+    if datatype == LANGUAGE_TEXT and language:
+        return engine.Literal(text, language=language)
+    return engine.Literal(text, datatype=engine.NamedNode(datatype))
+
+
+def _engine_quad(quad: Quad) -> engine.Quad:
+    graph = engine.DefaultGraph() if quad.graph is None else engine.NamedNode(quad.graph)
+    return engine.Quad(
+        engine.NamedNode(quad.subject),
+        engine.NamedNode(quad.predicate),
+        _engine_term(quad.object),
+        graph,
+    )

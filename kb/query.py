@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The questions that the base answers, each a commented `.rq` file that anybody can run.
+
+The first comment line of a file is its question. A line `# ?name  kind  meaning` declares a
+parameter: the kind says how an argument given as text becomes a term (a kind of individual such
+as object, or text, integer, decimal, time). Unbound parameters ask for all.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from functools import lru_cache
+from pathlib import Path
+
+from ..ontology.errors import QueryError, UnknownNameError
+from ..ontology.vocabulary import KINDS, Iri, iri
+from .store import Bindings
+from .terms import Term, read_time
+
+QUERIES_FOLDER = Path(__file__).with_name("queries")
+
+_PARAMETER = re.compile(r"#\s*\?(\w+)\s+(\w+)\s+(.+)")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A variable of a named query that can be given a value.
+
+    Attributes:
+        name: the variable, without question mark.
+        kind: how a text becomes its value.
+        meaning: what it is, for the help.
+    """
+
+    name: str
+    kind: str
+    meaning: str
+
+    def value(self, text: str) -> Term:
+        """The term that an argument stands for.
+
+        Raises:
+            QueryError: the text is no value of this kind.
+        """
+        if self.kind in KINDS:
+            return iri(self.kind, text.removeprefix(f"{self.kind}/"))
+        try:
+            return _VALUES[self.kind](text)
+        except (ValueError, InvalidOperation) as error:
+            raise QueryError(f'"{text}" is no {self.kind}, as ?{self.name} must be.') from error
+
+
+@dataclass(frozen=True)
+class NamedQuery:
+    """A question with its text.
+
+    Attributes:
+        name: as `hilt query NAME` calls it.
+        question: one line that a person reads.
+        parameters: by name, in the order of the file.
+        text: the SPARQL.
+    """
+
+    name: str
+    question: str
+    parameters: Mapping[str, Parameter]
+    text: str
+
+    def bindings(self, arguments: Mapping[str, str]) -> Bindings:
+        """Values for the variables, from arguments given as texts.
+
+        Raises:
+            UnknownNameError: there is no such parameter.
+            QueryError: an argument is no value of its kind.
+        """
+        return {name: self._parameter(name).value(text) for name, text in arguments.items()}
+
+    def _parameter(self, name: str) -> Parameter:
+        if name not in self.parameters:
+            raise UnknownNameError("parameter", name, self.parameters)
+        return self.parameters[name]
+
+
+@lru_cache(maxsize=64)
+def named_query(name: str) -> NamedQuery:
+    """The query of a name.
+
+    Raises:
+        UnknownNameError: there is none; lists those there are.
+    """
+    if name not in query_names():
+        raise UnknownNameError("query", name, query_names())
+    text = (QUERIES_FOLDER / f"{name}.rq").read_text(encoding="utf-8")
+    comments = [line for line in text.splitlines() if line.startswith("#")]
+    found = (_PARAMETER.fullmatch(line) for line in comments)
+    parameters = {match[1]: Parameter(*match.groups()) for match in found if match}
+    return NamedQuery(name, comments[0].removeprefix("#").strip(), parameters, text)
+
+
+def query_names() -> tuple[str, ...]:
+    """The names of all queries, sorted."""
+    return tuple(sorted(path.stem for path in QUERIES_FOLDER.glob("*.rq")))
+
+
+def node_iri(node: str) -> Iri:
+    """The IRI of an action-tree node, from its key ("pass.graspObject")."""
+    return iri("node", node)
+
+
+_VALUES = {
+    "text": str,
+    "integer": int,
+    "decimal": Decimal,
+    "time": read_time,
+}

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the base knows: rules, the history, and how far speakers are trusted.
+
+`rules_of` is the hot question, asked at every step of every action; it starts from the edges of
+the given nodes, so its time depends on what it finds and not on the size of the base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import TypeAlias, cast
+
+from ..ontology.errors import UnknownNameError
+from ..ontology.vocabulary import Iri, iri, split, term
+from . import stars
+from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
+from .interval import Interval
+from .query import named_query, node_iri
+from .rule import Atom, Rule, Status
+from .sparql import bind
+from .stars import BELIEFS
+from .store import Store
+from .terms import Term
+
+BASE_NODE = Iri("https://w3id.org/hilt/base")
+BASE_GRAPH = iri("graph", "base")
+TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
+
+MAX_LISTED = 10  # rules that a message names
+
+# A rule's node, and what stands at it.
+Star: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
+
+
+class Recall:
+    """Reads the rules and the history of a store.
+
+    Attributes:
+        store: where they are kept.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+
+    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+        """The active rules that hang on action-tree nodes: the question asked at every step.
+
+        Args:
+            nodes: keys such as "pass.graspObject", "graspObject", "findObject.cutting".
+        """
+        if self.store.has_cheap_patterns:
+            found = list(self._hanging(nodes))
+        else:
+            found = self._asked("rules-of-node", node=[node_iri(node) for node in nodes])
+        return self.read_rules(sorted(found, key=lambda one: one[0]))
+
+    def rules(
+        self,
+        *,
+        object: str | None = None,  # noqa: A002 - the name that it has everywhere
+        affordance: str | None = None,
+        context: str | None = None,
+        part: str | None = None,
+        speaker: str | None = None,
+        status: Status | None = "active",
+    ) -> list[Rule]:
+        """All rules that match, in the order in which they were last told.
+
+        Args:
+            object: the object they are about.
+            affordance: what they say it is used for.
+            context: the action they are told for.
+            part: the part they say it is grasped by.
+            speaker: who told them.
+            status: active by default; None for every status.
+        """
+        wanted = [
+            (stars.STATUS, stars.status_iri(status) if status else None),
+            (stars.FEATURE, _atom_iri("object", object)),
+            (stars.AFFORDANCE, _atom_iri("affordance", affordance)),
+            (stars.CONTEXT, _atom_iri("action", context)),
+            (stars.PART, _atom_iri("part", part)),
+            (stars.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
+        ]
+        nodes = self.having([(key, value) for key, value in wanted if value is not None])
+        found = self.read_rules((node, self.star(node)) for node in nodes)
+        return sorted(found, key=lambda rule: (rule.utterance or 0, rule.id))
+
+    def rule(self, rule_id: str) -> Rule:
+        """The rule of an id, whatever its status.
+
+        Raises:
+            UnknownNameError: there is none.
+        """
+        node = stars.rule_iri(rule_id)
+        found = self.star(node)
+        if not found:
+            raise UnknownNameError("rule", rule_id, self._some_rule_ids())
+        return self.read_rules([(node, found)])[0]
+
+    def utterance(self, sequence: int) -> Utterance:
+        """The utterance of a number.
+
+        Raises:
+            UnknownNameError: there is none.
+        """
+        found = list(self.store.quads(utterance_iri(sequence), None, None, HISTORY))
+        if not found:
+            last = self.sequence
+            raise UnknownNameError("utterance", str(sequence), [f"1 to {last}"] if last else [])
+        return read_utterance((quad.predicate, quad.object) for quad in found)
+
+    def history(self, *, since: int = 0) -> Iterator[Utterance]:
+        """What was said after an utterance, in order."""
+        for number in range(since + 1, self.sequence + 1):
+            if any(self.store.quads(utterance_iri(number), None, None, HISTORY)):
+                yield self.utterance(number)
+
+    @property
+    def sequence(self) -> int:
+        """The number of the last utterance, 0 before the first: equal numbers, equal beliefs."""
+        for quad in self.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH):
+            return cast(int, quad.object)
+        return 0
+
+    def trust(self, speaker: str) -> Interval | None:
+        """How far a speaker is trusted; None when nobody said that the speaker is."""
+        found = {
+            quad.predicate: quad.object
+            for quad in self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
+        }
+        if TRUST_LOWER not in found:
+            return None
+        return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
+
+    def speakers(self) -> tuple[str, ...]:
+        """Who is trusted, at least a little; sorted."""
+        nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
+        names = sorted(split(node)[1] for node in nodes)
+        return tuple(name for name in names if (trust := self.trust(name)) and trust.upper > 0)
+
+    def _hanging(self, nodes: Sequence[str]) -> Iterator[Star]:
+        for node in dict.fromkeys(nodes):
+            for edge in self.store.quads(node_iri(node), stars.RULE, None, BELIEFS):
+                yield cast(Iri, edge.object), self.star(cast(Iri, edge.object))
+
+    def star(self, node: Iri) -> list[tuple[Iri, Term]]:
+        """Everything that stands at a rule's node."""
+        return [(q.predicate, q.object) for q in self.store.quads(node, None, None, BELIEFS)]
+
+    def _asked(self, name: str, **bindings: list[Iri]) -> list[Star]:
+        """The stars that a named query found, as (rule, property, value) rows."""
+        found: dict[Iri, dict[tuple[Iri, Term], None]] = {}
+        for node, key, value in self.store.select(bind(named_query(name).text, dict(bindings))):
+            found.setdefault(cast(Iri, node), {})[(cast(Iri, key), cast(Term, value))] = None
+        return [(node, list(properties)) for node, properties in found.items()]
+
+    def having(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
+        """The nodes of the rules that have all of these properties; of all when none are given."""
+        pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(stars.STATUS, None)]
+        return set.intersection(
+            *(
+                {quad.subject for quad in self.store.quads(None, key, value, BELIEFS)}
+                for key, value in pairs
+            )
+        )
+
+    def read_rules(self, found: Iterable[Star]) -> list[Rule]:
+        """The rules of stars, weighted by the trust in their speakers."""
+        rules = [stars.read_rule(properties) for _, properties in found]
+        trust = {speaker: self._weight(speaker) for speaker in {r.speaker for r in rules}}
+        return [
+            rule if trust[rule.speaker] == 1.0 else replace(rule, trust=trust[rule.speaker])
+            for rule in rules
+        ]
+
+    def _some_rule_ids(self) -> list[str]:
+        quads = self.store.quads(None, stars.STATUS, None, BELIEFS)
+        found = [stars.rule_id(quad.subject) for quad in islice(quads, MAX_LISTED + 1)]
+        return [*found[:MAX_LISTED], "..."] if len(found) > MAX_LISTED else found
+
+    def _weight(self, speaker: str) -> float:
+        trust = self.trust(speaker)
+        return trust.lower if trust else 0.0
+
+
+def _atom_iri(kind: str, name: str | None) -> Iri | None:
+    return stars.atom_iri(Atom(kind, name)) if name is not None else None

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SPARQL texts: giving values to variables, refusing what reaches outside, and telling mistakes.
+
+Values reach a query as terms in a `VALUES` block at the head of its WHERE group, written by
+`terms.as_sparql`; they are never pasted into the text. The scanner below knows just enough of
+SPARQL's lexical grammar (section 19.8 of the recommendation) to tell words from what stands in
+strings, IRIs and comments.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import cast
+
+from ..ontology.errors import QueryError
+from ..ontology.vocabulary import PREFIXES, Iri
+from .store import Bindings
+from .terms import Quad, Term, as_sparql
+
+# What makes the engine fetch something from elsewhere.
+REACHING_OUT = frozenset({"SERVICE", "LOAD"})
+FORMS = ("SELECT", "ASK", "CONSTRUCT", "DESCRIBE")
+_UNHELPFUL = frozenset({"LATERAL", "SERVICE", "LOAD"})  # what the engine knows and we refuse
+MAX_HINTS = 6  # alternatives that a message names
+
+_TOKEN = re.compile(
+    r"""
+    (?P<comment>\#[^\n\r]*)
+  | (?P<string>\"{3}(?:(?:\"|\"\")?(?:[^\"\\]|\\.))*\"{3}|'{3}(?:(?:'|'')?(?:[^'\\]|\\.))*'{3}
+             |\"(?:[^\"\\\n\r]|\\.)*\"|'(?:[^'\\\n\r]|\\.)*')
+  | (?P<iri><[^\x00-\x20<>\"{}|^`\\]*>)
+  | (?P<variable>[?$]\w+)
+  | (?P<tag>@[A-Za-z][A-Za-z0-9-]*)
+  | (?P<pname>(?:[^\W\d_][\w.-]*)?:(?:[\w:.-]|%[0-9A-Fa-f]{2}|\\[_~.!$&'()*+,;=/?\#@%-])*)
+  | (?P<word>\w+)
+  | (?P<mark>\S)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_CODE_POINT = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
+_POSITION = re.compile(r"error at (\d+):(\d+): expected (?:one of )?(.*)", re.DOTALL)
+_HINT = re.compile(r'[A-Z]{2,}|"(?:\\"|[^"\w])+"')
+
+
+def bind(query: str, bindings: Bindings) -> str:
+    """The query with values for some of its variables; several values are alternatives.
+
+    Raises:
+        QueryError: it has no WHERE group, or a value is no term.
+    """
+    if not bindings:
+        return query
+    place = _where_group(query)
+    blocks = " ".join(_values(name, _as_list(value)) for name, value in bindings.items())
+    return f"{query[:place]} {blocks}{query[place:]}"
+
+
+def refuse_outside(text: str) -> None:
+    """Refuse a query or update that would read from the network or from files.
+
+    Raises:
+        QueryError: it says SERVICE or LOAD, in any spelling.
+    """
+    for version in {text, _CODE_POINT.sub(_decoded, text)}:
+        for token in _tokens(version):
+            if token.lastgroup == "word" and token.group().upper() in REACHING_OUT:
+                raise QueryError(
+                    f"{token.group().upper()} is refused: a query reads this knowledge base and "
+                    "nothing else. Import the data first."
+                )
+
+
+def form(query: str) -> str:
+    """SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
+    words = (token.group().upper() for token in _tokens(query) if token.lastgroup == "word")
+    return next((word for word in words if word in FORMS), "")
+
+
+def syntax_problem(message: str, text: str) -> str:
+    """What is wrong with a text that the engine could not parse, in one line."""
+    undeclared = _undeclared_prefix(text)
+    if undeclared:
+        return f'The prefix "{undeclared}:" is not declared.'
+    match = _POSITION.search(message)
+    if not match:
+        return f"The query is wrong: {message.strip().splitlines()[0]}"
+    line, column = int(match.group(1)), int(match.group(2))
+    lines = text.splitlines() or [""]
+    there = lines[line - 1][column - 1 :].strip() if line <= len(lines) else ""
+    found = f'found "{there[:30]}"' if there else "the query ends too early"
+    hints = [
+        hint for hint in dict.fromkeys(_HINT.findall(match.group(3))) if hint not in _UNHELPFUL
+    ]
+    expected = f"; expected {', '.join(hints[:MAX_HINTS])} or the like" if hints else ""
+    return f"The query is wrong at line {line}, column {column}: {found}{expected}."
+
+
+def insert_data(quads: Sequence[Quad]) -> str:
+    """The update that inserts statements."""
+    return f"INSERT DATA {{ {_blocks(quads)} }}"
+
+
+def delete_insert(delete: Sequence[Quad], insert: Sequence[Quad]) -> str:
+    """The one update operation that deletes statements and inserts others."""
+    # One operation, because `op ; op` is not atomic everywhere; a WHERE that is not empty,
+    # because some engines take an empty one for no solution.
+    gone, new = _blocks(delete), _blocks(insert)
+    return f"DELETE {{ {gone} }} INSERT {{ {new} }} WHERE {{ VALUES ?once {{ 1 }} }}"  # noqa: S608
+
+
+def _blocks(quads: Iterable[Quad]) -> str:
+    by_graph = sorted(quads, key=lambda quad: quad.graph or "")
+    return " ".join(
+        _block(graph, list(statements))
+        for graph, statements in groupby(by_graph, key=lambda quad: quad.graph)
+    )
+
+
+def _block(graph: Iri | None, quads: Sequence[Quad]) -> str:
+    lines = "\n".join(" ".join(map(as_sparql, quad[:3])) + " ." for quad in quads)
+    return lines if graph is None else f"GRAPH {as_sparql(graph)} {{ {lines} }}"
+
+
+def _values(name: str, terms: Sequence[Term]) -> str:
+    if not re.fullmatch(r"\w+", name):
+        raise QueryError(f'"{name}" is no name of a variable.')
+    try:
+        return f"VALUES ?{name} {{ {' '.join(map(as_sparql, terms))} }}"
+    except ValueError as error:
+        raise QueryError(f"The value for ?{name} is wrong: {error}") from error
+
+
+def _as_list(value: Term | Sequence[Term]) -> Sequence[Term]:
+    is_many = isinstance(value, (list, tuple))
+    return value if is_many else [cast("Term", value)]
+
+
+def _where_group(query: str) -> int:
+    """The place behind the brace that opens the outermost WHERE group."""
+    depth, parentheses, before, is_template = 0, 0, "", False
+    for token in _tokens(query):
+        text = token.group()
+        parentheses += (text == "(") - (text == ")")
+        if text == "{":
+            if depth == 0 and parentheses == 0:
+                is_template = before == "CONSTRUCT"
+                if not is_template:
+                    return token.end()
+            depth += 1
+        depth -= text == "}"
+        before = text.upper()
+    raise QueryError("The query has no WHERE group, so its variables cannot be given values.")
+
+
+def _tokens(text: str) -> Iterator[re.Match[str]]:
+    return (match for match in _TOKEN.finditer(text) if match.lastgroup != "comment")
+
+
+def _undeclared_prefix(text: str) -> str | None:
+    known, declares = set(PREFIXES), False
+    for token in _tokens(text):
+        if token.lastgroup == "pname":
+            prefix = token.group().partition(":")[0]
+            if declares:
+                known.add(prefix)
+            elif prefix not in known:
+                return prefix
+        declares = token.lastgroup == "word" and token.group().upper() == "PREFIX"
+    return None
+
+
+def _decoded(match: re.Match[str]) -> str:
+    code = int(match.group(1) or match.group(2), 16)
+    return chr(code) if code <= 0x10FFFF else ""
