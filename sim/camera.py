@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cameras: from where they look, what they deliver, and the points in the world behind the pixels.
+
+Pinhole cameras after OpenGL: the camera looks along its -z axis, x goes right and y up; pixel rows
+count from the top. A `View` is what one camera delivers at one moment: colours, depths in [m] and,
+as the simulator's stand-in for a perfect detector, which link every pixel shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import radians, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import poses
+from .engine import Engine
+from .poses import Array
+from .readings import Light
+
+NEAR, FAR = 0.05, 6.0  # [m], what a camera can see at all
+VISION_LIGHT = Light(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
+
+_WATCHED = (0.49, 0.0, 0.03)  # [m], the middle of where objects stand
+_EYES = (
+    (1.12, -0.55, 0.72),
+    (1.12, 0.55, 0.72),
+    (0.30, -0.82, 0.70),
+    (0.30, 0.82, 0.70),
+)  # [m], round the table, two of them facing the robot
+
+
+@dataclass(frozen=True)
+class Camera:
+    """One camera.
+
+    Attributes:
+        name: to tell it from others.
+        eye: where it is [m].
+        target: what it looks at [m].
+        field: angle of view from bottom to top [rad].
+        width: of the image in pixels.
+        height: of the image in pixels.
+    """
+
+    name: str
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    field: float = radians(46)
+    width: int = 640
+    height: int = 480
+
+    @cached_property
+    def world_from_camera(self) -> Array:
+        """The pose of the camera (4, 4); upright unless it looks straight down."""
+        ahead = np.subtract(self.target, self.eye)
+        ahead = ahead / np.linalg.norm(ahead)
+        up = np.array([0.0, 0.0, 1.0]) if abs(ahead[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
+        right = np.cross(ahead, up)
+        right /= np.linalg.norm(right)
+        return poses.pose(np.column_stack([right, np.cross(right, ahead), -ahead]), self.eye)
+
+    @cached_property
+    def projection(self) -> Array:
+        """The OpenGL projection matrix (4, 4)."""
+        focal = 1 / tan(self.field / 2)
+        depth, product = NEAR - FAR, NEAR * FAR
+        return np.array(
+            [
+                [focal * self.height / self.width, 0, 0, 0],
+                [0, focal, 0, 0],
+                [0, 0, (FAR + NEAR) / depth, 2 * product / depth],
+                [0, 0, -1, 0],
+            ]
+        )
+
+    @property
+    def focal(self) -> float:
+        """The focal length in pixels."""
+        return self.height / 2 / tan(self.field / 2)
+
+    def pixels(self, points: Array) -> Array:
+        """Where points (n, 3) of the world appear: column, row (n, 2); NaN behind the camera."""
+        seen = poses.transform(poses.inverse(self.world_from_camera), points)
+        ahead = np.where(seen[:, 2] < -NEAR, -seen[:, 2], np.nan)
+        column = self.width / 2 + self.focal * seen[:, 0] / ahead
+        row = self.height / 2 - self.focal * seen[:, 1] / ahead
+        return np.column_stack([column, row])
+
+    def look(self, engine: Engine, *, light: Light = VISION_LIGHT) -> View:
+        """What it sees now."""
+        view = poses.inverse(self.world_from_camera)
+        image = engine.render(view, self.projection, self.width, self.height, light=light)
+        depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
+        return View(self, image.colour, depth, image.labels, image.names)
+
+
+@dataclass(frozen=True)
+class View:
+    """What one camera saw at one moment.
+
+    Attributes:
+        camera: which one.
+        colour: (height, width, 3) uint8.
+        depth: distance along the line of sight's z axis, (height, width) [m].
+        labels: (height, width) int32; what each pixel shows.
+        names: label -> (body, link); pixels of nothing have a label that is not in here.
+    """
+
+    camera: Camera
+    colour: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    labels: NDArray[np.int32]
+    names: Mapping[int, tuple[str, str]]
+
+    def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
+        """Which pixels show a body, or one of its links, (height, width)."""
+        wanted = [
+            label
+            for label, (each, part) in self.names.items()
+            if each == body and link in {None, part}
+        ]
+        return np.isin(self.labels, wanted)
+
+    def points(self, mask: NDArray[np.bool_]) -> Array:
+        """The points in the world behind the pixels of a mask (n, 3) [m]."""
+        rows, columns = np.nonzero(mask)
+        camera = self.camera
+        depth = self.depth[rows, columns].astype(np.float64)
+        across = (columns + 0.5 - camera.width / 2) / camera.focal
+        upwards = (camera.height / 2 - rows - 0.5) / camera.focal
+        seen = np.column_stack([across * depth, upwards * depth, -depth])
+        return poses.transform(camera.world_from_camera, seen)
+
+
+def cameras_round_table(*, width: int = 640, height: int = 480) -> tuple[Camera, ...]:
+    """The cameras that vision uses: four round the table."""
+    return tuple(
+        Camera(f"camera {i + 1}", eye, _WATCHED, width=width, height=height)
+        for i, eye in enumerate(_EYES)
+    )
