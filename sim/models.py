@@ -16,16 +16,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from ..ontology.objects import ObjectType, PartType
 from ..ontology.solids import Colour, MeshFile
+from . import poses
 from .poses import Array
 
-_CORNERS_FILE = "corners.npz"
+if TYPE_CHECKING:
+    from .shapes import Shape
+
+_NUMBERS_FILE = "numbers.npz"
 _URDF_FILE = "model.urdf"
+_ELEVATION = np.radians(40)  # of a camera above the table
+_DIRECTIONS = 8  # of equal distance round the object
+_CELL = 0.0015  # [m], small against any part
+_MOST_POINTS = 300_000  # enough for all that fits into a hand
+# A link without any visual would be drawn by what is felt of it; a speck keeps it unseen.
+_SPECK = "    <visual><geometry><box size='1e-5 1e-5 1e-5'/></geometry></visual>"
 _SOURCES = ("convex.py", "meshes.py", "models.py", "poses.py", "shapes.py")
 
 
@@ -37,11 +48,13 @@ class Model:
         kind: the object type.
         urdf: its description, with meshes beside it.
         corners: part -> corners of all its convex pieces (n, 3), in the object's frame [m].
+        silhouette: the area that it shows to a camera above the table, on average [m^2].
     """
 
     kind: ObjectType
     urdf: Path
     corners: Mapping[str, Array]
+    silhouette: float
 
     @property
     def points(self) -> Array:
@@ -68,9 +81,10 @@ def model_of(kind: ObjectType, *, cache: Path | None = None) -> Model:
     folder = (cache or cache_folder()) / f"{kind.name.replace(' ', '_')}-{_digest(kind)}"
     if not folder.is_dir():
         _publish(kind, folder)
-    with np.load(folder / _CORNERS_FILE) as kept:
-        corners = {name: kept[name] for name in kind.parts}
-    return Model(kind, folder / _URDF_FILE, corners)
+    with np.load(folder / _NUMBERS_FILE) as kept:
+        corners = {name: kept[f"part{i}"] for i, name in enumerate(kind.parts)}
+        silhouette = float(kept["silhouette"])
+    return Model(kind, folder / _URDF_FILE, corners, silhouette)
 
 
 def _digest(kind: ObjectType) -> str:
@@ -98,7 +112,13 @@ def _publish(kind: ObjectType, folder: Path) -> None:
 
 def write_model(kind: ObjectType, folder: Path) -> None:
     """Build a model and write its files into a folder."""
-    links = [_write_link(part, f"part{i}", folder) for i, part in enumerate(kind.parts.values())]
+    from . import shapes  # scipy's geometry costs 0.2 s: only when building
+
+    built = {name: [shapes.build(s) for s in part.shape] for name, part in kind.parts.items()}
+    parts = kind.parts.values()
+    links = [
+        _write_link(part, built[part.name], f"part{i}", folder) for i, part in enumerate(parts)
+    ]
     first, *others = kind.parts
     joints = [
         f"  <joint name={quoteattr(f'{first} to {name}')} type='fixed'>"
@@ -106,17 +126,54 @@ def write_model(kind: ObjectType, folder: Path) -> None:
         for name in others
     ]
     lines = ["<?xml version='1.0'?>", f"<robot name={quoteattr(kind.name)}>"]
-    lines += [link for link, _ in links] + joints + ["</robot>", ""]
+    lines += [*links, *joints, "</robot>", ""]
     (folder / _URDF_FILE).write_text("\n".join(lines), encoding="utf-8")
-    corners = {name: points for name, (_, points) in zip(kind.parts, links, strict=True)}
-    np.savez_compressed(folder / _CORNERS_FILE, allow_pickle=False, **corners)
+    _write_numbers(kind, built, folder)
 
 
-def _write_link(part: PartType, stem: str, folder: Path) -> tuple[str, Array]:
-    """Write the meshes of one part; its URDF link and the corners of its pieces."""
-    from . import convex, meshes, shapes  # scipy's geometry costs 0.2 s: only when building
+def _write_numbers(kind: ObjectType, built: Mapping[str, Sequence[Shape]], folder: Path) -> None:
+    rest = poses.rotation_from_rpy(*kind.rests[0].turn)
+    surfaces = [each.surface for shapes in built.values() for each in shapes if each.surface]
+    numbers = {
+        f"part{i}": np.vstack([piece for shape in shapes for piece in shape.pieces])
+        for i, shapes in enumerate(built.values())
+    }
+    numbers["silhouette"] = np.array(
+        _mean_silhouette([m.vertices[m.faces] @ rest.T for m in surfaces])
+    )
+    np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
-    built = [shapes.build(solid) for solid in part.shape]
+
+def _mean_silhouette(surfaces: Sequence[Array]) -> float:
+    """The area that triangles (n, 3, 3) show, on average over directions from above [m^2]."""
+    if not surfaces:
+        return 0.0
+    points = _spread_points(np.vstack(surfaces))
+    areas: list[float] = []
+    for azimuth in np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS:
+        ahead = poses.rotation_from_rpy(0, _ELEVATION - np.pi / 2, azimuth)
+        cells = np.floor((points @ ahead)[:, :2] / _CELL).astype(np.int64)
+        areas.append(len(np.unique(cells, axis=0)) * _CELL**2)
+    return float(np.mean(areas))
+
+
+def _spread_points(triangles: Array) -> Array:
+    """Points (n, 3) all over triangles, about ten for each cell that they cover."""
+    sides = triangles[:, 1:] - triangles[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    count = min(int(10 * areas.sum() / _CELL**2), _MOST_POINTS)
+    rng = np.random.default_rng(0)  # the points only stand for the surface: any will do
+    chosen = rng.choice(len(triangles), count, p=areas / areas.sum())
+    shares = rng.random((count, 2))
+    beyond = shares.sum(axis=1) > 1
+    shares[beyond] = 1 - shares[beyond]
+    return triangles[chosen, 0] + np.einsum("ns,nsc->nc", shares, sides[chosen])
+
+
+def _write_link(part: PartType, built: Sequence[Shape], stem: str, folder: Path) -> str:
+    """Write the meshes of one part; its URDF link."""
+    from . import convex, meshes
+
     pieces = [piece for shape in built for piece in shape.pieces]
     shrunk = [convex.hull(convex.shrink(piece, convex.MARGIN)) for piece in pieces]
     (folder / f"{stem}_felt.obj").write_text(meshes.grouped_obj(shrunk), encoding="ascii")
@@ -131,11 +188,11 @@ def _write_link(part: PartType, stem: str, folder: Path) -> tuple[str, Array]:
         f"  <link name={quoteattr(part.name)}>",
         f"    <contact><lateral_friction value='{part.material.friction:g}'/></contact>",
         _inertial(part.mass, centre, inertia),
-        *visuals,
+        *(visuals or [_SPECK]),
         f"    <collision><geometry><mesh filename='{stem}_felt.obj'/></geometry></collision>",
         "  </link>",
     ]
-    return "\n".join(lines), np.vstack(pieces)
+    return "\n".join(lines)
 
 
 def _visual(part: PartType, file: str, colour: Colour, name: str) -> str:

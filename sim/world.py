@@ -25,7 +25,6 @@ from .scene import Scene
 FLOOR, TABLE = "floor", "table"
 FLOOR_HEIGHT = -0.72  # [m], where the legs of the table end
 TABLE_CENTRE = (0.40, 0.0, 0.0)  # [m], so that the robot stands on the table near its edge
-INVISIBLE = (1.0, 1.0, 1.0, 0.0)
 SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists turning
 ROLLING_FRICTION = 0.0003  # [m]; lets round things come to rest
 
@@ -84,7 +83,6 @@ class World:
     def _furnish(self) -> None:
         floor = poses.translation(0, 0, FLOOR_HEIGHT)
         self.engine.load(FLOOR, self.models[FLOOR].urdf, floor, fixed=True)
-        self.engine.paint(FLOOR, None, INVISIBLE)  # what is felt only would be drawn all the same
         self.engine.load(
             TABLE, self.models[TABLE].urdf, poses.translation(*TABLE_CENTRE), fixed=True
         )

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Vision: percepts from camera images, for exactly the features asked for.
+
+Cameras deliver colours, depths and a mask that says which part each pixel shows (a perfect
+detector). An object is searched for only when one of the features names its type, one of its parts
+or one of its properties: attention goes from the rules down to the eyes. How sure a percept is
+follows from how much of the object is in sight, against what is to be expected of its kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..ontology.objects import ObjectType
+from .camera import Camera, View, cameras_round_table
+from .engine import Engine
+from .models import Model
+from .percept import PartPercept, Percept
+from .poses import Array
+
+SURE = 0.95  # confidence in an object in full sight; even then it may be a good likeness
+FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views differ that much
+LEAST_PIXELS = 40  # fewer are not taken for anything
+CLOUD_SPACING = 0.0012  # [m], one point is kept of each cube of this size
+OBSTACLE_SPACING = 0.004  # [m]
+
+
+@dataclass(frozen=True)
+class Vision:
+    """The eyes round the table.
+
+    Attributes:
+        engine: where the world is.
+        kinds: name of each object that may be in sight -> its type.
+        models: type -> its model, for the silhouette to be expected.
+        cameras: the eyes.
+    """
+
+    engine: Engine
+    kinds: Mapping[str, ObjectType]
+    models: Mapping[str, Model]
+    cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
+
+    def look(self) -> tuple[View, ...]:
+        """What all cameras see now."""
+        return tuple(camera.look(self.engine) for camera in self.cameras)
+
+    def search(
+        self, features: Iterable[str], *, views: Sequence[View] | None = None
+    ) -> tuple[Percept, ...]:
+        """The objects in sight that have one of the features, the surest first.
+
+        Args:
+            features: "object:knife", "part:blade", "property:sharp", ...; others are not visible.
+            views: what to search in; a new look when None.
+        """
+        wanted = frozenset(features)
+        names = [name for name, kind in self.kinds.items() if wanted & visible_features(kind)]
+        if not names:
+            return ()
+        seen = self.look() if views is None else views
+        found = (
+            perceive(seen, name, self.kinds[name], self.models[self.kinds[name].name].silhouette)
+            for name in names
+        )
+        percepts = [percept for percept in found if percept is not None]
+        return tuple(sorted(percepts, key=lambda percept: -percept.confidence))
+
+    def obstacles(self, besides: str | None, *, views: Sequence[View] | None = None) -> Array:
+        """Points on all other objects in sight (n, 3), in the world [m].
+
+        Args:
+            besides: name of the object that is not in the way.
+            views: what to search in; a new look when None.
+        """
+        others = [name for name in self.kinds if name != besides]
+        seen = self.look() if views is None else views
+        clouds = [view.points(view.mask(name)) for view in seen for name in others]
+        return thinned(np.vstack([np.empty((0, 3)), *clouds]), OBSTACLE_SPACING)
+
+
+def visible_features(kind: ObjectType) -> frozenset[str]:
+    """The features by which a type can be searched for."""
+    parts = kind.parts.values()
+    properties = kind.properties.union(*(part.properties for part in parts))
+    return frozenset(
+        {f"object:{kind.name}"}
+        | {f"part:{part.name}" for part in parts}
+        | {f"property:{word}" for word in properties}
+    )
+
+
+def perceive(
+    views: Sequence[View], name: str, kind: ObjectType, silhouette: float
+) -> Percept | None:
+    """What some views show of one object; None when that is next to nothing.
+
+    Args:
+        views: of all cameras at one moment.
+        name: of the object.
+        kind: its type.
+        silhouette: the area that it usually shows to a camera [m^2].
+    """
+    parts = [_perceive_part(views, name, part) for part in kind.parts]
+    seen = {part.name: part for part in parts if part.pixels}
+    if sum(part.pixels for part in parts) < LEAST_PIXELS:
+        return None
+    share = max(_shown_area(view, name) for view in views) / silhouette
+    return Percept(name, kind.name, SURE * min(1.0, share / FULL_SIGHT), seen, kind.properties)
+
+
+def _perceive_part(views: Sequence[View], name: str, part: str) -> PartPercept:
+    clouds = [view.points(view.mask(name, part)) for view in views]
+    cloud = np.vstack([np.empty((0, 3)), *clouds])
+    return PartPercept(part, thinned(cloud, CLOUD_SPACING), len(cloud))
+
+
+def _shown_area(view: View, name: str) -> float:
+    """The area of an object's silhouette in a view, at the distance where it is [m^2]."""
+    depths = view.depth[view.mask(name)].astype(np.float64)
+    return float(((depths / view.camera.focal) ** 2).sum())
+
+
+def thinned(cloud: Array, spacing: float) -> Array:
+    """One point of a cloud (n, 3) in each cube of `spacing` [m], in a fixed order."""
+    cubes = np.floor(cloud / spacing).astype(np.int64)
+    _, first = np.unique(cubes, axis=0, return_index=True)
+    return cloud[np.sort(first)]
