@@ -488,6 +488,34 @@ class Engine:
         for each in self.links(body) if link is None else (link,):
             self._call("changeVisualShape", *self._link(body, each), rgbaColor=list(colour))
 
+    @contextmanager
+    def tinted(
+        self, body: str, link: str, colour: Sequence[float], *, share: float = 0.6
+    ) -> Generator[None]:
+        """Inside this block a link is tinted.
+
+        Args:
+            body: whose link.
+            link: which one.
+            colour: red, green, blue in [0, 1].
+            share: of the tint in what is seen, in [0, 1].
+        """
+        number, index = self._link(body, link)
+        shapes = [s for s in self._call("getVisualShapeData", number) if s[1] == index]
+        own = [np.array(shape[7]) for shape in shapes]
+        tint = np.array([*colour[:3], 1.0])
+        try:
+            self._recolour(number, index, [(1 - share) * each + share * tint for each in own])
+            yield
+        finally:
+            self._recolour(number, index, own)
+
+    def _recolour(self, number: int, index: int, colours: Sequence[Array]) -> None:
+        for shape, colour in enumerate(colours):
+            self._call(
+                "changeVisualShape", number, index, shapeIndex=shape, rgbaColor=colour.tolist()
+            )
+
 
 def _pose(position: Sequence[float], quaternion: Sequence[float]) -> Array:
     """The pose at a position, turned by a unit quaternion in PyBullet's order x, y, z, w."""

@@ -9,21 +9,22 @@ model at the same time cannot spoil each other's files.
 
 from __future__ import annotations
 
-import os
+import re
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from ..ontology.errors import SimulationError
 from ..ontology.objects import ObjectType, PartType
 from ..ontology.solids import Colour, MeshFile
 from . import poses
+from .cache import cache_folder, content_key
 from .poses import Array
 
 if TYPE_CHECKING:
@@ -62,15 +63,6 @@ class Model:
         return np.vstack(list(self.corners.values()))
 
 
-def cache_folder() -> Path:
-    """Where models are kept: HILT_CACHE, or a folder in the user's cache directory."""
-    chosen = os.environ.get("HILT_CACHE")
-    if chosen:
-        return Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    return (Path(base) if base else Path.home() / ".cache") / "hilt"
-
-
 def model_of(kind: ObjectType, *, cache: Path | None = None) -> Model:
     """The model of an object type, built when it is not kept yet.
 
@@ -78,7 +70,7 @@ def model_of(kind: ObjectType, *, cache: Path | None = None) -> Model:
         kind: the object type.
         cache: folder where models are kept; `cache_folder()` when None.
     """
-    folder = (cache or cache_folder()) / f"{kind.name.replace(' ', '_')}-{_digest(kind)}"
+    folder = (cache or cache_folder()) / "objects" / f"{_stem(kind.name)}-{_key(kind)}"
     if not folder.is_dir():
         _publish(kind, folder)
     with np.load(folder / _NUMBERS_FILE) as kept:
@@ -87,27 +79,43 @@ def model_of(kind: ObjectType, *, cache: Path | None = None) -> Model:
     return Model(kind, folder / _URDF_FILE, corners, silhouette)
 
 
-def _digest(kind: ObjectType) -> str:
+def _stem(name: str) -> str:
+    """A name as it may stand in a path: what a user calls an object need not be a file name."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", name)
+
+
+def _key(kind: ObjectType) -> str:
     here = Path(__file__).parent
-    ingredients = [repr(kind.parts).encode(), *((here / name).read_bytes() for name in _SOURCES)]
-    for part in kind.parts.values():
-        files = (solid.form.path for solid in part.shape if isinstance(solid.form, MeshFile))
-        ingredients += [file.read_bytes() for file in files]
-    return sha256(b"\0".join(ingredients)).hexdigest()[:16]
+    files = (
+        s.form.path for p in kind.parts.values() for s in p.shape if isinstance(s.form, MeshFile)
+    )
+    sources = [here / name for name in _SOURCES]
+    what = repr((kind.parts, kind.rests)).encode()
+    return content_key(what, *(path.read_bytes() for path in (*sources, *files)))
 
 
 def _publish(kind: ObjectType, folder: Path) -> None:
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(prefix=".draft-", dir=folder.parent))
     try:
-        write_model(kind, draft)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(prefix=".draft-", dir=folder.parent))
         try:
-            draft.rename(folder)
-        except OSError:
-            if not folder.is_dir():  # else another process was first: its files are the same
-                raise
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
+            write_model(kind, draft)
+            _rename(draft, folder)
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
+    except OSError as error:
+        raise SimulationError(
+            f"The cache {folder.parent} cannot be written: {error.strerror}. "
+            "Set HILT_CACHE to a folder that can."
+        ) from error
+
+
+def _rename(draft: Path, folder: Path) -> None:
+    try:
+        draft.rename(folder)
+    except OSError:
+        if not folder.is_dir():  # else another process was first: its files are the same
+            raise
 
 
 def write_model(kind: ObjectType, folder: Path) -> None:

@@ -9,10 +9,12 @@ texture in the simulator they would slow every look of the robot.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import radians
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +28,7 @@ from .readings import Light
 Picture = NDArray[np.uint8]
 
 PICTURE_LIGHT = Light(direction=(0.5, -0.9, 1.6), shadow=True)
-SUPERSAMPLING = 2
+SUPERSAMPLING = 2.0
 TABLE_TOP = ("table", "top")
 BOARD_WIDTH = 0.16  # [m]
 SEAM = 0.0018  # [m], half the width of the dark line between two boards
@@ -46,7 +48,7 @@ def take_picture(
     camera: Camera = OVERVIEW,
     *,
     light: Light = PICTURE_LIGHT,
-    smooth: bool = True,
+    smoothing: float = SUPERSAMPLING,
     wood: tuple[str, str] = TABLE_TOP,
 ) -> Picture:
     """A picture of the world as it is now, (height, width, 3).
@@ -55,11 +57,12 @@ def take_picture(
         engine: where the world is.
         camera: from where.
         light: how it is lit.
-        smooth: whether to supersample, at four times the cost.
+        smoothing: how many times as large it is rendered; 1 is fastest and has jagged edges.
         wood: the body and link that is drawn as boards.
     """
-    factor = SUPERSAMPLING if smooth else 1
-    large = replace(camera, width=camera.width * factor, height=camera.height * factor)
+    large = replace(
+        camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)
+    )
     view = large.look(engine, light=light)
     known = np.fromiter(view.names, dtype=np.int32)
     shown = np.isin(view.labels, known)
@@ -67,7 +70,7 @@ def take_picture(
     table = view.mask(*wood) if wood[0] in engine.bodies else np.zeros_like(shown)
     picture[table] *= _grain(view.points(table)[:, :2])
     picture = np.clip(picture, 0, 255).astype(np.uint8)
-    return _reduced(picture, camera) if smooth else picture
+    return picture if smoothing == 1 else _reduced(picture, camera)
 
 
 def _grain(places: Array) -> Array:
@@ -99,6 +102,40 @@ def save_picture(picture: Picture, path: Path) -> None:
     """Write a picture; the ending of the path names the format (PNG, JPEG, ...)."""
     path.parent.mkdir(parents=True, exist_ok=True)
     _pillow().fromarray(picture).save(path)
+
+
+def captioned(picture: Picture, text: str) -> Picture:
+    """The picture with a line of text on a light bar at its lower edge."""
+    height, width = picture.shape[:2]
+    size = max(12, round(height / 24))
+    image = _pillow().fromarray(picture).convert("RGBA")
+    bar = _pillow().new("RGBA", image.size, (0, 0, 0, 0))
+    draw, font = _drawing(bar, size)
+    lines = _wrapped(text, lambda line: float(draw.textlength(line, font=font)), width - 2 * size)
+    top = height - round(size * (1.35 * len(lines) + 0.8))
+    draw.rectangle((0, top, width, height), fill=(252, 250, 246, 225))
+    for number, line in enumerate(lines):
+        at = (size, top + round(size * (0.3 + 1.35 * number)))
+        draw.text(at, line, font=font, fill=(52, 44, 38, 255))
+    return np.asarray(_pillow().alpha_composite(image, bar).convert("RGB"))
+
+
+def _drawing(image: Any, size: int) -> tuple[Any, Any]:
+    from PIL import ImageDraw, ImageFont
+
+    return ImageDraw.Draw(image), ImageFont.load_default(size)
+
+
+def _wrapped(text: str, length: Callable[[str], float], width: float) -> list[str]:
+    """The text in lines that are no longer than `width`, in pixels."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if length(longer) <= width or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
 
 
 def _pillow() -> ModuleType:

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings: what happens in a world as an animation or a strip of pictures.
+
+A `Recorder` watches a world while its `with` block runs and takes a picture every so often; the
+ending of the file decides what becomes of them: GIF and MP4 move, PNG shows some moments side by
+side. A world that nobody watches does not even ask whether it should take pictures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from ..ontology.errors import DataError, MissingExtraError
+from .camera import Camera
+from .engine import TIME_STEP
+from .pictures import OVERVIEW, Picture, captioned, save_picture, take_picture
+from .world import World
+
+ENDINGS = (".gif", ".mp4", ".png")
+RECORDING_CAMERA = replace(OVERVIEW, width=480, height=360)
+RATE = 10  # pictures a second of the recording
+PACE = 1.5  # seconds of the world in one second of the recording
+SMOOTHING = 1.5  # twice would cost half a second a picture
+HOLD = 1.2  # [s], how long an animation rests on its last picture
+COLOURS = 192  # of a GIF; the rest of its 256 would not be noticed
+STRIP_COLUMNS, STRIP_ROWS = 4, 2
+
+
+class Recorder:
+    """Records a world into one file.
+
+    Args:
+        world: what is watched.
+        path: the file; its ending is .gif, .mp4 or .png.
+        camera: from where.
+        rate: pictures a second of the recording.
+        pace: how much faster than the world the recording runs.
+
+    Attributes:
+        caption: what stands below the pictures from now on; nothing when empty.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        path: Path,
+        *,
+        camera: Camera = RECORDING_CAMERA,
+        rate: float = RATE,
+        pace: float = PACE,
+    ) -> None:
+        if path.suffix.lower() not in ENDINGS:
+            expected = ", ".join(ENDINGS)
+            raise DataError(f"expected a file ending in {expected}.", source=str(path))
+        self.caption = ""
+        self._world, self._path, self._camera, self._rate = world, path, camera, rate
+        self._interval = max(1, round(pace / rate / TIME_STEP))  # steps
+        self._waiting = 0
+        self._pictures: list[Picture] = []
+
+    def __enter__(self) -> Recorder:
+        self._world.watcher = self._watch
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._world.watcher = None
+        if error is None:
+            self.take()
+            self._write()
+
+    def _watch(self) -> None:
+        if self._waiting == 0:
+            self.take()
+            self._waiting = self._interval
+        self._waiting -= 1
+
+    def take(self) -> None:
+        """Take one picture now."""
+        picture = take_picture(self._world.engine, self._camera, smoothing=SMOOTHING)
+        self._pictures.append(captioned(picture, self.caption) if self.caption else picture)
+
+    def _write(self) -> None:
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        ending = self._path.suffix.lower()
+        if ending == ".png":
+            save_picture(strip(self._pictures), self._path)
+        elif ending == ".gif":
+            _write_gif(self._pictures, self._path, self._rate)
+        else:
+            _write_mp4(self._pictures, self._path, self._rate)
+
+
+def strip(pictures: list[Picture]) -> Picture:
+    """Some of the pictures, evenly spaced in time, row by row in one."""
+    wanted = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
+    chosen = [pictures[i] for i in np.linspace(0, len(pictures) - 1, wanted).round().astype(int)]
+    columns = min(wanted, STRIP_COLUMNS)
+    blank = np.full_like(chosen[0], 255)
+    chosen += [blank] * (-len(chosen) % columns)
+    rows = [np.hstack(chosen[i : i + columns]) for i in range(0, len(chosen), columns)]
+    return np.vstack(rows)
+
+
+def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
+    from PIL import Image
+
+    # One palette for all keeps still things still: their colours do not flicker.
+    sample = Image.fromarray(strip(pictures)).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    frames = [
+        Image.fromarray(picture).quantize(palette=sample, dither=Image.Dither.NONE)
+        for picture in pictures
+    ]
+    durations = [round(1000 / rate)] * (len(frames) - 1) + [round(1000 * HOLD)]
+    frames[0].save(
+        path, save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False
+    )
+
+
+def _write_mp4(pictures: list[Picture], path: Path, rate: float) -> None:
+    import imageio.v2 as imageio
+
+    still = [pictures[-1]] * round(HOLD * rate)
+    try:
+        writer: Any = imageio.get_writer(path, fps=rate, macro_block_size=2)
+    except (ImportError, ValueError) as error:
+        raise MissingExtraError("video", "imageio-ffmpeg") from error
+    with writer:
+        for picture in pictures + still:
+            writer.append_data(picture)
