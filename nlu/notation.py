@@ -37,14 +37,16 @@ _SHOWN = {
     "COLON": '":"',
     "COMMA": '","',
     "DOT": '"."',
+    "COST": "a number",
+    "__ANON_0": '"=>"',
     "$END": "the end",
 }
 
 
-def read_entry(field: Field) -> tuple[Category, Term]:
-    """A category and the term of a word that has it: `NP/N : λx.x`."""
-    category, term = _parse(field, "entry").children
-    return _category(category), _term(term, ())
+def read_entry(field: Field) -> tuple[Category, Term, float]:
+    """A category, the term of a word that has it, and its cost: `NP/N : λx.x @1`."""
+    category, term, *cost = _parse(field, "entry").children
+    return _category(category), _term(term, ()), float(str(cost[0])) if cost else 0.0
 
 
 def read_unary(field: Field) -> tuple[Category, Category, Term]:
@@ -85,7 +87,10 @@ def _lark() -> Lark:
 
     grammar = (Path(__file__).parent / "notation.lark").read_text(encoding="utf-8")
     return Lark(
-        grammar, parser="lalr", start=["entry", "unary", "rule", "category", "term", "type"]
+        grammar,
+        parser="lalr",
+        maybe_placeholders=False,
+        start=["entry", "unary", "rule", "category", "term", "type"],
     )
 
 
@@ -94,7 +99,7 @@ def _parse(field: Field, start: Start) -> Tree[Token]:
 
     text = field.text()
     try:
-        return cast("Tree[Token]", _lark().parse(text, start=start))
+        return _lark().parse(text, start=start)
     except UnexpectedInput as error:
         raise _syntax_error(field, text, error) from error
 

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What Hilt says: templates that are data, filled with names in the form that fits.
+
+`answers.yaml` of a language lists every answer with its slots; a slot may ask for a form, as in
+`{object:a}` for "a red mug". The forms come from the inflection of the language, and how an act is
+called from its verbs.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeAlias
+
+from ..ontology.errors import UnknownNameError
+from ..ontology.source import Field, read_yaml
+from .inflection import Inflection
+from .meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
+
+Slot: TypeAlias = str | float | Sequence[str] | Confidence
+
+_SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
+_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "list", "level"})
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One thing Hilt may say.
+
+    Attributes:
+        slots: the names that it is filled with.
+        say: the text, with `{slot}` or `{slot:form}`.
+    """
+
+    slots: tuple[str, ...]
+    say: str
+
+
+@dataclass(frozen=True)
+class Phrases:
+    """How rules are put into words, and small words needed everywhere.
+
+    Attributes:
+        functional: a functional rule, from `object`, `level` and `affordance`.
+        negative: a functional rule that is denied.
+        action: an action rule, from `object`, `context` and `part`.
+        forbidden: an action rule that is denied.
+        any_object: what stands for every object.
+        any_with: the same with properties before it.
+        joined: the word before the last of several.
+    """
+
+    functional: str
+    negative: str
+    action: str
+    forbidden: str
+    any_object: str
+    any_with: str
+    joined: str
+
+
+@dataclass(frozen=True)
+class Speech:
+    """The voice of one language.
+
+    Attributes:
+        answers: by key.
+        phrases: how rules are put into words.
+        inflection: forms of words.
+        acts: the verb of each act, with its particle ("pickUp": "pick up").
+        tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
+    """
+
+    answers: Mapping[str, Answer]
+    phrases: Phrases
+    inflection: Inflection
+    acts: Mapping[str, str]
+    tool_acts: Mapping[str, str]
+
+    def say(self, key: str, **slots: Slot) -> str:
+        """An answer, filled in; its first letter is a capital.
+
+        Raises:
+            UnknownNameError: there is no such answer, or a slot is missing or one too many.
+        """
+        if key not in self.answers:
+            raise UnknownNameError("answer", key, self.answers)
+        answer = self.answers[key]
+        for name in {*answer.slots} ^ {*slots}:
+            raise UnknownNameError(f'slot of the answer "{key}"', name, answer.slots)
+        text = self.fill(answer.say, slots)
+        return text[:1].upper() + text[1:]
+
+    def rule(self, rule: Rule) -> str:
+        """A rule in words: "to pass a knife, grab it by the blade"."""
+        denied = rule.confidence[1] < 0.5
+        thing = self.thing(rule.object, rule.props)
+        if isinstance(rule, FunctionalRule):
+            text = self.phrases.negative if denied else self.phrases.functional
+            return self.fill(text, {"object": thing, "affordance": rule.affordance})
+        text = self.phrases.forbidden if denied else self.phrases.action
+        act = self.tool_acts.get(rule.context) or self.act(rule.context)
+        return self.fill(text, {"object": thing, "act": act, "part": rule.part})
+
+    def thing(self, name: str, props: Sequence[str] = ()) -> str:
+        """A kind of object with its properties, with the indefinite article."""
+        if name != ANY_OBJECT:
+            return self.inflection.with_article(" ".join([*props, name]))
+        if not props:
+            return self.phrases.any_object
+        return self.phrases.any_with.replace("{props}", " ".join(props))
+
+    def act(self, name: str) -> str:
+        """What an act is called: "pick up" for `pickUp`."""
+        return self.acts.get(name, name)
+
+    def listed(self, items: Sequence[str]) -> str:
+        """Several items: "a knife, a mug and a shoe"."""
+        if len(items) < 2:
+            return "".join(items)
+        return f"{', '.join(items[:-1])} {self.phrases.joined} {items[-1]}"
+
+    def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
+        """A template with its slots filled."""
+        return _SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
+
+    def _form(self, value: Slot, form: str | None) -> str:
+        forms: Mapping[str, Callable[[str], str]] = {
+            "a": self.inflection.with_article,
+            "the": lambda word: f"the {word}",
+            "many": lambda word: self.inflection.form(word, "plural"),
+            "to": self.act,
+            "done": lambda word: self.inflection.form(self.act(word), "participle"),
+            "name": lambda word: word[:1].upper() + word[1:],
+        }
+        if form == "level":
+            return _level(value)
+        if form == "list":
+            return self.listed([value] if isinstance(value, str) else [str(each) for each in value])
+        return forms[form](str(value)) if form else str(value)
+
+
+def load_speech(
+    path: Path, inflection: Inflection, acts: Mapping[str, str], tool_acts: Mapping[str, str]
+) -> Speech:
+    """Read the answers of a language.
+
+    Raises:
+        DataError: the file is not as expected, or a text uses a slot that it does not list.
+    """
+    entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
+    names = tuple(Phrases.__dataclass_fields__)
+    texts = entries["phrases"].entries(required=names, optional=())
+    answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
+    return Speech(
+        MappingProxyType(answers),
+        Phrases(**{name: texts[name].text() for name in names}),
+        inflection,
+        acts,
+        tool_acts,
+    )
+
+
+def _answer(field: Field) -> Answer:
+    parts = field.entries(required=("slots", "say"), optional=())
+    slots, say = parts["slots"].texts(), parts["say"].text()
+    for name, form in _SLOT.findall(say):
+        if name not in slots:
+            raise parts["say"].fail(f'uses "{name}", but the slots are {", ".join(slots)}.')
+        if form and form not in _SLOT_FORMS:
+            known = ", ".join(sorted(_SLOT_FORMS))
+            raise parts["say"].fail(f'there is no form "{form}"; expected one of {known}.')
+    unused = {*slots} - {name for name, _ in _SLOT.findall(say)}
+    if unused and slots != ("text",):
+        raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
+    return Answer(slots, say)
+
+
+def _level(value: Slot) -> str:
+    if isinstance(value, (str, int, float)):
+        return f"{value}"
+    lower, upper = (float(each) for each in value)
+    return f"{lower:g}" if upper == 1 else f"[{lower:g}, {upper:g}]"

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A language as Hilt speaks it: loaded from data, it understands texts and says answers.
+
+    >>> language = Language.load()
+    >>> language.understand("To pass a knife grab it by the blade").semantics
+    'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
+
+A second language is a second folder beside `ontology/english`, with the same five files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from ..ontology.errors import UnknownNameError
+from ..ontology.qualifiers import Degrees, load_degrees
+from ..ontology.source import read_yaml
+from .chart import Chart
+from .combinators import Combinator
+from .generation import Slot, Speech, load_speech
+from .grammar import load_grammar
+from .inflection import Inflection, load_inflection
+from .interpretation import Interpreter
+from .lexicon import Entry, Lexicon
+from .listening import Listener, Situation, after, decide
+from .meaning import AskBack, Meaning, Misunderstanding, NewWord, Rule, Statement
+from .pragmatics import load_pragmatics
+from .reference import Discourse, RefusedError
+from .tokens import BREAK, MAX_CHARACTERS, MAX_TOKENS, Token, Tokens, tokenize
+from .understanding import Reading, Understanding
+from .unknown import MAX_NEW_WORDS, guesses, is_word, nearest
+from .vocabulary import Vocabulary, household_vocabulary
+from .words import WordBook
+
+LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
+FILES = ("grammar", "lexicon", "inflection", "answers", "examples")
+
+
+@dataclass(frozen=True)
+class Language:
+    """One language with one vocabulary; never changes.
+
+    Attributes:
+        name: its folder.
+        listener: what understands.
+        speech: what speaks.
+        book: how entries are made for new words.
+        inflection: forms of words.
+        degrees: the degrees of confidence.
+        learned: words that were added to the vocabulary by `with_words`.
+    """
+
+    name: str
+    listener: Listener
+    speech: Speech
+    book: WordBook
+    inflection: Inflection
+    degrees: Degrees
+    learned: tuple[NewWord, ...] = ()
+
+    @classmethod
+    def load(
+        cls,
+        language: str = "english",
+        *,
+        vocabulary: Vocabulary | None = None,
+        extra_lexicon: Path | None = None,
+    ) -> Language:
+        """Read a language.
+
+        Args:
+            language: the name of its folder beside `english`.
+            vocabulary: the names of the domain; None takes those of the household objects.
+            extra_lexicon: a further lexicon file, in the format of `lexicon.yaml`.
+
+        Raises:
+            DataError: a file is not as expected; says where.
+            UnknownNameError: there is no such language.
+        """
+        folder = _folder(language)
+        degrees = load_degrees()
+        grammar = load_grammar(folder / "grammar.yaml", degrees=degrees.intervals)
+        inflection = load_inflection(folder / "inflection.yaml")
+        combinator = Combinator(grammar.unary)
+        book = WordBook(grammar, inflection, combinator)
+        book.read(folder / "lexicon.yaml")
+        if extra_lexicon is not None:
+            book.read(extra_lexicon)
+        names = vocabulary if vocabulary is not None else household_vocabulary()
+        lexicon = Lexicon(list(book.vocabulary(names)), Lexicon(book.entries))
+        interpreter = Interpreter(degrees.intervals, book.tool_acts(), frozenset(names.contexts))
+        listener = Listener(
+            grammar,
+            lexicon,
+            combinator,
+            interpreter,
+            load_pragmatics(),
+            _examples(folder / "examples.yaml", book.contractions),
+        )
+        speech = load_speech(
+            folder / "answers.yaml", inflection, book.act_names(), book.tool_phrases()
+        )
+        return cls(language, listener, speech, book, inflection, degrees)
+
+    def with_words(self, words: Iterable[NewWord]) -> Language:
+        """This language with learned words, known from now on in all their forms."""
+        added = tuple(word for word in dict.fromkeys(words) if word not in self.learned)
+        if not added:
+            return self
+        entries = [entry for word in added for entry in self.book.named(word.role, word.word)]
+        acts = {word.word for word in added if word.role == "context"}
+        interpreter = self.listener.interpreter
+        listener = replace(
+            self.listener,
+            lexicon=Lexicon(entries, self.listener.lexicon),
+            interpreter=replace(interpreter, acts=interpreter.acts | acts),
+        )
+        return replace(self, listener=listener, learned=(*self.learned, *added))
+
+    def understand(
+        self,
+        text: str,
+        *,
+        speaker: str = "sam",
+        addressee: str = "self",
+        discourse: Discourse | None = None,
+        insist: Collection[str] = (),
+    ) -> Understanding:
+        """What a text means; never raises for any text.
+
+        Args:
+            text: one utterance.
+            speaker: who says it.
+            addressee: who is spoken to, `self` for Hilt.
+            discourse: what the conversation has spoken of; None at its beginning.
+            insist: words that are new although they are close to known ones.
+        """
+        situation = Situation(speaker, addressee, discourse or Discourse())
+        tokens = tokenize(text, self.book.contractions)
+        problem = self._problem(text, tokens, insist)
+        if problem is not None:
+            return _without_reading(tokens, situation, problem)
+        found = self._taken(tokens, situation)
+        if found.reading is None and BREAK in tokens.words:
+            again = self._taken(tokens.without_breaks(), situation)
+            found = again if again.reading is not None else found
+        return found
+
+    def say(self, key: str, **slots: Slot) -> str:
+        """An answer of `answers.yaml`, with its slots filled."""
+        return self.speech.say(key, **slots)
+
+    def phrase(self, rule: Rule) -> str:
+        """A rule in words: "to pass a knife, grab it by the blade"."""
+        return self.speech.rule(rule)
+
+    @cached_property
+    def known_words(self) -> frozenset[str]:
+        """Every single word that the lexicon has."""
+        return frozenset(self.listener.lexicon.words())
+
+    def _problem(self, text: str, tokens: Tokens, insist: Collection[str]) -> Meaning | None:
+        """Why a text is not even tried, None when it is."""
+        if len(text) > MAX_CHARACTERS:
+            return Misunderstanding(self.say("too_long", limit=f"{MAX_CHARACTERS} characters"))
+        if len(tokens.items) > MAX_TOKENS:
+            return Misunderstanding(self.say("too_long", limit=f"{MAX_TOKENS} words"))
+        if not tokens.items:
+            return Misunderstanding(self.say("empty"), nearest=())
+        unknown = self._unknown(tokens)
+        strange = [token for token in unknown if not is_word(token)]
+        if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
+            return self._not_known(tokens, strange or unknown)
+        for token in unknown:
+            close = None if token.word in insist else nearest(token.word, self.known_words)
+            if close is not None:
+                question = self.say("did_you_mean", word=token.word, suggestion=close)
+                return AskBack(question, (close,))
+        return None
+
+    def _unknown(self, tokens: Tokens) -> list[Token]:
+        lexicon = self.listener.lexicon
+        return [token for token in tokens.items if token.word not in lexicon]
+
+    def _taken(self, tokens: Tokens, situation: Situation) -> Understanding:
+        unknown = self._unknown(tokens)
+        chart = self.listener.chart(tokens, self._guesses(tokens, unknown))
+        readings, refusal = self.listener.readings(chart, tokens, situation)
+        learned = [reading for reading in readings if _may_teach(reading)]
+        chosen = decide(learned)
+        if chosen is None:
+            meaning = self._unclear(chart, tokens, learned, refusal, unknown)
+            return replace(_without_reading(tokens, situation, meaning), readings=len(learned))
+        return Understanding(
+            tokens.text,
+            situation.speaker,
+            situation.addressee,
+            chosen.meaning,
+            chosen,
+            len(learned),
+            chosen.new_words,
+            tokens.words,
+            after(chosen.meaning, chosen.act.arguments[-1], situation.discourse),
+        )
+
+    def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
+        return {
+            place: guesses(token, self.book, self.inflection)
+            for place, token in enumerate(tokens.items)
+            if token in unknown
+        }
+
+    def _unclear(
+        self,
+        chart: Chart,
+        tokens: Tokens,
+        readings: Sequence[Reading],
+        refusal: RefusedError | None,
+        unknown: list[Token],
+    ) -> Meaning:
+        """What to answer when no reading, or more than one, is the best."""
+        if readings:
+            choices = tuple(self._choice(reading.meaning) for reading in readings)
+            return AskBack(self.say("which_meaning", choices=choices), choices)
+        if unknown:
+            return self._not_known(tokens, unknown)
+        if refusal is not None:
+            said = self.say(refusal.key, **refusal.slots)
+            if refusal.asks:
+                return AskBack(said)
+            return Misunderstanding(said, nearest=self.listener.nearest(tokens.words))
+        where, expected = self.listener.failure(chart, tokens)
+        if expected:
+            message = self.say("not_understood_after", where=where, expected=" or ".join(expected))
+        else:
+            message = self.say("not_understood", text=tokens.text)
+        return Misunderstanding(message, where, expected, self.listener.nearest(tokens.words))
+
+    def _choice(self, meaning: Meaning) -> str:
+        if isinstance(meaning, Statement):
+            return self.speech.listed([self.phrase(rule) for rule in meaning.rules])
+        return str(meaning.as_json())
+
+    def _not_known(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
+        words = list(dict.fromkeys(token.word for token in unknown))
+        if len(words) == 1:
+            message = self.say("unknown_word", word=words[0])
+        else:
+            message = self.say("unknown_words", words=words[:MAX_NEW_WORDS])
+        known = [token.word for token in tokens.items if token not in unknown]
+        return Misunderstanding(message, nearest=self.listener.nearest(known))
+
+
+def _may_teach(reading: Reading) -> bool:
+    """New words come in with what is taught, never with a command or a question."""
+    return not reading.new_words or isinstance(reading.meaning, Statement)
+
+
+def _without_reading(tokens: Tokens, situation: Situation, meaning: Meaning) -> Understanding:
+    return Understanding(
+        tokens.text,
+        situation.speaker,
+        situation.addressee,
+        meaning,
+        words=tokens.words,
+        discourse=situation.discourse,
+    )
+
+
+def _folder(language: str) -> Path:
+    known = [path.parent.name for path in LANGUAGES_FOLDER.glob("*/lexicon.yaml")]
+    if language not in known:
+        raise UnknownNameError("language", language, known)
+    return LANGUAGES_FOLDER / language
+
+
+def _examples(
+    path: Path, contractions: Mapping[str, tuple[str, ...]]
+) -> Mapping[str, frozenset[str]]:
+    items = read_yaml(path).entries(required=("examples",), optional=())["examples"].texts()
+    return {text: frozenset(tokenize(text, contractions).words) for text in items}

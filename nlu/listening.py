@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From tokens to the readings of an utterance, and to the reasons when there is none.
+
+All words are used or the utterance is refused: only derivations of the whole are looked at. Of
+several meanings the cheapest is taken; when two different ones are equally likely, Hilt asks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from .categories import Functor
+from .chart import Chart, Derivation
+from .combinators import Combinator
+from .derivation import entries_of
+from .grammar import Grammar
+from .interpretation import Interpreter, reply
+from .lexicon import Entry, Lexicon
+from .meaning import AskBack, Meaning, Misunderstanding, Statement
+from .pragmatics import PragmaticRule, intentions
+from .predicates import Form, form_of
+from .questions import question
+from .reference import Discourse, RefusedError, resolved
+from .tokens import Tokens
+from .understanding import Reading
+from .unknown import new_words
+
+MAX_EXPECTED = 5
+MAX_NEAREST = 3
+
+
+@dataclass(frozen=True)
+class Situation:
+    """Who speaks to whom, and after what.
+
+    Attributes:
+        speaker: who speaks, as a name of a form.
+        addressee: who is spoken to.
+        discourse: what was spoken of before.
+    """
+
+    speaker: str
+    addressee: str
+    discourse: Discourse
+
+
+@dataclass(frozen=True)
+class Listener:
+    """What is needed to take an utterance in.
+
+    Attributes:
+        grammar: categories, and which of them are utterances.
+        lexicon: the words.
+        combinator: what combines.
+        interpreter: what forms mean.
+        pragmatics: what speech acts are meant for.
+        examples: sentences that are understood, with their words.
+    """
+
+    grammar: Grammar
+    lexicon: Lexicon
+    combinator: Combinator
+    interpreter: Interpreter
+    pragmatics: Sequence[PragmaticRule]
+    examples: Mapping[str, frozenset[str]]
+
+    def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
+        """All that the tokens can be."""
+        return Chart(tokens.words, self.lexicon, self.combinator, guesses)
+
+    def readings(
+        self, chart: Chart, tokens: Tokens, situation: Situation
+    ) -> tuple[list[Reading], RefusedError | None]:
+        """Every different meaning of the whole utterance, the likeliest first.
+
+        Returns:
+            The readings, and why the likeliest of the others has no meaning.
+        """
+        best: dict[Meaning, Reading] = {}
+        refusal: RefusedError | None = None
+        for act, derivation in self._derivations(chart):
+            form = form_of(derivation.value)
+            try:
+                reading = self._reading(act, form, derivation, tokens, situation)
+            except RefusedError as error:
+                refusal = refusal or error
+                continue
+            known = best.get(reading.meaning)
+            if known is None or reading.cost < known.cost:
+                best[reading.meaning] = reading
+        return sorted(best.values(), key=lambda reading: reading.cost), refusal
+
+    def failure(self, chart: Chart, tokens: Tokens) -> tuple[str, tuple[str, ...]]:
+        """The longest span that was understood, and what was expected after it."""
+        start, end = chart.longest_span()
+        categories = sorted(chart.categories(start, end), key=lambda each: len(str(each)))
+        expected = (
+            self.grammar.described(category.argument)
+            for category in categories
+            if isinstance(category, Functor) and category.forward
+        )
+        return tokens.span(start, end), tuple(dict.fromkeys(expected))[:MAX_EXPECTED]
+
+    def nearest(self, words: Iterable[str]) -> tuple[str, ...]:
+        """The example sentences that share most words with an utterance."""
+        said = frozenset(words)
+        if not said:
+            return ()
+
+        def likeness(sentence: str) -> float:
+            known = self.examples[sentence]
+            return 2 * len(known & said) / (len(known) + len(said))
+
+        ranked = sorted(self.examples, key=likeness, reverse=True)
+        return tuple(each for each in ranked[:MAX_NEAREST] if likeness(each) > 0)
+
+    def _derivations(self, chart: Chart) -> list[tuple[str, Derivation]]:
+        found = [
+            (act, derivation)
+            for category, act in self.grammar.roots.items()
+            for derivation in chart.derivations(category)
+        ]
+        return sorted(found, key=lambda each: each[1].cost)
+
+    def _reading(
+        self, act: str, form: Form, derivation: Derivation, tokens: Tokens, situation: Situation
+    ) -> Reading:
+        form = resolved(_named(form, situation), situation.discourse)
+        words = new_words(entries_of(derivation), tokens.words)
+        act = _asked(act, form, tokens)
+        if act == "QUESTION" and form.name in {"implies", "and"}:
+            form = Form("isTrue", (form,))
+        said = Form(act, (Form(situation.speaker), Form(situation.addressee), form))
+        intention = intentions(said, self.pragmatics)[0]
+        return Reading(
+            said,
+            intention.form,
+            intention.rule.interval,
+            self._meaning(intention.form, situation.discourse),
+            derivation.cost,
+            derivation,
+            words,
+        )
+
+    def _meaning(self, intention: Form, discourse: Discourse) -> Meaning:
+        content = intention.arguments[-1]
+        match intention.name:
+            case "wantBelieve":
+                return self.interpreter.statement(content)
+            case "want":
+                return self.interpreter.command(content)
+            case "wantKnow":
+                return question(content, self.interpreter)
+            case "wantRevise":
+                return self.interpreter.correction(content, discourse)
+            case _:
+                return reply(content)
+
+
+def decide(readings: Sequence[Reading]) -> Reading | None:
+    """The reading to go by: the cheapest, None when several are."""
+    if not readings:
+        return None
+    best = [reading for reading in readings if reading.cost == readings[0].cost]
+    return best[0] if len(best) == 1 else None
+
+
+def after(meaning: Meaning, act: Form, before: Discourse) -> Discourse:
+    """What the conversation has spoken of once an utterance was taken in."""
+    if isinstance(meaning, (AskBack, Misunderstanding)):
+        return before
+    held = _spoken_of(act)
+    known = replace(before, object=held) if held is not None else before
+    return replace(known, rule=meaning.rules[-1]) if isinstance(meaning, Statement) else known
+
+
+def _spoken_of(form: Form) -> Form | None:
+    """The object that a form is about: the last one named in it."""
+    if form.name == "partOf":
+        return form.arguments[1]
+    if form.name == "and":
+        return _spoken_of(form.arguments[-1])
+    if form.name == "implies" and form.arguments[1].name != "graspObject":
+        return form.arguments[0]
+    if form.name in {"pass", "pickUp", "pointTo", "grasp", "use", "usesOf", "about"}:
+        return form.arguments[0 if len(form.arguments) == 1 else 1]
+    for part in form.arguments:
+        found = _spoken_of(part)
+        if found is not None:
+            return found
+    return None
+
+
+def _named(form: Form, situation: Situation) -> Form:
+    names = {"speaker": Form(situation.speaker), "self": Form(situation.addressee)}
+    return form.mapped(lambda part: names.get(part.name) if not part.arguments else None)
+
+
+def _asked(act: str, form: Form, tokens: Tokens) -> str:
+    """The speech act, where a question mark makes another one of it."""
+    if not tokens.asks:
+        return act
+    if act == "INSTRUCT":
+        raise RefusedError("as_question", asks=True)
+    return "QUESTION" if act == "STATEMENT" and form.name in {"implies", "and"} else act

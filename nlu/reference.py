@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What "it" stands for, in the sentence and in the conversation before it.
+
+Within a rule, "it" in one half is the object of the other half: "to pass a knife grab it by the
+blade". Elsewhere it is what was last spoken of. Two different objects in one rule are no rule.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .meaning import Rule
+from .predicates import Form
+
+IT = Form("it")
+SOMETHING = frozenset({"something", "anything"})
+
+
+@dataclass(frozen=True)
+class Discourse:
+    """What a conversation has spoken of so far.
+
+    Attributes:
+        object: the last object, as a form; None before the first.
+        rule: the last rule that was taught or corrected; None before the first.
+    """
+
+    object: Form | None = None
+    rule: Rule | None = None
+
+
+class RefusedError(ValueError):
+    """A form that has no meaning for Hilt.
+
+    Attributes:
+        key: the answer to give, a key of the spoken answers.
+        asks: whether that answer is a question back.
+        slots: what fills the answer.
+    """
+
+    def __init__(self, key: str, *, asks: bool = False, **slots: str) -> None:
+        self.key, self.asks, self.slots = key, asks, slots
+        super().__init__(key)
+
+
+def resolved(form: Form, discourse: Discourse) -> Form:
+    """The form with every "it" replaced by what it stands for.
+
+    Raises:
+        RefusedError: nothing fits, or one rule is about two objects.
+    """
+    rest = _in_rules(form, discourse)
+    if not any(part == IT for part in rest):
+        return _settled(rest)
+    if discourse.object is None:
+        raise RefusedError("no_referent", asks=True, word=IT.name)
+    known = discourse.object
+    return _settled(rest.mapped(lambda part: known if part == IT else None))
+
+
+def _in_rules(form: Form, discourse: Discourse) -> Form:
+    if form.name == "and":
+        # The second rule may speak of the first one's object.
+        first = _in_rules(form.arguments[0], discourse)
+        known = _object_of_rule(first) or discourse.object
+        return Form("and", (first, _in_rules(form.arguments[1], Discourse(known))))
+    if form.name == "implies" and form.arguments[1].name == "graspObject":
+        return _rule(form, discourse)
+    if form.name in {"implies", "graspObject"} or not form.arguments:
+        known = discourse.object
+        return form.mapped(lambda part: known if part == IT else None) if known else form
+    return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+
+
+def _rule(form: Form, discourse: Discourse) -> Form:
+    """`implies(context, graspObject(self, partOf(part, object)), degree)`, about one object."""
+    context, act, degree = form.arguments
+    if context.name == "eitherOf":
+        rules = [Form("implies", (each, act, degree)) for each in context.arguments]
+        return _in_rules(Form("and", tuple(rules)), discourse)
+    actor, place = act.arguments
+    part, owners = _part(place)
+    candidates = [*owners, _object(context, owners)]
+    known = _one(candidates) or discourse.object
+    if known is None:
+        raise RefusedError("of_which_object", asks=True)
+    act = Form("graspObject", (actor, Form("partOf", (part, known))))
+    return Form("implies", (_with_object(context, known), act, degree))
+
+
+def _part(place: Form) -> tuple[Form, list[Form]]:
+    """The part, and all objects that it is said to be a part of."""
+    owners: list[Form] = []
+    while place.name == "partOf":
+        place, owner = place.arguments
+        owners.append(owner)
+    return place, owners
+
+
+def _settled(form: Form) -> Form:
+    """Parts of parts of one object as parts of that object, and uses on something as uses."""
+
+    def change(part: Form) -> Form | None:
+        if part.name == "of" and part.arguments[1].name in SOMETHING:
+            return part.arguments[0]
+        if part.name != "partOf" or part.arguments[0].name != "partOf":
+            return None
+        innermost, owners = _part(part)
+        known = _one(owners)
+        return Form("partOf", (innermost, known)) if known is not None else None
+
+    return form.mapped(change)
+
+
+def _object(context: Form, owners: list[Form]) -> Form:
+    """The object that is held in a context: the tool, where there is one."""
+    arguments = context.arguments
+    if len(arguments) == 3 and context.name != "pass":
+        return arguments[2]
+    if len(arguments) < 2:
+        raise RefusedError("no_act")
+    held = arguments[1]
+    if _is_tool_act(context) and owners and _one(owners) not in {None, held}:
+        return IT
+    return held
+
+
+def _is_tool_act(context: Form) -> bool:
+    return context.name not in {"pass", "pickUp", "pointTo", "grasp", "use"}
+
+
+def _with_object(context: Form, known: Form) -> Form:
+    arguments = tuple(known if argument == IT else argument for argument in context.arguments)
+    if len(arguments) == 3 and context.name != "pass":
+        return Form(context.name, (*arguments[:2], known))
+    if _is_tool_act(context) and _noun(arguments[1]) != _noun(known):
+        return Form(context.name, (*arguments, known))
+    return Form(context.name, (arguments[0], known, *arguments[2:]))
+
+
+def _one(candidates: list[Form]) -> Form | None:
+    """The one object that all candidates are, the most specific; None when all are "it"."""
+    known: Form | None = None
+    for candidate in candidates:
+        if candidate == IT:
+            continue
+        if known is None or _noun(known).name in SOMETHING:
+            known = _more_specific(candidate, known)
+        elif _noun(candidate).name not in SOMETHING and _noun(candidate) != _noun(known):
+            first, second = _noun(known).name, _noun(candidate).name
+            raise RefusedError("two_objects", first=first, second=second)
+        else:
+            known = _more_specific(candidate, known)
+    return known
+
+
+def _more_specific(one: Form, other: Form | None) -> Form:
+    return one if other is None or sum(1 for _ in one) >= sum(1 for _ in other) else other
+
+
+def _noun(form: Form) -> Form:
+    while form.name in {"having", "usedFor", "notUsedFor"}:
+        form = form.arguments[0]
+    return form
+
+
+def _object_of_rule(form: Form) -> Form | None:
+    if form.name == "and":
+        return _object_of_rule(form.arguments[-1])
+    if form.name != "implies":
+        return None
+    if form.arguments[1].name == "graspObject":
+        return form.arguments[1].arguments[1].arguments[1]
+    return form.arguments[0]

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From text to tokens: lower-case words, with contractions and possessives taken apart.
+
+Commas, quotation marks and dashes carry no meaning here and are left out. A full stop, question
+mark or semicolon within a text becomes the token `;`, which joins two sentences. Whatever is no
+word stays a token of its own, which no lexicon knows: such a text is refused, never cut to fit.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+MAX_CHARACTERS = 2000
+MAX_TOKENS = 40
+
+BREAK = ";"
+
+_APOSTROPHES = str.maketrans(dict.fromkeys("‘’‚‛ʼ`´′＇", "'"))
+_TOKEN = re.compile(
+    r"(?P<word>[^\W\d_]+(?:'[^\W\d_]+)*)"
+    r"|(?P<silent>[,:\"“”„«»'\-–—‐‑]+)"
+    r"|(?P<stop>[.;!?…]+)"
+    r"|(?P<other>[^\s,:\"“”„«».;!?…'\-–—‐‑]+?(?=[\s,.;!?]|$)|\S)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """One word, and where it stands in the text.
+
+    Attributes:
+        word: in lower case, taken apart from others.
+        start: index of its first character.
+        end: one past its last character.
+        capital: whether it was written with a capital letter.
+    """
+
+    word: str
+    start: int
+    end: int
+    capital: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Tokens:
+    """The tokens of one utterance.
+
+    Attributes:
+        text: what was said, as it was said.
+        items: the tokens.
+        asks: whether the text ends with a question mark.
+    """
+
+    text: str
+    items: tuple[Token, ...]
+    asks: bool
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The words alone."""
+        return tuple(token.word for token in self.items)
+
+    def span(self, start: int, end: int) -> str:
+        """The text of some tokens, as it was said."""
+        if start >= end:
+            return ""
+        return self.text[self.items[start].start : self.items[end - 1].end]
+
+    def without_breaks(self) -> Tokens:
+        """The same without the marks between sentences."""
+        kept = tuple(token for token in self.items if token.word != BREAK)
+        return Tokens(self.text, kept, self.asks)
+
+
+def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
+    """Take a text apart.
+
+    Args:
+        text: what was said; at most `MAX_CHARACTERS` are looked at.
+        contractions: short forms and the words they stand for.
+    """
+    text = unicodedata.normalize("NFC", text[:MAX_CHARACTERS]).translate(_APOSTROPHES)
+    items: list[Token] = []
+    last = ""
+    for found in _TOKEN.finditer(text):
+        if found["silent"]:
+            continue
+        if found["stop"]:
+            last = found["stop"]
+            if items and items[-1].word != BREAK:
+                items.append(Token(BREAK, found.start(), found.end()))
+            continue
+        last = ""
+        items += _words(found, contractions)
+    while items and items[-1].word == BREAK:
+        items.pop()
+    return Tokens(text, tuple(items), asks="?" in last)
+
+
+def _words(found: re.Match[str], contractions: Mapping[str, tuple[str, ...]]) -> Iterator[Token]:
+    start, end, said = found.start(), found.end(), found.group()
+    word, capital = said.lower(), said[:1].isupper()
+    if word in contractions:
+        for part in contractions[word]:
+            yield Token(part, start, end, capital)
+    elif word.endswith("'s"):
+        yield Token(word[:-2], start, end - 2, capital)
+        yield Token("'s", end - 2, end)
+    else:
+        yield Token(word, start, end, capital)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words that the lexicon does not have: what they may be, or which known word they miss.
+
+The rest of a sentence tells the role of an unknown word: "a zib is used for cutting" can only be
+about an object. So an unknown word is given every role a name can have, and the chart finds which
+one fits (Scheutz et al. 2017). A word one slip away from a known one is not new: Hilt asks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+
+from .inflection import Inflection
+from .lexicon import Entry
+from .meaning import NewWord
+from .tokens import Token
+from .words import Verb, WordBook
+
+MAX_NEW_WORDS = 3
+MIN_LETTERS = 3
+MAX_LETTERS = 30
+TWO_SLIPS = 8
+"""From this length on [letters] a word may be two slips away from a known one."""
+
+_VERB_COST = 0.5  # a name is likelier than an act: there are more things than things to do
+_PERSON_COST = 1.0
+
+
+def is_word(token: Token) -> bool:
+    """Whether a token could be a word at all."""
+    return token.word.isalpha() and MIN_LETTERS <= len(token.word) <= MAX_LETTERS
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The known word that `word` is most likely a slip of, None when there is none."""
+    if len(word) <= MIN_LETTERS:
+        return None
+    allowed = 2 if len(word) >= TWO_SLIPS else 1
+    best: str | None = None
+    for other in sorted(set(known)):
+        if len(other) <= MIN_LETTERS or abs(len(other) - len(word)) > allowed:
+            continue
+        found = slips(word, other, allowed)
+        if found <= allowed:
+            best, allowed = other, found - 1
+    return best
+
+
+def slips(one: str, other: str, limit: int) -> int:
+    """How many letters are added, lost, changed or swapped; more than `limit` is `limit + 1`."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(one, start=1):
+        above, before, row = before, row, [i]
+        for j, wanted in enumerate(other, start=1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (letter != wanted))
+            swapped = i > 1 and j > 1 and letter == other[j - 2] and one[i - 2] == wanted
+            row.append(min(cost, above[j - 2] + 1) if swapped else cost)
+        if min(row) > limit:
+            return limit + 1
+    return row[-1]
+
+
+def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]:
+    """All that an unknown word may be, each entry marked with its role and dictionary form."""
+    word = token.word
+    found: list[Entry] = []
+    for name in (word, *inflection.origins(word, "plural")):
+        for role in ("object", "part"):
+            found += book.noun(role, name, role=role)
+    if token.capital:
+        found += book.noun("person", word, role="person", cost=_PERSON_COST)
+    for bare in _bare_forms(word, inflection):
+        verb = Verb(bare, ("act",), bare)
+        found += book.verb_entries(verb, role="context", cost=_VERB_COST)
+        verb = Verb(bare, ("new_affordance",), None)
+        found += book.verb_entries(verb, role="affordance")
+    return [entry for entry in found if entry.words == (word,)]
+
+
+def new_words(entries: Iterable[Entry], tokens: Collection[str]) -> tuple[NewWord, ...]:
+    """The new words that a reading rests on, each once."""
+    words = (
+        NewWord(entry.name, entry.role, " ".join(entry.words))
+        for entry in entries
+        if entry.role and entry.role != "person"
+    )
+    return tuple(dict.fromkeys(words))
+
+
+def _bare_forms(word: str, inflection: Inflection) -> Iterator[str]:
+    yield word
+    for form in ("ing", "third", "participle"):
+        origins = inflection.origins(word, form)
+        if origins:
+            yield origins[0]
