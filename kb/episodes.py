@@ -178,8 +178,8 @@ def _index(step: dict[Iri, list[Term]]) -> int:
 
 def _properties(store: Store, node: Iri) -> dict[Iri, list[Term]]:
     found: dict[Iri, list[Term]] = defaultdict(list)
-    for quad in store.quads(node, None, None, EPISODES):
-        found[quad.predicate].append(quad.object)
+    for predicate, value in store.properties(node, EPISODES):
+        found[predicate].append(value)
     return found
 
 

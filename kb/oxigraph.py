@@ -11,6 +11,7 @@ to the end before they are given out.
 from __future__ import annotations
 
 import os
+import re
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -29,6 +30,7 @@ from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 # A folder that has this file is one the engine made.
 _MARK = "CURRENT"
 _PREFIXES = dict(PREFIXES)
+_ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
 _FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
     "trig": engine.RdfFormat.TRIG,
@@ -91,6 +93,15 @@ class OxigraphStore:
         with _reported(self.location):
             for quad in found:
                 yield _quad(quad)
+
+    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+        """Everything that stands at a node."""
+        # The hot read: only what is wanted is turned into terms of ours.
+        with _reported(self.location):
+            found = self._engine().quads_for_pattern(
+                engine.NamedNode(subject), None, None, engine.NamedNode(graph)
+            )
+            return [(Iri(quad.predicate.value), _term(quad.object)) for quad in found]
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete, then insert, as one unit."""
@@ -163,24 +174,26 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         raise _open_error(folder, error) from error
 
 
-def parse_rdf(data: bytes, *, format: str, source: str) -> Iterator[Quad]:  # noqa: A002
-    """The statements of an RDF text.
+def load_rdf(data: bytes, *, format: str, source: str, default: Iri) -> OxigraphStore:  # noqa: A002
+    """A store in memory with the statements of an RDF text.
 
     Args:
         data: the text in UTF-8.
         format: turtle, trig, nquads or ntriples.
         source: its name in messages.
+        default: the graph of statements that name none.
 
     Raises:
         DataError: it is wrong; says where.
     """
+    store = engine.Store()
     try:
-        for quad in engine.parse(data, format=_FORMATS[format]):
-            yield _quad(quad)
+        store.extend(_placed(quad, default) for quad in engine.parse(data, format=_FORMATS[format]))
     except SyntaxError as error:
         raise _syntax_error(error, data, source) from error
-    except (QueryError, ValueError, OSError) as error:
-        raise DataError(str(error), source=source) from error
+    except (ValueError, OSError) as error:
+        raise DataError(_short(error), source=source) from error
+    return OxigraphStore(store, source, read_only=False)
 
 
 def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
@@ -195,8 +208,22 @@ def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
         statements = [_engine_quad(quad) for quad in quads]
     else:
         statements = [_engine_quad(quad).triple for quad in quads]
-    written = engine.serialize(statements, format=chosen, prefixes=dict(PREFIXES))
-    return cast(bytes, written)
+    written = cast(bytes, engine.serialize(statements, format=chosen, prefixes=_PREFIXES))
+    return _with_sorted_prefixes(written) if format in _ABBREVIATED else written
+
+
+def _with_sorted_prefixes(written: bytes) -> bytes:
+    """The text with the prefixes it uses, in our order; the engine's order is a random one."""
+    lines = written.split(b"\n")
+    count = next((i for i, line in enumerate(lines) if not line.startswith(b"@prefix")), len(lines))
+    body = b"\n".join(lines[count:])
+    used = set(re.findall(rb"(?<![\w<])([a-z]+):", body))
+    head = [
+        f"@prefix {prefix}: <{namespace}> .\n"
+        for prefix, namespace in PREFIXES.items()
+        if prefix.encode() in used
+    ]
+    return "".join([*head, "\n"]).encode() + body
 
 
 def _check_folder(folder: Path) -> bool:
@@ -287,6 +314,18 @@ def _engine_term(term: Term) -> engine.NamedNode | engine.Literal:
     if datatype == LANGUAGE_TEXT and language:
         return engine.Literal(text, language=language)
     return engine.Literal(text, datatype=engine.NamedNode(datatype))
+
+
+def _placed(quad: engine.Quad, default: Iri) -> engine.Quad:
+    for term in (quad.subject, quad.object):
+        if isinstance(term, engine.BlankNode):
+            raise ValueError(f"A base has no blank nodes; give {term} a name, as rule:1.")
+        if isinstance(term, engine.Triple):
+            raise ValueError("A statement about a statement (RDF 1.2) is not read here.")
+    if isinstance(quad.graph_name, engine.DefaultGraph):
+        graph = engine.NamedNode(default)
+        return engine.Quad(quad.subject, quad.predicate, quad.object, graph)
+    return quad
 
 
 def _engine_quad(quad: Quad) -> engine.Quad:

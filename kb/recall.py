@@ -106,17 +106,18 @@ class Recall:
         Raises:
             UnknownNameError: there is none.
         """
-        found = list(self.store.quads(utterance_iri(sequence), None, None, HISTORY))
+        found = self.store.properties(utterance_iri(sequence), HISTORY)
         if not found:
             last = self.sequence
             raise UnknownNameError("utterance", str(sequence), [f"1 to {last}"] if last else [])
-        return read_utterance((quad.predicate, quad.object) for quad in found)
+        return read_utterance(found)
 
     def history(self, *, since: int = 0) -> Iterator[Utterance]:
         """What was said after an utterance, in order."""
         for number in range(since + 1, self.sequence + 1):
-            if any(self.store.quads(utterance_iri(number), None, None, HISTORY)):
-                yield self.utterance(number)
+            found = self.store.properties(utterance_iri(number), HISTORY)
+            if found:
+                yield read_utterance(found)
 
     @property
     def sequence(self) -> int:
@@ -127,10 +128,7 @@ class Recall:
 
     def trust(self, speaker: str) -> Interval | None:
         """How far a speaker is trusted; None when nobody said that the speaker is."""
-        found = {
-            quad.predicate: quad.object
-            for quad in self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
-        }
+        found = dict(self.store.properties(iri("speaker", speaker), BELIEFS))
         if TRUST_LOWER not in found:
             return None
         return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
@@ -148,7 +146,7 @@ class Recall:
 
     def star(self, node: Iri) -> list[tuple[Iri, Term]]:
         """Everything that stands at a rule's node."""
-        return [(q.predicate, q.object) for q in self.store.quads(node, None, None, BELIEFS)]
+        return self.store.properties(node, BELIEFS)
 
     def _asked(self, name: str, **bindings: list[Iri]) -> list[Star]:
         """The stars that a named query found, as (rule, property, value) rows."""
@@ -182,8 +180,10 @@ class Recall:
         return [*found[:MAX_LISTED], "..."] if len(found) > MAX_LISTED else found
 
     def _weight(self, speaker: str) -> float:
-        trust = self.trust(speaker)
-        return trust.lower if trust else 0.0
+        node = iri("speaker", speaker)
+        for quad in self.store.quads(node, TRUST_LOWER, None, BELIEFS):
+            return float(cast(float, quad.object))
+        return 0.0
 
 
 def _atom_iri(kind: str, name: str | None) -> Iri | None:

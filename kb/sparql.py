@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from itertools import groupby
 from typing import cast
 
@@ -137,6 +138,7 @@ def _as_list(value: Term | Sequence[Term]) -> Sequence[Term]:
     return value if is_many else [cast("Term", value)]
 
 
+@lru_cache(maxsize=256)
 def _where_group(query: str) -> int:
     """The place behind the brace that opens the outermost WHERE group."""
     depth, parentheses, before, is_template = 0, 0, "", False

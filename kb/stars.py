@@ -82,6 +82,15 @@ def status_iri(status: Status) -> Iri:
     return term(status)
 
 
+def statements(rule: Rule) -> Iterator[Quad]:
+    """Everything that stands in the graph because of a rule."""
+    yield from star(rule)
+    yield from mentions(rule)
+    if rule.status == "active":
+        yield hanging(rule)
+        yield from plain_edges(rule)
+
+
 def star(rule: Rule) -> Iterator[Quad]:
     """The statements about the rule's own node."""
     node = rule_iri(rule.id)

@@ -69,6 +69,10 @@ class Store(Protocol):
         """All statements that match, in any order; None matches everything."""
         ...
 
+    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+        """Everything that stands at a node in a graph, as (predicate, object)."""
+        ...
+
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete statements, then insert others: one atomic unit, durable when this returns.
 

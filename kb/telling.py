@@ -213,8 +213,7 @@ class Telling(Recall):
     def _assert(self, change: _Change, utterance: Utterance, rule: Rule) -> None:
         told = replace(rule, utterance=utterance.sequence, time=utterance.time, status="active")
         before = self.store.quads(stars.rule_iri(rule.id), None, None, BELIEFS)
-        change.replace(before, stars.star(told))
-        change.insert += [stars.hanging(told), *stars.plain_edges(told), *stars.mentions(told)]
+        change.replace(before, stars.statements(told))
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]

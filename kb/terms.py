@@ -162,6 +162,11 @@ def _write_double(value: float) -> str:
     return repr(value).replace("inf", "INF").replace("nan", "NaN")
 
 
+def _write_decimal(value: Decimal) -> str:
+    text = f"{value:f}"
+    return text if "." in text else f"{text}.0"  # Turtle and people read 1 as an integer
+
+
 def _encodable(text: str) -> str:
     if _SURROGATE.search(text):
         raise ValueError(f"{text!r} is no Unicode text.")
@@ -172,7 +177,7 @@ _WRITERS: dict[type, tuple[Callable[[Any], str], str]] = {
     str: (_encodable, STRING),
     bool: (lambda value: str(value).lower(), XSD + "boolean"),
     int: (str, XSD + "integer"),
-    Decimal: (lambda value: f"{value:f}", DECIMAL),
+    Decimal: (_write_decimal, DECIMAL),
     float: (_write_double, XSD + "double"),
     datetime: (write_time, DATE_TIME),
 }

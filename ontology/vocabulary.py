@@ -40,6 +40,7 @@ _FOREIGN = {
     "sh": "http://www.w3.org/ns/shacl#",
     "dct": "http://purl.org/dc/terms/",
     "ontolex": "http://www.w3.org/ns/lemon/ontolex#",
+    "dul": "http://www.ontologydesignpatterns.org/ont/dul/DUL.owl#",
     "soma": "http://www.ease-crc.org/ont/SOMA.owl#",
 }
 PREFIXES: Mapping[str, str] = MappingProxyType(
@@ -90,6 +91,29 @@ def external(prefixed: str) -> Iri:
     """The IRI of a prefixed name such as "prov:wasDerivedFrom"."""
     prefix, _, local = prefixed.partition(":")
     return Iri(PREFIXES[prefix] + local)
+
+
+def prefixed(full: Iri) -> str:
+    """An IRI as a person writes it, with its prefix; itself when none fits.
+
+    >>> prefixed(iri("object", "wine glass"))
+    'object:wine_glass'
+    """
+    fitting = ((name, space) for name, space in PREFIXES.items() if full.startswith(space))
+    name, space = max(fitting, key=lambda pair: len(pair[1]), default=("", ""))
+    return f"{name}:{full.removeprefix(space)}" if name else str(full)
+
+
+def shortened(node: str) -> str:
+    """An IRI with its prefix, for people.
+
+    >>> shortened(iri("object", "knife"))
+    'object:knife'
+    """
+    for prefix, namespace in PREFIXES.items():
+        if node.startswith(namespace):
+            return f"{prefix}:{node.removeprefix(namespace)}"
+    return f"<{node}>"
 
 
 @lru_cache(maxsize=2**16)

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Taking over what another base, or a file, knows: whole or not at all, and twice is once.
+
+Rules have their names from their content, so the same rule is recognised. What the base already
+knows about a rule (that it was retracted, say) stays. Utterances come after those of the base,
+in their order; one that is there already, word for word and to the millisecond, is not repeated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from ..ontology.vocabulary import Iri, iri
+from . import stars
+from .domain import DOMAIN, DOMAIN_HASH
+from .episodes import EPISODES
+from .history import HISTORY, SEQUENCE, TEXT, Utterance, utterance_iri, utterance_quads
+from .recall import BASE_GRAPH, BASE_NODE, Recall
+from .rule import DEFAULT_SPEAKER, Rule
+from .stars import BELIEFS
+from .telling import Telling, speaker_quads, to_milliseconds, trust_quads
+from .terms import Quad
+from .validation import rule_nodes
+
+LEXICON = iri("graph", "lexicon")
+
+
+@dataclass(frozen=True)
+class Merged:
+    """What a merge brought.
+
+    Attributes:
+        new: rules that the base did not know.
+        known: rules that it knew already.
+        utterances: how many of the history were new.
+        untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
+        statements: how many were read.
+    """
+
+    new: tuple[Rule, ...]
+    known: tuple[Rule, ...]
+    utterances: int
+    untrusted: tuple[str, ...]
+    statements: int
+
+
+@dataclass
+class _Plan:
+    """What is to be written."""
+
+    last: int
+    insert: list[Quad] = field(default_factory=list[Quad])
+    delete: list[Quad] = field(default_factory=list[Quad])
+    numbers: dict[int, int] = field(default_factory=dict[int, int])
+    new: list[Rule] = field(default_factory=list[Rule])
+    known: list[Rule] = field(default_factory=list[Rule])
+
+
+def merge(base: Telling, other: Recall, *, source: str, dry_run: bool = False) -> Merged:
+    """Take over what another base knows, as one unit.
+
+    Args:
+        base: what is written to.
+        other: what is read; it must have been validated.
+        source: its name, for the history.
+        dry_run: only say what would come of it.
+    """
+    with base.store.writing():
+        before = base.sequence
+        plan = _Plan(before)
+        _plan_trust(plan, base, other)
+        _plan_history(plan, base, other)
+        _plan_rules(plan, base, other, source)
+        _plan_rest(plan, base, other)
+        if plan.last > before:
+            plan.delete += base.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
+            plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
+        if not dry_run:
+            base.store.apply(insert=plan.insert, delete=plan.delete)
+    trusted = {*base.speakers(), *other.speakers()}
+    return Merged(
+        tuple(plan.new),
+        tuple(plan.known),
+        len({new for new in plan.numbers.values() if new > before}),
+        tuple(sorted({rule.speaker for rule in plan.new} - trusted)),
+        sum(1 for _ in other.store.quads()),
+    )
+
+
+def _plan_trust(plan: _Plan, base: Telling, other: Recall) -> None:
+    """Adopt trust in whom the base says nothing about; a base just made adopts all."""
+    is_fresh = base.sequence == 0
+    for speaker in other.speakers():
+        own, theirs = base.trust(speaker), other.trust(speaker)
+        if theirs and theirs != own and (own is None or is_fresh):
+            plan.delete += base.store.quads(iri("speaker", speaker), None, None, BELIEFS)
+            plan.insert += trust_quads(speaker, theirs)
+
+
+def _plan_history(plan: _Plan, base: Telling, other: Recall) -> None:
+    for utterance in sorted(_utterances(other), key=lambda one: one.sequence):
+        there = _same_utterance(base, utterance)
+        if there:
+            plan.numbers[utterance.sequence] = there
+            continue
+        plan.last = max(utterance.sequence, plan.last + 1)
+        plan.numbers[utterance.sequence] = plan.last
+        _add_utterance(plan, replace(utterance, sequence=plan.last))
+
+
+def _plan_rules(plan: _Plan, base: Telling, other: Recall, source: str) -> None:
+    nameless: list[Rule] = []
+    for node in rule_nodes(other.store):
+        rule = other.read_rules([(node, other.star(node))])[0]
+        if base.star(node):
+            plan.known.append(rule)
+        elif rule.utterance in plan.numbers:
+            plan.new.append(replace(rule, utterance=plan.numbers[rule.utterance]))
+        else:
+            nameless.append(rule)
+    if nameless:
+        utterance = _import_of(base, source, plan.last + 1, nameless)
+        plan.last = utterance.sequence
+        plan.numbers[-1] = utterance.sequence  # it stands for no number of the other's
+        _add_utterance(plan, utterance)
+        plan.new += [
+            replace(rule, utterance=utterance.sequence, time=rule.time or utterance.time)
+            for rule in nameless
+        ]
+    for rule in plan.new:
+        plan.insert += stars.statements(rule)
+
+
+def _plan_rest(plan: _Plan, base: Telling, other: Recall) -> None:
+    """Episodes and words are added; the domain is taken over where the base has none."""
+    renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
+    for graph in (EPISODES, LEXICON):
+        plan.insert += (
+            _renumbered(quad, renumbered) for quad in other.store.quads(None, None, None, graph)
+        )
+    if not any(base.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)):
+        plan.insert += other.store.quads(None, None, None, DOMAIN)
+        plan.insert += other.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)
+
+
+def _utterances(other: Recall) -> Iterator[Utterance]:
+    for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
+        if isinstance(quad.object, int):
+            yield other.utterance(quad.object)
+
+
+def _same_utterance(base: Recall, utterance: Utterance) -> int | None:
+    """The number under which the base has this very utterance."""
+    for quad in base.store.quads(None, TEXT, utterance.text, HISTORY):
+        for number in base.store.quads(quad.subject, SEQUENCE, None, HISTORY):
+            if isinstance(number.object, int):
+                there = base.utterance(number.object)
+                if replace(there, sequence=utterance.sequence) == utterance:
+                    return there.sequence
+    return None
+
+
+def _import_of(base: Telling, source: str, number: int, rules: list[Rule]) -> Utterance:
+    """The utterance that stands for a file whose rules do not say where they come from."""
+    ids = tuple(sorted(rule.id for rule in rules))
+    moment = to_milliseconds(base.clock())
+    said = f"import of {source}"
+    return Utterance(number, said, "", DEFAULT_SPEAKER, moment, "import", asserts=ids)
+
+
+def _add_utterance(plan: _Plan, utterance: Utterance) -> None:
+    plan.insert += utterance_quads(utterance)
+    plan.insert += speaker_quads(utterance.speaker, HISTORY)
+
+
+def _renumbered(quad: Quad, renumbered: dict[Iri, Iri]) -> Quad:
+    if isinstance(quad.object, Iri) and quad.object in renumbered:
+        return quad._replace(object=renumbered[quad.object])
+    return quad

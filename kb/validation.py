@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a graph keeps to the shapes and laws of a base, and what is wrong where it does not.
+
+Two checks, which find the same faults where both look. `lawful` reads every rule and utterance
+back as a value and compares what it would have written: fast, and strict about statements that
+belong to nothing. `shapes` runs SHACL over `shapes.ttl`: slower, and its messages are the ones
+that a person wrote for each constraint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..ontology.errors import ValidationError
+from ..ontology.vocabulary import SHAPES_FILE, Iri, shortened, term
+from . import stars
+from .history import HISTORY, read_utterance, utterance_quads
+from .stars import BELIEFS, TYPE
+from .store import Store
+from .telling import speaker_quads
+from .terms import Quad, Term, lexical
+
+if TYPE_CHECKING:
+    from rdflib import Graph
+
+RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule"))
+_SPEAKER_TRUST = frozenset({stars.LABEL, TYPE, term("trustLower"), term("trustUpper")})
+
+
+@dataclass(frozen=True, order=True)
+class Finding:
+    """One thing that is wrong.
+
+    Attributes:
+        node: what it is about, as a prefixed name.
+        problem: what was expected, and what was found where that helps.
+    """
+
+    node: str
+    problem: str
+
+    def __str__(self) -> str:
+        return f"{self.node}: {self.problem}"
+
+
+def refuse(findings: Iterable[Finding]) -> None:
+    """Raise when anything was found.
+
+    Raises:
+        ValidationError: with all findings.
+    """
+    found = sorted(set(findings))
+    if found:
+        raise ValidationError([str(finding) for finding in found])
+
+
+def lawful(store: Store) -> Iterator[Finding]:
+    """What breaks the laws of rules and utterances, or belongs to none of them."""
+    expected = {graph: set[Quad]() for graph in (BELIEFS, HISTORY)}
+    for node in rule_nodes(store):
+        yield from _gather(node, store, BELIEFS, _rule_statements, expected[BELIEFS])
+    for node in _of_class(store, term("Utterance"), HISTORY):
+        yield from _gather(node, store, HISTORY, _utterance_statements, expected[HISTORY])
+    for graph, known in expected.items():
+        for quad in store.quads(None, None, None, graph):
+            if quad not in known and not _stands_alone(quad):
+                yield Finding(shortened(quad.subject), f"{_shown(quad)} belongs to nothing known.")
+
+
+def shapes(store: Store) -> Iterator[Finding]:
+    """What breaks the SHACL shapes."""
+    import pyshacl  # slow to import, and only validation needs it
+    from rdflib import Graph
+
+    shapes_graph = Graph().parse(SHAPES_FILE, format="turtle")
+    _, report, _ = pyshacl.validate(_as_rdflib(store.quads()), shacl_graph=shapes_graph)
+    yield from _findings(report)
+
+
+def rule_nodes(store: Store) -> list[Iri]:
+    """The nodes of all rules, sorted."""
+    found = (_of_class(store, kind, BELIEFS) for kind in RULE_CLASSES)
+    return sorted({node for nodes in found for node in nodes})
+
+
+def _of_class(store: Store, kind: Iri, graph: Iri) -> list[Iri]:
+    return sorted(quad.subject for quad in store.quads(None, TYPE, kind, graph))
+
+
+def _gather(
+    node: Iri,
+    store: Store,
+    graph: Iri,
+    read: Callable[[Iri, list[tuple[Iri, Term]]], Iterable[Quad]],
+    expected: set[Quad],
+) -> Iterator[Finding]:
+    """Add what a node should stand for to what is expected, or say why it cannot be read."""
+    properties = store.properties(node, graph)
+    try:
+        expected.update(read(node, properties))
+    except ValidationError as error:
+        yield from (Finding(shortened(node), problem) for problem in error.findings)
+        # What is said of it already is not said again, statement by statement.
+        expected.update(Quad(node, key, value, graph) for key, value in properties)
+
+
+def _rule_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:
+    rule = stars.read_rule(properties)
+    if stars.rule_iri(rule.id) != node:
+        raise ValidationError([f"Its content makes it {rule.id.replace('/', ':')}."])
+    yield from stars.statements(rule)
+
+
+def _utterance_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:
+    utterance = read_utterance(properties)
+    yield from utterance_quads(utterance)
+    yield from speaker_quads(utterance.speaker, HISTORY)
+    if node != next(utterance_quads(utterance)).subject:
+        raise ValidationError([f"Its sequence number is {utterance.sequence}."])
+
+
+def _stands_alone(quad: Quad) -> bool:
+    """Types and names of what no rule speaks of any more, and speakers with their trust."""
+    return quad.predicate in _SPEAKER_TRUST and quad.subject not in RULE_CLASSES
+
+
+def _shown(quad: Quad) -> str:
+    value = quad.object
+    shown = shortened(value) if isinstance(value, Iri) else f'"{lexical(value)[0][:60]}"'
+    return f"{shortened(quad.predicate)} {shown}"
+
+
+def _as_rdflib(quads: Iterable[Quad]) -> Graph:
+    from rdflib import Graph, Literal, URIRef
+
+    def as_node(value: Term) -> URIRef | Literal:
+        if isinstance(value, Iri):
+            return URIRef(str(value))
+        text, datatype, language = lexical(value)
+        if language:
+            return Literal(text, lang=language)
+        return Literal(text, datatype=URIRef(datatype), normalize=False)
+
+    graph = Graph(bind_namespaces="none")
+    for quad in quads:
+        graph.add((URIRef(str(quad.subject)), URIRef(str(quad.predicate)), as_node(quad.object)))
+    return graph
+
+
+def _findings(report: Any) -> Iterator[Finding]:
+    from rdflib.namespace import RDF, SH
+
+    for result in report.subjects(RDF.type, SH.ValidationResult):
+        found = report.value(result, SH.value)
+        text = "" if found is None else f" Found {_brief(found)}."
+        message = str(report.value(result, SH.resultMessage))
+        yield Finding(shortened(str(report.value(result, SH.focusNode))), f"{message}{text}")
+
+
+def _brief(node: Any) -> str:
+    return shortened(str(node)) if ":" in str(node)[:8] else f'"{str(node)[:60]}"'
