@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache, partial
 from math import radians
 from pathlib import Path
 from types import ModuleType
@@ -30,11 +31,12 @@ Picture = NDArray[np.uint8]
 PICTURE_LIGHT = Light(direction=(0.5, -0.9, 1.6), shadow=True)
 SUPERSAMPLING = 2.0
 TABLE_TOP = ("table", "top")
+CAPTION_PAPER, CAPTION_INK = (252, 250, 246), (52, 44, 38)
 BOARD_WIDTH = 0.16  # [m]
 SEAM = 0.0018  # [m], half the width of the dark line between two boards
 WALL_TOP, WALL_BOTTOM = (250, 247, 242), (232, 224, 213)  # warm white
 
-OVERVIEW = Camera("overview", (1.62, -1.0, 0.86), (0.32, 0.0, 0.24), radians(38), 960, 720)
+OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.23), radians(37), 960, 720)
 
 
 def closeup(target: tuple[float, float, float], *, width: int = 960, height: int = 720) -> Camera:
@@ -64,18 +66,33 @@ def take_picture(
         camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)
     )
     view = large.look(engine, light=light)
-    known = np.fromiter(view.names, dtype=np.int32)
-    shown = np.isin(view.labels, known)
-    picture = np.where(shown[..., None], view.colour, _wall(large))
-    table = view.mask(*wood) if wood[0] in engine.bodies else np.zeros_like(shown)
-    picture[table] *= _grain(view.points(table)[:, :2])
-    picture = np.clip(picture, 0, 255).astype(np.uint8)
+    picture = view.colour.copy()
+    if wood[0] in engine.bodies:
+        table = view.mask(*wood)
+        shades = _boards(large)[table] * picture[table]
+        picture[table] = np.minimum(shades, 255).astype(np.uint8)
+    background = ~np.isin(view.labels, np.fromiter(view.names, dtype=np.int32))
+    picture[background] = _wall(large)[background]
     return picture if smoothing == 1 else _reduced(picture, camera)
 
 
+@lru_cache(maxsize=4)
+def _boards(camera: Camera) -> NDArray[np.float32]:
+    """How much darker or lighter the table is where each pixel meets it, (height, width, 3)."""
+    height, width = camera.height, camera.width
+    columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    ahead = np.full(columns.shape, -camera.focal)
+    rays = np.stack([columns - width / 2, height / 2 - rows, ahead], axis=-1)
+    rays = rays @ camera.world_from_camera[:3, :3].T
+    down = np.minimum(rays[..., 2], -1e-3)  # rays that never come down are not of the table
+    far = (-camera.eye[2] / down)[..., None]
+    places = np.array(camera.eye[:2]) + far * rays[..., :2]
+    return _grain(places).astype(np.float32)
+
+
 def _grain(places: Array) -> Array:
-    """How much darker or lighter wood is at places (n, 2) of the table, (n, 3) factors."""
-    x, y = places.T
+    """How much darker or lighter wood is at places (..., 2) of the table, (..., 3) factors."""
+    x, y = places[..., 0], places[..., 1]
     board = np.floor(y / BOARD_WIDTH)
     across = y / BOARD_WIDTH - board
     tone = np.sin(board * 12.9898) * 43758.5453 % 1.0  # one number in [0, 1] a board
@@ -85,12 +102,14 @@ def _grain(places: Array) -> Array:
     fibre = np.sin(900 * y + 25 * np.sin(5 * x + 60 * tone)) * np.sin(31 * x + 500 * y)
     seam = np.clip(np.minimum(across, 1 - across) * BOARD_WIDTH / SEAM, 0, 1)
     light = (0.93 + 0.12 * tone + 0.025 * rings + 0.012 * fibre) * (0.72 + 0.28 * seam)
-    return light[:, None] ** np.array([0.8, 1.0, 1.25])  # dark wood is redder
+    return light[..., None] ** np.array([0.8, 1.0, 1.25])  # dark wood is redder
 
 
-def _wall(camera: Camera) -> NDArray[np.float64]:
+@lru_cache(maxsize=4)
+def _wall(camera: Camera) -> Picture:
     share = np.linspace(0, 1, camera.height)[:, None, None]
-    return (1 - share) * np.array(WALL_TOP) + share * np.array(WALL_BOTTOM)
+    shades = (1 - share) * np.array(WALL_TOP) + share * np.array(WALL_BOTTOM)
+    return np.broadcast_to(shades.astype(np.uint8), (camera.height, camera.width, 3))
 
 
 def _reduced(picture: Picture, camera: Camera) -> Picture:
@@ -104,20 +123,37 @@ def save_picture(picture: Picture, path: Path) -> None:
     _pillow().fromarray(picture).save(path)
 
 
-def captioned(picture: Picture, text: str) -> Picture:
-    """The picture with a line of text on a light bar at its lower edge."""
+def captioned(picture: Picture, text: str, *, lines: int = 0) -> Picture:
+    """The picture with a text below it.
+
+    Args:
+        picture: (height, width, 3).
+        text: what to write; broken into lines where it is too long.
+        lines: how many lines there is room for; as many as the text needs when 0.
+    """
     height, width = picture.shape[:2]
-    size = max(12, round(height / 24))
-    image = _pillow().fromarray(picture).convert("RGBA")
-    bar = _pillow().new("RGBA", image.size, (0, 0, 0, 0))
-    draw, font = _drawing(bar, size)
-    lines = _wrapped(text, lambda line: float(draw.textlength(line, font=font)), width - 2 * size)
-    top = height - round(size * (1.35 * len(lines) + 0.8))
-    draw.rectangle((0, top, width, height), fill=(252, 250, 246, 225))
-    for number, line in enumerate(lines):
-        at = (size, top + round(size * (0.3 + 1.35 * number)))
-        draw.text(at, line, font=font, fill=(52, 44, 38, 255))
-    return np.asarray(_pillow().alpha_composite(image, bar).convert("RGB"))
+    size = caption_size(picture)
+    broken = broken_caption(picture, text)
+    bar = round(size * (1.35 * (lines or len(broken)) + 0.8))
+    image = _pillow().new("RGB", (width, height + bar), CAPTION_PAPER)
+    image.paste(_pillow().fromarray(picture), (0, 0))
+    draw, font = _drawing(image, size)
+    for number, line in enumerate(broken):
+        draw.text((size, height + size * (0.3 + 1.35 * number)), line, font=font, fill=CAPTION_INK)
+    return np.asarray(image)
+
+
+def caption_size(picture: Picture) -> int:
+    """The height of the letters below a picture, in pixels."""
+    return max(12, round(picture.shape[0] / 25))
+
+
+def broken_caption(picture: Picture, text: str) -> list[str]:
+    """A text in lines that fit below a picture."""
+    size = caption_size(picture)
+    draw, font = _drawing(_pillow().new("RGB", (1, 1)), size)
+    length = partial(draw.textlength, font=font)
+    return _wrapped(text, length, picture.shape[1] - 2 * size)
 
 
 def _drawing(image: Any, size: int) -> tuple[Any, Any]:

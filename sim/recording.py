@@ -9,25 +9,35 @@ side. A world that nobody watches does not even ask whether it should take pictu
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 
-from ..ontology.errors import DataError, MissingExtraError
+from ..ontology.errors import DataError, SimulationError
 from .camera import Camera
 from .engine import TIME_STEP
-from .pictures import OVERVIEW, Picture, captioned, save_picture, take_picture
+from .pictures import (
+    OVERVIEW,
+    PICTURE_LIGHT,
+    Picture,
+    broken_caption,
+    captioned,
+    save_picture,
+    take_picture,
+)
 from .world import World
 
 ENDINGS = (".gif", ".mp4", ".png")
 RECORDING_CAMERA = replace(OVERVIEW, width=480, height=360)
+LIGHT = replace(PICTURE_LIGHT, shadow=False)  # shadows would double the time of a picture
 RATE = 10  # pictures a second of the recording
 PACE = 1.5  # seconds of the world in one second of the recording
-SMOOTHING = 1.5  # twice would cost half a second a picture
+SMOOTHING = 1.5  # edges without teeth, for half the price of twice
 HOLD = 1.2  # [s], how long an animation rests on its last picture
-COLOURS = 192  # of a GIF; the rest of its 256 would not be noticed
+COLOURS = 256  # all that a GIF can hold
 STRIP_COLUMNS, STRIP_ROWS = 4, 2
 
 
@@ -54,14 +64,12 @@ class Recorder:
         rate: float = RATE,
         pace: float = PACE,
     ) -> None:
-        if path.suffix.lower() not in ENDINGS:
-            expected = ", ".join(ENDINGS)
-            raise DataError(f"expected a file ending in {expected}.", source=str(path))
+        _refuse_unwritable(path)
         self.caption = ""
         self._world, self._path, self._camera, self._rate = world, path, camera, rate
         self._interval = max(1, round(pace / rate / TIME_STEP))  # steps
         self._waiting = 0
-        self._pictures: list[Picture] = []
+        self._taken: list[tuple[Picture, str]] = []
 
     def __enter__(self) -> Recorder:
         self._world.watcher = self._watch
@@ -86,18 +94,36 @@ class Recorder:
 
     def take(self) -> None:
         """Take one picture now."""
-        picture = take_picture(self._world.engine, self._camera, smoothing=SMOOTHING)
-        self._pictures.append(captioned(picture, self.caption) if self.caption else picture)
+        engine = self._world.engine
+        picture = take_picture(engine, self._camera, light=LIGHT, smoothing=SMOOTHING)
+        self._taken.append((picture, self.caption))
+
+    @property
+    def pictures(self) -> list[Picture]:
+        """What has been taken so far, with captions, all of one size."""
+        lines = max((len(broken_caption(*each)) for each in self._taken if each[1]), default=0)
+        if not lines:
+            return [picture for picture, _ in self._taken]
+        return [captioned(picture, text, lines=lines) for picture, text in self._taken]
 
     def _write(self) -> None:
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        ending = self._path.suffix.lower()
-        if ending == ".png":
-            save_picture(strip(self._pictures), self._path)
-        elif ending == ".gif":
-            _write_gif(self._pictures, self._path, self._rate)
-        else:
-            _write_mp4(self._pictures, self._path, self._rate)
+        match self._path.suffix.lower():
+            case ".png":
+                save_picture(strip(self.pictures), self._path)
+            case ".gif":
+                _write_gif(self.pictures, self._path, self._rate)
+            case _:
+                _write_mp4(self.pictures, self._path, self._rate)
+
+
+def _refuse_unwritable(path: Path) -> None:
+    if path.suffix.lower() not in ENDINGS:
+        raise DataError(f"expected a file ending in {', '.join(ENDINGS)}.", source=str(path))
+    if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
+        raise SimulationError(
+            'MP4 needs "imageio-ffmpeg". Run: pip install imageio-ffmpeg, or record a .gif.'
+        )
 
 
 def strip(pictures: list[Picture]) -> Picture:
@@ -115,9 +141,11 @@ def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
     from PIL import Image
 
     # One palette for all keeps still things still: their colours do not flicker.
-    sample = Image.fromarray(strip(pictures)).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    palette = Image.fromarray(strip(pictures)).quantize(
+        COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=2
+    )
     frames = [
-        Image.fromarray(picture).quantize(palette=sample, dither=Image.Dither.NONE)
+        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
         for picture in pictures
     ]
     durations = [round(1000 / rate)] * (len(frames) - 1) + [round(1000 * HOLD)]
@@ -129,11 +157,7 @@ def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
 def _write_mp4(pictures: list[Picture], path: Path, rate: float) -> None:
     import imageio.v2 as imageio
 
-    still = [pictures[-1]] * round(HOLD * rate)
-    try:
-        writer: Any = imageio.get_writer(path, fps=rate, macro_block_size=2)
-    except (ImportError, ValueError) as error:
-        raise MissingExtraError("video", "imageio-ffmpeg") from error
+    writer: Any = imageio.get_writer(path, fps=rate, macro_block_size=2)
     with writer:
-        for picture in pictures + still:
+        for picture in pictures + [pictures[-1]] * round(HOLD * rate):
             writer.append_data(picture)
