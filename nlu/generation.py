@@ -20,7 +20,7 @@ from ..ontology.source import Field, read_yaml
 from .inflection import Inflection
 from .meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
 
-Slot: TypeAlias = str | float | Sequence[str] | Confidence
+Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
 
 _SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 _SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "list", "level"})
@@ -180,7 +180,7 @@ def _answer(field: Field) -> Answer:
 
 
 def _level(value: Slot) -> str:
-    if isinstance(value, (str, int, float)):
-        return f"{value}"
-    lower, upper = (float(each) for each in value)
+    if isinstance(value, (str, float, int)):
+        return str(value)
+    lower, upper = (float(each) for each in tuple(value))
     return f"{lower:g}" if upper == 1 else f"[{lower:g}, {upper:g}]"
