@@ -19,7 +19,7 @@ from platformdirs import user_data_path
 
 from ..inference.affordance import Affordances, Settings
 from ..kb.beliefs import KnowledgeBase
-from ..nlu.understanding import Language
+from ..nlu.language import Language
 from ..ontology.actions import Actions, load_actions
 from ..ontology.objects import load_objects
 from ..sim.scene import Scene, parse_scene
@@ -43,7 +43,9 @@ def open_base(location: str | None) -> KnowledgeBase:
     Raises:
         StoreError: it cannot be opened.
     """
-    return KnowledgeBase.open(location or str(default_location()))
+    base = KnowledgeBase.open(location or default_location())
+    base.load_domain(load_objects(), load_actions())
+    return base
 
 
 class Agent:

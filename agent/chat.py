@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A conversation on the terminal, or down a pipe: one utterance a line, and a few slash commands."""
+"""A conversation on the terminal or down a pipe: an utterance a line, and a few slash commands."""
 
 from __future__ import annotations
 

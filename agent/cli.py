@@ -69,6 +69,7 @@ Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and th
 
 @app.command()
 def demo(
+    *,
     kb: Kb = "memory:",
     seed: Seed = 7,
     out: Out = Path("out/demo"),
@@ -83,7 +84,9 @@ def demo(
 
 
 @app.command()
-def tell(text: Utterance, kb: Kb = None, speaker: Speaker = "sam", as_json: AsJson = False) -> None:
+def tell(
+    text: Utterance, *, kb: Kb = None, speaker: Speaker = "sam", as_json: AsJson = False
+) -> None:
     """Teach a rule: "A knife is used for cutting"."""
     with _agent(kb) as agent:
         _converse(
@@ -96,6 +99,7 @@ def tell(text: Utterance, kb: Kb = None, speaker: Speaker = "sam", as_json: AsJs
 @app.command()
 def do(
     text: Utterance,
+    *,
     kb: Kb = None,
     scene: SceneSpec = "all",
     seed: Seed = 0,
@@ -116,6 +120,7 @@ def do(
 @app.command()
 def ask(
     text: Utterance,
+    *,
     kb: Kb = None,
     scene: SceneSpec = "all",
     seed: Seed = 0,
@@ -133,6 +138,7 @@ def ask(
 
 @app.command()
 def chat(
+    *,
     kb: Kb = None,
     scene: SceneSpec = "all",
     seed: Seed = 0,
@@ -148,22 +154,23 @@ def chat(
 
 
 @app.command()
-def parse(text: Utterance, speaker: Speaker = "sam", as_json: AsJson = False) -> None:
+def parse(text: Utterance, *, speaker: Speaker = "sam", as_json: AsJson = False) -> None:
     """Show how a sentence is understood: derivation, predicate form, meaning."""
-    from ..nlu.understanding import Language
+    from ..nlu.language import Language
+    from . import console
 
     language = Language.load()
     understood = [language.understand(said, speaker=speaker) for said in _utterances(text)]
     for found in understood:
-        _show(found.as_json()) if as_json else _console().print(found.report(), markup=False)
-    _finish(all(found.is_understood for found in understood))
+        _show(found.as_json()) if as_json else _console().print(console.understood(found))
+    _finish(all(found.reading is not None for found in understood))
 
 
 # --- The knowledge base --------------------------------------------------------------------
 
 
 @app.command()
-def rules(kb: Kb = None, as_json: AsJson = False) -> None:
+def rules(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that were told and hold."""
     with _base(kb) as base:
         found = base.rules()
@@ -182,11 +189,11 @@ def query(
     as_json: AsJson = False,
 ) -> None:
     """Ask the graph in SPARQL; the prefixes are declared already."""
-    from .console import results
+    from . import console
 
     with _base(kb) as base:
         found = base.query(_text_of(sparql))
-        _show(found.as_json()) if as_json else _console().print(results(found))
+        _show(found.as_json()) if as_json else _console().print(console.results(found))
 
 
 @app.command(name="export")
@@ -258,7 +265,7 @@ def _agent(
     return Agent.open(kb, scene=scene, seed=seed, gui=gui, simulate=not no_sim)
 
 
-def _base(kb: str | None):  # noqa: ANN202
+def _base(kb: str | None):
     from .agent import open_base
 
     return open_base(kb)

@@ -7,6 +7,7 @@ are rich's to decide, so a pipe gets plain text. Nothing here prints.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Sequence
 
 from rich.console import Group, RenderableType
@@ -16,7 +17,12 @@ from rich.text import Text
 from rich.tree import Tree
 
 from ..inference.goal import Candidate
+from ..kb.results import Answer as Truth
+from ..kb.results import Solutions
 from ..kb.rule import Rule
+from ..kb.terms import Iri, Term
+from ..nlu.understanding import Understanding
+from ..ontology.vocabulary import prefixed
 from .outcome import Achievement, Decision, Step, World
 from .reply import Reply
 
@@ -29,6 +35,15 @@ def turn(reply: Reply) -> RenderableType:
         Text.assemble(("  Hilt  ", "bold green"), reply.said),
     ]
     return Group(*(line for line in lines if line.plain.strip()))
+
+
+def understood(found: Understanding) -> RenderableType:
+    """How an utterance was understood: its derivation, predicate forms, and meaning."""
+    facts = Table(show_header=False)
+    for name, value in found.as_json().items():
+        if name not in {"text", "speaker", "addressee"}:
+            facts.add_row(name, escape(value if isinstance(value, str) else json.dumps(value)))
+    return Group(Text(str(found.derivation or "")), facts)
 
 
 def rules(found: Iterable[Rule]) -> Table:
@@ -123,3 +138,20 @@ def achievement(came: Achievement) -> RenderableType:
         parts.append(decision(came.decision))
     parts.append(world(came.world))
     return Group(*parts)
+
+
+def results(found: Solutions | Truth) -> RenderableType:
+    """What a query found: a table of rows, or yes or no."""
+    if isinstance(found, Truth):
+        return Text("yes" if found.value else "no")
+    table = Table(*found.variables, caption=f"{len(found)} rows", caption_justify="left")
+    for row in found:
+        table.add_row(*(escape(shortened(term)) for term in row))
+    return table
+
+
+def shortened(term: Term | None) -> str:
+    """A term for a table: an IRI with its prefix, a literal as its value, nothing as nothing."""
+    if isinstance(term, Iri):
+        return prefixed(term)
+    return "" if term is None else str(term)

@@ -11,11 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from typing import Any
 
 from ..kb.beliefs import KnowledgeBase
 from ..kb.rule import Rule
 from ..nlu import meaning
-from ..nlu.understanding import Language, Understanding
+from ..nlu.language import Language
+from ..nlu.reference import Discourse
+from ..nlu.understanding import Understanding
 from ..ontology.errors import UnknownNameError
 from .episodes import episode_of
 from .goals import GoalManager
@@ -29,6 +32,7 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "do": ("command",),
     "ask": ("question",),
 }
+UNCLEAR = ("error", "ask_back")
 
 
 class Dialogue:
@@ -57,6 +61,17 @@ class Dialogue:
         self.last_done: Reply | None = None
         self._goals = goals
         self._visible = visible
+        self._discourse = Discourse()
+        self._listeners: dict[type, Callable[[Understanding, Any], Reply]] = {
+            meaning.Statement: self._believe,
+            meaning.Retraction: self._forget,
+            meaning.Command: self._obey,
+            meaning.ToolCommand: self._obey,
+            meaning.Question: self._answer,
+            meaning.Acknowledgement: self._acknowledge,
+            meaning.AskBack: self._not_understood,
+            meaning.Misunderstanding: self._not_understood,
+        }
 
     def hear(self, text: str, *, speaker: str, only: str | None = None) -> Reply:
         """Understand one utterance, act on it, and answer.
@@ -69,23 +84,11 @@ class Dialogue:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        understood = self.language.understand(text, speaker=speaker)
-        if only and understood.is_understood and understood.kind not in KINDS[only]:
-            wanted = f"not_{only}_{understood.kind}" if only == "tell" else f"not_for_{only}"
-            return self._answered(understood, Answer(wanted, {}, "failed"))
-        said = understood.meaning
-        if isinstance(said, meaning.Statement):
-            return self._believe(understood, said)
-        if isinstance(said, meaning.Retraction):
-            return self._forget(understood, said)
-        if isinstance(said, (meaning.Command, meaning.ToolCommand)):
-            return self._obey(understood, said)
-        if isinstance(said, meaning.Question):
-            return self._answer(understood, said)
-        if isinstance(said, meaning.Acknowledgement):
-            key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
-            return self._answered(understood, Answer(key))
-        return self._not_understood(understood, said)
+        understood = self.language.understand(text, speaker=speaker, discourse=self._discourse)
+        self._discourse = understood.discourse
+        if only and understood.kind not in (*KINDS[only], *UNCLEAR):
+            return self._answered(understood, Answer(f"only_{only}", {}, "not_understood"))
+        return self._listeners[type(understood.meaning)](understood, understood.meaning)
 
     # --- Being told --------------------------------------------------------------------------
 
@@ -97,26 +100,30 @@ class Dialogue:
             )
         rules = tuple(rule_of(rule, speaker) for rule in said.rules)
         known = {rule.id for rule in self.base.rules(speaker=speaker)}
-        self.base.believe(understood.text, understood.semantics, speaker, rules)
         key = "known_already" if all(rule.id in known for rule in rules) else "learned"
-        return replace(self._reply(understood, self._echo(key, rules)), rules=rules)
+        spoken = self._echo(key, rules)
+        self.base.believe(understood.text, understood.content, speaker, rules, answer=spoken)
+        self.language = self.language.with_words(understood.new_words)
+        return replace(self._reply(understood, spoken), rules=rules)
 
     def _echo(self, key: str, rules: Iterable[Rule]) -> str:
         """Say back what was believed, a sentence a rule."""
-        sentences = (
-            self.language.say(
+        answers = (
+            Answer(
                 key,
-                rule=self._in_words(rule),
-                confidence=(rule.interval.lower, rule.interval.upper),
-                speaker=rule.speaker,
+                {
+                    "rule": self._in_words(rule),
+                    "confidence": (rule.interval.lower, rule.interval.upper),
+                    "speaker": rule.speaker,
+                },
             )
             for rule in rules
         )
-        return " ".join(sentences)
+        return " ".join(self._say(each) for each in answers)
 
     def _in_words(self, rule: Rule) -> str:
         said = said_of(rule)
-        return self.language.describe(said) if said else repr(rule)
+        return self.language.phrase(said) if said else repr(rule)
 
     def _forget(self, understood: Understanding, said: meaning.Retraction) -> Reply:
         speaker = understood.speaker
@@ -130,8 +137,8 @@ class Dialogue:
             ]
         if not told:
             return self._answered(understood, Answer("nothing_to_forget", {}, "failed"))
-        self.base.retract(told[-1].id, understood.text, understood.semantics, speaker)
         spoken = self.language.say("forgotten", rule=self._in_words(told[-1]))
+        self.base.retract(told[-1].id, understood.text, understood.content, speaker, answer=spoken)
         return replace(self._reply(understood, spoken), rules=(told[-1],))
 
     # --- Being asked to do something -----------------------------------------------------------
@@ -148,7 +155,11 @@ class Dialogue:
             came = self._goals().achieve(request_of(said, speaker))
         except UnknownNameError:
             came = Achievement(Answer("cannot", {"goal": said.goal}, "failed"), None, (), World())
-        reply = replace(self._answered(understood, came.answer), achievement=came, seed=self.seed)
+        spoken = self._say(came.answer)
+        reply = replace(
+            self._reply(understood, spoken), ending=came.answer.ending, achievement=came
+        )
+        self._record(reply)
         self.base.record_episode(episode_of(reply))
         self.last_done = reply
         return reply
@@ -160,7 +171,13 @@ class Dialogue:
         found, rules = answer(said, known)
         return replace(self._answered(understood, found), rules=rules)
 
-    def _not_understood(self, understood: Understanding, said: meaning.Meaning) -> Reply:
+    def _acknowledge(self, understood: Understanding, said: meaning.Acknowledgement) -> Reply:
+        key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
+        return self._answered(understood, Answer(key))
+
+    def _not_understood(
+        self, understood: Understanding, said: meaning.AskBack | meaning.Misunderstanding
+    ) -> Reply:
         spoken = (
             said.question if isinstance(said, meaning.AskBack) else getattr(said, "message", "")
         )
@@ -175,17 +192,28 @@ class Dialogue:
         trust = self.base.trust(speaker)
         return trust is not None and trust.upper > 0
 
-    def _answered(self, understood: Understanding, answer: Answer) -> Reply:
+    def _answered(self, understood: Understanding, answered: Answer) -> Reply:
         """Put an answer into words, and keep what was heard in the history."""
-        spoken = self.language.say(answer.key, **answer.slots)
+        spoken = self._say(answered)
+        reply = replace(self._reply(understood, spoken), ending=answered.ending)
+        self._record(reply)
+        return reply
+
+    def _say(self, answered: Answer) -> str:
+        """An answer in words, filled with those of its slots that the language asks for."""
+        wanted = self.language.speech.answers[answered.key].slots
+        return self.language.say(answered.key, **{name: answered.slots[name] for name in wanted})
+
+    def _record(self, reply: Reply) -> None:
+        understood = reply.understanding
         self.base.record(
-            understood.text,
-            understood.semantics,
-            understood.speaker,
-            kind=understood.kind,
-            accepted=answer.ending == "done",
+            reply.text,
+            understood.content,
+            reply.speaker,
+            understood.kind,
+            accepted=reply.is_done,
+            answer=reply.said,
         )
-        return replace(self._reply(understood, spoken), ending=answer.ending)
 
     def _reply(self, understood: Understanding, spoken: str) -> Reply:
         return Reply(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From what vision reports to what inference takes; and perfect vision, to decide without a robot."""
+"""From what vision reports to what inference takes; and perfect vision, to decide bodiless."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class Reply:
         came = self.achievement
         return {
             "utterance": self.text,
-            "goal": self.understanding.goal,
+            "goal": self.understanding.content,
             "outcome": self.ending,
             "said": self.said,
             "decision": came.decision.as_json() if came and came.decision else None,

@@ -56,7 +56,7 @@ class Scenario:
 
     def mirrored(self, name: str) -> Scenario:
         """The scenario with its columns reversed."""
-        opposite = dict(zip(LEVELS, reversed(LEVELS), strict=True))
+        opposite: dict[str, str] = dict(zip(LEVELS, reversed(LEVELS), strict=True))
         turned = {
             affordance: {opposite[level]: names for level, names in levels.items()}
             for affordance, levels in self.affordances.items()
