@@ -9,7 +9,7 @@ no place, all are drawn again. The same scene and seed always give the same arra
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -68,67 +68,80 @@ def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
         SimulationError: there is no room for all, or two fixed places overlap.
     """
     rng = np.random.default_rng(scene.seed)
-    drawn = [
-        _complete(placement, models[placement.object].kind, rng) for placement in scene.placements
-    ]
-    order = sorted(range(len(drawn)), key=lambda i: _urgency(drawn[i], models))
+    pieces = [_lay(placement, models[placement.object], rng) for placement in scene.placements]
+    order = sorted(range(len(pieces)), key=lambda i: _urgency(pieces[i]))
     for _ in range(ROUNDS):
         spots: dict[int, Spot] = {}
         for i in order:
-            spot = _find_spot(drawn[i], models[drawn[i].object], list(spots.values()), rng)
+            spot = _find_spot(pieces[i], list(spots.values()), rng)
             if spot is None:
                 break
             spots[i] = spot
         else:
-            return tuple(spots[i] for i in range(len(drawn)))
-    raise SimulationError(f"There is no room on the table for {len(drawn)} objects.")
+            return tuple(spots[i] for i in range(len(pieces)))
+    raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
 
 
-def _complete(placement: Placement, kind: ObjectType, rng: np.random.Generator) -> Placement:
-    """The placement with its way to lie filled in."""
-    usual = [rest.name for rest in kind.rests if rest.usual]
-    drawn = usual[int(rng.integers(len(usual)))]
-    rest = kind.rest(placement.rest or drawn).name
-    return Placement(placement.name, placement.object, placement.at, placement.yaw, rest)
+@dataclass(frozen=True)
+class _Laid:
+    """An object in the way it lies or stands, not yet turned nor put anywhere."""
+
+    placement: Placement
+    rotation: Array  # (3, 3)
+    height: float  # of its frame above the table [m]
+    footprint: Array  # (k, 2) round its frame [m]
 
 
-def _urgency(placement: Placement, models: Mapping[str, Outlined]) -> tuple[bool, float]:
+def _lay(placement: Placement, model: Outlined, rng: np.random.Generator) -> _Laid:
+    usual = [rest.name for rest in model.kind.rests if rest.usual]
+    drawn = usual[int(rng.integers(len(usual)))]  # drawn in any case: it keeps the others' draws
+    rest = model.kind.rest(placement.rest or drawn)
+    rotation = poses.rotation_from_rpy(*rest.turn)
+    points = model.points @ rotation.T
+    filled = replace(placement, rest=rest.name)
+    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), outline(points[:, :2]))
+
+
+def _urgency(laid: _Laid) -> tuple[bool, float]:
     """Sorts fixed places first, then long objects."""
-    extent = np.ptp(models[placement.object].points, axis=0).max()
-    return placement.at is None, -float(extent)
+    return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.footprint, axis=0)))
 
 
-def _find_spot(
-    placement: Placement, model: Outlined, taken: list[Spot], rng: np.random.Generator
-) -> Spot | None:
+def _find_spot(laid: _Laid, taken: list[Spot], rng: np.random.Generator) -> Spot | None:
+    fixed = laid.placement.at is not None
     for _ in range(TRIES):
-        spot = _draw_spot(placement, model, rng)
-        clear = all(distance(spot.footprint, other.footprint) >= GAP for other in taken)
-        if clear and (placement.at is not None or _is_within(spot.footprint)):
+        spot = _draw_spot(laid, rng)
+        within = fixed or _is_within(spot.footprint)
+        if within and all(_are_clear(spot.footprint, other.footprint) for other in taken):
             return spot
-        if placement.at is not None and placement.yaw is not None:
+        if fixed and laid.placement.yaw is not None:
             raise SimulationError(
-                f'"{placement.name}" stands less than {GAP:g} m from another object. Move it.'
+                f'"{laid.placement.name}" stands less than {GAP:g} m from another object. Move it.'
             )
     return None
 
 
-def _draw_spot(placement: Placement, model: Outlined, rng: np.random.Generator) -> Spot:
+def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
+    placement = laid.placement
     yaw = placement.yaw if placement.yaw is not None else float(rng.uniform(-np.pi, np.pi))
-    rest = model.kind.rest(placement.rest or "")
-    rotation = poses.rotation_from_rpy(0, 0, yaw) @ poses.rotation_from_rpy(*rest.turn)
-    turned = model.points @ rotation.T
-    height = DROP - turned[:, 2].min()
+    about_vertical = poses.rotation_from_rpy(0, 0, yaw)
+    footprint = laid.footprint @ about_vertical[:2, :2].T
     if placement.at is None:
-        middle = (turned[:, :2].min(axis=0) + turned[:, :2].max(axis=0)) / 2
+        middle = (footprint.min(axis=0) + footprint.max(axis=0)) / 2
         at = np.array([rng.uniform(*AREA[0]), rng.uniform(*AREA[1])]) - middle
     else:
         at = np.array(placement.at)
-    filled = Placement(
-        placement.name, placement.object, (float(at[0]), float(at[1])), yaw, rest.name
+    world_from_object = poses.pose(about_vertical @ laid.rotation, (*at, laid.height))
+    filled = replace(placement, at=(float(at[0]), float(at[1])), yaw=yaw)
+    return Spot(filled, world_from_object, footprint + at)
+
+
+def _are_clear(first: Array, second: Array) -> bool:
+    """Whether two footprints are far enough apart."""
+    gaps = np.maximum(
+        first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
     )
-    world_from_object = poses.pose(rotation, (*at, height))
-    return Spot(filled, world_from_object, outline(turned[:, :2] + at))
+    return bool(gaps.max() >= GAP) or distance(first, second) >= GAP
 
 
 def _is_within(footprint: Array) -> bool:
