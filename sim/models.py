@@ -161,7 +161,10 @@ def _mean_silhouette(surfaces: Sequence[Array]) -> float:
     for azimuth in np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS:
         ahead = poses.rotation_from_rpy(0, _ELEVATION - np.pi / 2, azimuth)
         cells = np.floor((points @ ahead)[:, :2] / _CELL).astype(np.int64)
-        areas.append(len(np.unique(cells, axis=0)) * _CELL**2)
+        cells -= cells.min(axis=0)
+        shown = np.zeros(cells.max(axis=0) + 1, dtype=bool)
+        shown[tuple(cells.T)] = True
+        areas.append(int(shown.sum()) * _CELL**2)
     return float(np.mean(areas))
 
 

@@ -26,6 +26,7 @@ FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views 
 LEAST_PIXELS = 40  # fewer are not taken for anything
 CLOUD_SPACING = 0.0012  # [m], one point is kept of each cube of this size
 OBSTACLE_SPACING = 0.004  # [m]
+_HALF = 2**20  # more cubes than there are in any direction of a room
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,8 @@ def _shown_area(view: View, name: str) -> float:
 
 def thinned(cloud: Array, spacing: float) -> Array:
     """One point of a cloud (n, 3) in each cube of `spacing` [m], in a fixed order."""
-    cubes = np.floor(cloud / spacing).astype(np.int64)
-    _, first = np.unique(cubes, axis=0, return_index=True)
+    cubes = np.floor(cloud / spacing).astype(np.int64) + _HALF
+    # One number a cube: sorting numbers is ten times faster than sorting rows.
+    keys = (cubes[:, 0] * 2 * _HALF + cubes[:, 1]) * 2 * _HALF + cubes[:, 2]
+    _, first = np.unique(keys, return_index=True)
     return cloud[np.sort(first)]
