@@ -23,8 +23,6 @@ from .terms import Quad, Term, as_sparql
 # What makes the engine fetch something from elsewhere.
 REACHING_OUT = frozenset({"SERVICE", "LOAD"})
 FORMS = ("SELECT", "ASK", "CONSTRUCT", "DESCRIBE")
-_UNHELPFUL = frozenset({"LATERAL", "SERVICE", "LOAD"})  # what the engine knows and we refuse
-MAX_HINTS = 6  # alternatives that a message names
 
 _TOKEN = re.compile(
     r"""
@@ -41,8 +39,7 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 _CODE_POINT = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
-_POSITION = re.compile(r"error at (\d+):(\d+): expected (?:one of )?(.*)", re.DOTALL)
-_HINT = re.compile(r'[A-Z]{2,}|"(?:\\"|[^"\w])+"')
+_POSITION = re.compile(r"error at (\d+):(\d+): ")
 
 
 def bind(query: str, bindings: Bindings) -> str:
@@ -91,11 +88,7 @@ def syntax_problem(message: str, text: str) -> str:
     lines = text.splitlines() or [""]
     there = lines[line - 1][column - 1 :].strip() if line <= len(lines) else ""
     found = f'found "{there[:30]}"' if there else "the query ends too early"
-    hints = [
-        hint for hint in dict.fromkeys(_HINT.findall(match.group(3))) if hint not in _UNHELPFUL
-    ]
-    expected = f"; expected {', '.join(hints[:MAX_HINTS])} or the like" if hints else ""
-    return f"The query is wrong at line {line}, column {column}: {found}{expected}."
+    return f"The query is wrong at line {line}, column {column}: {found}."
 
 
 def insert_data(quads: Sequence[Quad]) -> str:

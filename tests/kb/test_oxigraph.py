@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about stores in folders."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hilt.kb.oxigraph import load_rdf, write_rdf
+from hilt.kb.store import open_store
+from hilt.kb.terms import Quad
+from hilt.ontology.errors import DataError, StoreError
+from hilt.ontology.vocabulary import Iri
+
+S, P, G = (Iri(f"urn:{name}") for name in "spg")
+ONE = Quad(S, P, 1, G)
+
+
+def test_folder_keeps_what_was_written(tmp_path: Path):
+    """What is applied is there after closing and opening again; the folder is made with parents."""
+    folder = tmp_path / "a" / "b"
+    store = open_store(folder)
+    store.apply(insert=[ONE])
+    store.close()
+
+    again = open_store(str(folder))
+
+    assert list(again.quads()) == [ONE]
+    again.close()
+
+
+def test_folder_is_owned_by_one_process(tmp_path: Path):
+    """A second process is told so in one line and changes nothing."""
+    store = open_store(tmp_path / "store")
+    program = (
+        "import sys; from hilt.kb.store import open_store\n"
+        "try: open_store(sys.argv[1])\n"
+        "except OSError as error: print(error)"
+    )
+
+    said = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path / "store")],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+
+    assert "is in use by another process" in said
+    assert len(said.splitlines()) == 1
+    store.close()
+
+
+def test_reading_only_refuses_to_write(tmp_path: Path):
+    """A base opened for reading shows what is there."""
+    store = open_store(tmp_path / "store")
+    store.apply(insert=[ONE])
+    store.close()
+
+    reading = open_store(tmp_path / "store", read_only=True)
+
+    assert list(reading.quads()) == [ONE]
+    with pytest.raises(StoreError, match="for reading only"):
+        reading.apply(insert=[ONE])
+    reading.close()
+
+
+def test_reading_only_needs_a_base(tmp_path: Path):
+    """Nothing is made when there is nothing to read."""
+    with pytest.raises(StoreError, match="There is no knowledge base"):
+        open_store(tmp_path / "none", read_only=True)
+
+    assert not (tmp_path / "none").exists()
+
+
+def test_file_is_no_folder(tmp_path: Path):
+    """A file is not overwritten."""
+    (tmp_path / "file").write_text("mine")
+
+    with pytest.raises(StoreError, match="is a file"):
+        open_store(tmp_path / "file")
+
+
+def test_folder_with_other_files_is_left_alone(tmp_path: Path):
+    """A folder that holds something else is never made a base."""
+    (tmp_path / "letter.txt").write_text("mine")
+
+    with pytest.raises(StoreError, match="holds other files"):
+        open_store(tmp_path)
+
+    assert [path.name for path in tmp_path.iterdir()] == ["letter.txt"]
+
+
+def test_unwritable_place_is_told():
+    """A folder that cannot be made is an error, not a traceback of the engine."""
+    with pytest.raises(StoreError, match="cannot be created"):
+        open_store("/proc/hilt/kb")
+
+
+@pytest.mark.parametrize("damage", [b"", b"MANIFEST-999999\n", b"garbage"])
+def test_damaged_folder_is_told(tmp_path: Path, damage: bytes):
+    """Damage is an error that says what to do."""
+    open_store(tmp_path / "store").close()
+    (tmp_path / "store" / "CURRENT").write_bytes(damage)
+
+    with pytest.raises(StoreError, match=r"is damaged or cannot be read.*Restore it"):
+        open_store(tmp_path / "store")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_store_is_not_used_after_a_fork(tmp_path: Path):
+    """A child of a fork is refused, so that two processes never write one folder."""
+    store = open_store(tmp_path / "store")
+    told = multiprocessing.get_context("fork").Queue()
+
+    def child() -> None:
+        try:
+            store.apply(insert=[ONE])
+        except StoreError as error:
+            told.put(str(error))
+
+    process = multiprocessing.get_context("fork").Process(target=child)
+    process.start()
+
+    assert "opened by another process" in told.get(timeout=10)
+    process.join()
+    store.close()
+
+
+def test_text_is_loaded_into_the_default_graph():
+    """Statements that name no graph get one."""
+    loaded = load_rdf(b"<urn:s> <urn:p> 1 .", format="turtle", source="x.ttl", default=G)
+
+    assert list(loaded.quads()) == [ONE]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column"),
+    [
+        (b"<urn:s> <urn:p> ;", 1, 17),
+        (b"<urn:s> <urn:p> 1 .\n<urn:s> x:p 1 .", 2, 9),
+        (b'\n<urn:s> <urn:p> "a', 2, 17),
+    ],
+)
+def test_mistake_in_a_text_has_its_place(text: bytes, line: int, column: int):
+    """File, line and column, and the line itself."""
+    with pytest.raises(DataError) as caught:
+        load_rdf(text, format="turtle", source="x.ttl", default=G)
+
+    assert (caught.value.source, caught.value.line, caught.value.column) == ("x.ttl", line, column)
+    assert caught.value.excerpt().endswith("^")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [b"[] <urn:p> 1 .", b"<urn:s> <urn:p> [] .", b"<urn:s> <urn:p> <<( <urn:a> <urn:b> 1 )>> ."],
+)
+def test_blank_nodes_and_triple_terms_are_refused(text: bytes):
+    """A base holds named nodes only, so that it can be kept anywhere."""
+    with pytest.raises(DataError, match=r"blank nodes|RDF 1\.2"):
+        load_rdf(text, format="turtle", source="x.ttl", default=G)
+
+
+def test_written_text_is_the_same_every_time():
+    """Prefixes stand in a fixed order, and only those that are used."""
+    quad = Quad(Iri("https://w3id.org/hilt/object/knife"), P, "part:x", G)
+
+    written = write_rdf([quad], format="turtle").decode()
+
+    assert written == write_rdf([quad], format="turtle").decode()
+    assert written.startswith("@prefix object: <https://w3id.org/hilt/object/> .\n")
