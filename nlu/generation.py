@@ -174,13 +174,15 @@ def _answer(field: Field) -> Answer:
             known = ", ".join(sorted(_SLOT_FORMS))
             raise parts["say"].fail(f'there is no form "{form}"; expected one of {known}.')
     unused = {*slots} - {name for name, _ in _SLOT.findall(say)}
-    if unused and slots != ("text",):
+    if unused:
         raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
     return Answer(slots, say)
 
 
 def _level(value: Slot) -> str:
-    if isinstance(value, (str, float, int)):
-        return str(value)
-    lower, upper = (float(each) for each in tuple(value))
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, Sequence):
+        return f"{value:g}"
+    lower, upper = (float(each) for each in value)
     return f"{lower:g}" if upper == 1 else f"[{lower:g}, {upper:g}]"

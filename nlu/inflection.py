@@ -49,13 +49,15 @@ class FormTable:
     def origins(self, form: str) -> list[str]:
         """The words whose form this may be, the likeliest first."""
         irregular = [word for word, changed in self.irregular.items() if changed == form]
+        if irregular:
+            return irregular
         guesses = [
             pattern.sub(replacement, form, count=1)
             for pattern, replacement in self.backwards
             if pattern.search(form)
         ]
         regular = (guess for guess in guesses if guess != form and self.of(guess) == form)
-        return list(dict.fromkeys([*irregular, *regular]))
+        return list(dict.fromkeys(regular))
 
     def choice(self, word: str) -> str:
         """The replacement of the first rule that fits, alone."""

@@ -7,7 +7,7 @@ out of a form to make it fit. Questions are in `questions`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from .meaning import (
@@ -18,6 +18,7 @@ from .meaning import (
     Confidence,
     FunctionalRule,
     Meaning,
+    NewWord,
     Retraction,
     Rule,
     Statement,
@@ -45,6 +46,11 @@ class Interpreter:
     intervals: Mapping[str, Confidence]
     tool_acts: Mapping[str, str]
     acts: frozenset[str] = frozenset()
+
+    def knowing(self, words: Sequence[NewWord]) -> Interpreter:
+        """This interpreter with the acts that new words name."""
+        acts = {word.word for word in words if word.role == "context"}
+        return replace(self, acts=self.acts | acts) if acts else self
 
     def statement(self, form: Form) -> Statement:
         """The rules that a form states."""
@@ -85,6 +91,8 @@ class Interpreter:
         if form.name in self.tool_acts:
             return self._tool_command(form)
         if form.name not in GOALS and form.name not in self.acts:
+            raise RefusedError("one_thing_at_a_time")
+        if len(form.arguments) > (3 if form.name == "pass" else 2):
             raise RefusedError("one_thing_at_a_time")
         return Command(form.name, self.target(form.arguments[1]), recipient=_recipient(form))
 
@@ -141,7 +149,7 @@ class Interpreter:
         patient, props = object_of(form.arguments[1])
         if patient == ANY_OBJECT or props:
             raise RefusedError("on_what", asks=True, goal=form.name)
-        if len(form.arguments) < 3:
+        if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
             return ToolCommand(form.name, patient, Target(used_for=self.tool_acts[form.name]))
         return ToolCommand(form.name, patient, self.target(form.arguments[2]))
 

@@ -31,7 +31,7 @@ from .pragmatics import load_pragmatics
 from .reference import Discourse, RefusedError
 from .tokens import BREAK, MAX_CHARACTERS, MAX_TOKENS, Token, Tokens, tokenize
 from .understanding import Reading, Understanding
-from .unknown import MAX_NEW_WORDS, guesses, is_word, nearest
+from .unknown import MAX_NEW_WORDS, guesses, is_word, names_like, nearest
 from .vocabulary import Vocabulary, household_vocabulary
 from .words import WordBook
 
@@ -111,12 +111,12 @@ class Language:
         if not added:
             return self
         entries = [entry for word in added for entry in self.book.named(word.role, word.word)]
-        acts = {word.word for word in added if word.role == "context"}
-        interpreter = self.listener.interpreter
+        uses = {self.book.bare(word.word): word.word for word in added if word.role == "affordance"}
+        interpreter = self.listener.interpreter.knowing(added)
         listener = replace(
             self.listener,
             lexicon=Lexicon(entries, self.listener.lexicon),
-            interpreter=replace(interpreter, acts=interpreter.acts | acts),
+            interpreter=replace(interpreter, tool_acts={**uses, **interpreter.tool_acts}),
         )
         return replace(self, listener=listener, learned=(*self.learned, *added))
 
@@ -140,14 +140,15 @@ class Language:
         """
         situation = Situation(speaker, addressee, discourse or Discourse())
         tokens = tokenize(text, self.book.contractions)
-        problem = self._problem(text, tokens, insist)
+        problem = self._problem(text, tokens)
         if problem is not None:
             return _without_reading(tokens, situation, problem)
         found = self._taken(tokens, situation)
         if found.reading is None and BREAK in tokens.words:
             again = self._taken(tokens.without_breaks(), situation)
             found = again if again.reading is not None else found
-        return found
+        slip = self._slip(found, tokens, insist)
+        return found if slip is None else _without_reading(tokens, situation, slip)
 
     def say(self, key: str, **slots: Slot) -> str:
         """An answer of `answers.yaml`, with its slots filled."""
@@ -162,7 +163,7 @@ class Language:
         """Every single word that the lexicon has."""
         return frozenset(self.listener.lexicon.words())
 
-    def _problem(self, text: str, tokens: Tokens, insist: Collection[str]) -> Meaning | None:
+    def _problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""
         if len(text) > MAX_CHARACTERS:
             return Misunderstanding(self.say("too_long", limit=f"{MAX_CHARACTERS} characters"))
@@ -174,11 +175,26 @@ class Language:
         strange = [token for token in unknown if not is_word(token)]
         if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
             return self._not_known(tokens, strange or unknown)
-        for token in unknown:
-            close = None if token.word in insist else nearest(token.word, self.known_words)
-            if close is not None:
-                question = self.say("did_you_mean", word=token.word, suggestion=close)
-                return AskBack(question, (close,))
+        return None
+
+    def _slip(
+        self, found: Understanding, tokens: Tokens, insist: Collection[str]
+    ) -> AskBack | None:
+        """The question back when a word is new, but close to a known one."""
+        lexicon = self.listener.lexicon
+        if found.reading is not None:
+            close = (
+                (word.said, nearest(word.said, names_like(word.role, lexicon)))
+                for word in found.new_words
+                if word.said not in insist
+            )
+        else:
+            unknown = [token.word for token in self._unknown(tokens) if token.word not in insist]
+            close = ((word, nearest(word, self.known_words)) for word in unknown)
+        for word, suggestion in close:
+            if suggestion is not None:
+                question = self.say("did_you_mean", word=word, suggestion=suggestion)
+                return AskBack(question, (suggestion,))
         return None
 
     def _unknown(self, tokens: Tokens) -> list[Token]:

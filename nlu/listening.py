@@ -127,7 +127,8 @@ class Listener:
         self, act: str, form: Form, derivation: Derivation, tokens: Tokens, situation: Situation
     ) -> Reading:
         form = resolved(_named(form, situation), situation.discourse)
-        words = new_words(entries_of(derivation), tokens.words)
+        words = new_words(entries_of(derivation))
+        interpreter = self.interpreter.knowing(words)
         act = _asked(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and"}:
             form = Form("isTrue", (form,))
@@ -137,25 +138,11 @@ class Listener:
             said,
             intention.form,
             intention.rule.interval,
-            self._meaning(intention.form, situation.discourse),
+            _meaning(intention.form, interpreter, situation.discourse),
             derivation.cost,
             derivation,
             words,
         )
-
-    def _meaning(self, intention: Form, discourse: Discourse) -> Meaning:
-        content = intention.arguments[-1]
-        match intention.name:
-            case "wantBelieve":
-                return self.interpreter.statement(content)
-            case "want":
-                return self.interpreter.command(content)
-            case "wantKnow":
-                return question(content, self.interpreter)
-            case "wantRevise":
-                return self.interpreter.correction(content, discourse)
-            case _:
-                return reply(content)
 
 
 def decide(readings: Sequence[Reading]) -> Reading | None:
@@ -175,6 +162,21 @@ def after(meaning: Meaning, act: Form, before: Discourse) -> Discourse:
     return replace(known, rule=meaning.rules[-1]) if isinstance(meaning, Statement) else known
 
 
+def _meaning(intention: Form, interpreter: Interpreter, discourse: Discourse) -> Meaning:
+    content = intention.arguments[-1]
+    match intention.name:
+        case "wantBelieve":
+            return interpreter.statement(content)
+        case "want":
+            return interpreter.command(content)
+        case "wantKnow":
+            return question(content, interpreter)
+        case "wantRevise":
+            return interpreter.correction(content, discourse)
+        case _:
+            return reply(content)
+
+
 def _spoken_of(form: Form) -> Form | None:
     """The object that a form is about: the last one named in it."""
     if form.name == "partOf":
@@ -183,8 +185,18 @@ def _spoken_of(form: Form) -> Form | None:
         return _spoken_of(form.arguments[-1])
     if form.name == "implies" and form.arguments[1].name != "graspObject":
         return form.arguments[0]
-    if form.name in {"pass", "pickUp", "pointTo", "grasp", "use", "usesOf", "about"}:
-        return form.arguments[0 if len(form.arguments) == 1 else 1]
+    if form.name in _OBJECT_FIRST and form.arguments and not _spoken_in(form):
+        return form.arguments[0]
+    if form.name in _OBJECT_SECOND and len(form.arguments) > 1:
+        return form.arguments[1]
+    return _spoken_in(form)
+
+
+_OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
+_OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
+
+
+def _spoken_in(form: Form) -> Form | None:
     for part in form.arguments:
         found = _spoken_of(part)
         if found is not None:

@@ -174,7 +174,10 @@ def _reason(ask: str, arguments: _Arguments, interpreter: Interpreter) -> Questi
     if not arguments:
         return Question(ask)
     form = arguments[0]
-    acts = {"holding", "graspObject", "pass", "pickUp", "pointTo", "grasp", "use"}
+    acts = {"holding", "graspObject", "pass", "pickUp", "pointTo", "use"}
+    if form.name == "grasp":
+        # "Why did you take the knife?" asks for the choice, not for the hold.
+        return Question(ask, object=_object(form.arguments[1]))
     if form.name in acts or form.name in interpreter.tool_acts:
         return _about_act(ask, form, interpreter)
     return Question(ask, object=_object(form))

@@ -49,35 +49,66 @@ def resolved(form: Form, discourse: Discourse) -> Form:
     Raises:
         RefusedError: nothing fits, or one rule is about two objects.
     """
-    rest = _in_rules(form, discourse)
+    rest = _settled(_in_rules(form.mapped(_with_tool), discourse))
     if not any(part == IT for part in rest):
-        return _settled(rest)
+        return rest
     if discourse.object is None:
         raise RefusedError("no_referent", asks=True, word=IT.name)
-    known = discourse.object
-    return _settled(rest.mapped(lambda part: known if part == IT else None))
+    return _settled(_replaced(rest, discourse.object))
+
+
+def _with_tool(form: Form) -> Form | None:
+    """`use(self, hammer, pound(self, nail))` as `pound(self, nail, hammer)`."""
+    if form.name != "use" or len(form.arguments) != 3:
+        return None
+    _, tool, act = form.arguments
+    if not _is_tool_act(act) or len(act.arguments) != 2:
+        raise RefusedError("one_thing_at_a_time")
+    return Form(act.name, (*act.arguments, tool))
 
 
 def _in_rules(form: Form, discourse: Discourse) -> Form:
-    if form.name == "and":
-        # The second rule may speak of the first one's object.
-        first = _in_rules(form.arguments[0], discourse)
-        known = _object_of_rule(first) or discourse.object
-        return Form("and", (first, _in_rules(form.arguments[1], Discourse(known))))
-    if form.name == "implies" and form.arguments[1].name == "graspObject":
+    match form.name, form.arguments:
+        case "and", (one, other):
+            # The second rule may speak of the first one's object.
+            first = _in_rules(one, discourse)
+            known = _object_of_rule(first) or discourse.object
+            return Form("and", (first, _in_rules(other, Discourse(known))))
+        case "implies", _:
+            return _in_rule(form, discourse)
+        case "holding", (Form(arguments=(_, held, *_)) as act, place):
+            return Form("holding", (act, _replaced(place, held)))
+        case "how", (act, held):
+            return Form("how", (_replaced(act, held),))
+        case _:
+            return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+
+
+def _in_rule(form: Form, discourse: Discourse) -> Form:
+    alternatives = _alternatives(form)
+    if alternatives:
+        return _in_rules(Form("and", alternatives), discourse)
+    if form.arguments[1].name == "graspObject":
         return _rule(form, discourse)
-    if form.name in {"implies", "graspObject"} or not form.arguments:
-        known = discourse.object
-        return form.mapped(lambda part: known if part == IT else None) if known else form
-    return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+    return _replaced(form, discourse.object) if discourse.object else form
+
+
+def _alternatives(form: Form) -> tuple[Form, ...]:
+    """The rules that one `implies` over two things, uses or acts stands for; none for one."""
+    for place, argument in enumerate(form.arguments):
+        if argument.name in {"both", "eitherOf"}:
+            before, after = form.arguments[:place], form.arguments[place + 1 :]
+            return tuple(Form("implies", (*before, each, *after)) for each in argument.arguments)
+    return ()
+
+
+def _replaced(form: Form, known: Form) -> Form:
+    return form.mapped(lambda part: known if part == IT else None)
 
 
 def _rule(form: Form, discourse: Discourse) -> Form:
     """`implies(context, graspObject(self, partOf(part, object)), degree)`, about one object."""
     context, act, degree = form.arguments
-    if context.name == "eitherOf":
-        rules = [Form("implies", (each, act, degree)) for each in context.arguments]
-        return _in_rules(Form("and", tuple(rules)), discourse)
     actor, place = act.arguments
     part, owners = _part(place)
     candidates = [*owners, _object(context, owners)]

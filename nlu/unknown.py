@@ -8,10 +8,10 @@ one fits (Scheutz et al. 2017). A word one slip away from a known one is not new
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 from .inflection import Inflection
-from .lexicon import Entry
+from .lexicon import Entry, Lexicon
 from .meaning import NewWord
 from .tokens import Token
 from .words import Verb, WordBook
@@ -19,11 +19,12 @@ from .words import Verb, WordBook
 MAX_NEW_WORDS = 3
 MIN_LETTERS = 3
 MAX_LETTERS = 30
-TWO_SLIPS = 8
+TWO_SLIPS = 9
 """From this length on [letters] a word may be two slips away from a known one."""
 
 _VERB_COST = 0.5  # a name is likelier than an act: there are more things than things to do
 _PERSON_COST = 1.0
+_SINGULAR_COST = 0.25  # what looks like a plural is one
 
 
 def is_word(token: Token) -> bool:
@@ -46,6 +47,22 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     return best
 
 
+def names_like(role: str, lexicon: Lexicon) -> Iterator[str]:
+    """The words, in all forms, that name what a role may be taken for."""
+    kinds = _LIKE[role]
+    for entry in lexicon.entries():
+        if entry.name and str(entry.category) in kinds:
+            yield " ".join(entry.words)
+
+
+_LIKE = {
+    "object": frozenset({"N", "NS", "P", "MS"}),
+    "part": frozenset({"N", "NS", "P", "MS"}),
+    "affordance": frozenset({"K", "KB"}),
+    "context": frozenset({"CP/NP", "CG/NP", "C/NP"}),
+}
+
+
 def slips(one: str, other: str, limit: int) -> int:
     """How many letters are added, lost, changed or swapped; more than `limit` is `limit + 1`."""
     before: list[int] = []
@@ -65,20 +82,22 @@ def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]
     """All that an unknown word may be, each entry marked with its role and dictionary form."""
     word = token.word
     found: list[Entry] = []
-    for name in (word, *inflection.origins(word, "plural")):
-        for role in ("object", "part"):
+    singulars = inflection.origins(word, "plural")
+    for role in ("object", "part"):
+        found += book.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
+        for name in singulars[:1]:
             found += book.noun(role, name, role=role)
     if token.capital:
         found += book.noun("person", word, role="person", cost=_PERSON_COST)
     for bare in _bare_forms(word, inflection):
-        verb = Verb(bare, ("act",), bare)
+        verb = Verb(bare, ("new_act",), bare)
         found += book.verb_entries(verb, role="context", cost=_VERB_COST)
         verb = Verb(bare, ("new_affordance",), None)
         found += book.verb_entries(verb, role="affordance")
     return [entry for entry in found if entry.words == (word,)]
 
 
-def new_words(entries: Iterable[Entry], tokens: Collection[str]) -> tuple[NewWord, ...]:
+def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
     """The new words that a reading rests on, each once."""
     words = (
         NewWord(entry.name, entry.role, " ".join(entry.words))

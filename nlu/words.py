@@ -25,6 +25,7 @@ from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
+_NAMING = ("USE", "ACT", "THIS")
 _KEYS = ("contractions", "templates", "verbs", "qualifiers", "nouns", "words")
 
 
@@ -107,8 +108,10 @@ class WordBook:
         if role in NOUN_TEMPLATES:
             return self.noun(NOUN_TEMPLATES[role], name)
         if role == "affordance":
-            return self.verb_entries(Verb(self.bare(name), ("affordance",), None))
-        return self.verb_entries(Verb(name, ("act",), _constant(name)))
+            bare = self.bare(name)
+            templates = ("affordance",) if bare in self._known_verbs else ("affordance", "tool")
+            return self.verb_entries(Verb(bare, templates, _constant(bare)))
+        return self.verb_entries(Verb(name, ("new_act",), _constant(name)))
 
     def tool_acts(self) -> dict[str, str]:
         """The acts that need a tool, each with the affordance that the tool must have."""
@@ -134,6 +137,10 @@ class WordBook:
         )
         return {act: f"{self.act_names()[act]} {binder}" for act in self.tool_acts()}
 
+    @property
+    def _known_verbs(self) -> frozenset[str]:
+        return frozenset(verb.verb for verb in self.verbs)
+
     def bare(self, gerund: str) -> str:
         """The verb of a gerund: "cut" for "cutting"."""
         for verb in self.verbs:
@@ -144,7 +151,7 @@ class WordBook:
     def _filled(
         self, template: Template, word: str, names: dict[str, str], *, role: str, cost: float
     ) -> Iterator[Entry]:
-        named = names.get("USE", names.get("ACT", names.get("THIS", ""))).replace("_", " ")
+        named = next((names[one] for one in _NAMING if one in template.constants), "")
         for form, frames in template.forms.items():
             tokens = tuple(self._inflection.form(word, form).split(" "))
             for frame in frames:
@@ -156,7 +163,7 @@ class WordBook:
                     evaluate(term),
                     self._combinator.sign(frame.category),
                     frame.cost + cost,
-                    named,
+                    named.replace("_", " "),
                     role,
                 )
 
