@@ -10,7 +10,7 @@ The body is made when the first command comes: teaching and asking need no robot
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -35,6 +35,12 @@ if TYPE_CHECKING:
 def default_location() -> Path:
     """The folder of the user's own knowledge base."""
     return user_data_path("hilt") / "kb"
+
+
+@cache
+def _language() -> Language:
+    """The language, read once: it never changes and takes a quarter of a second to load."""
+    return Language.load()
 
 
 def open_base(location: str | None) -> KnowledgeBase:
@@ -107,10 +113,9 @@ class Agent:
             StoreError: the base cannot be opened.
         """
         on_table = parse_scene(scene, seed=seed, objects=load_objects())
-        language = Language.load()
         return cls(
             open_base(location),
-            language,
+            _language(),
             load_actions(),
             on_table,
             simulate=simulate,
@@ -131,6 +136,14 @@ class Agent:
     def visible(self) -> tuple[str, ...]:
         """The objects on the table, in the order of the scene."""
         return tuple(placement.object for placement in self.scene.placements)
+
+    def quote(self, utterance: int) -> str:
+        """What was said in an utterance of that number.
+
+        Raises:
+            UnknownNameError: there is none.
+        """
+        return self.base.utterance(utterance).text
 
     @cached_property
     def body(self) -> Body:

@@ -68,7 +68,7 @@ def not_found(target: Target, inference: Inference) -> Answer:
     if not inference.candidates:
         return _nothing(target)
     first = inference.candidates[0]
-    if first in inference.denied or (not first.rules and target.object is None):
+    if first in inference.denied or first.interval.is_vacuous:
         return _nothing(target)
     wanted = target.used_for or target.not_used_for
     if wanted is None:

@@ -67,7 +67,7 @@ def _why(agent: Agent) -> RenderableType:
     last = agent.dialogue.last_done
     if last is None or last.achievement is None:
         return Text("I have not done anything yet.")
-    return shown.achievement(last.achievement)
+    return shown.achievement(last.achievement, agent.quote)
 
 
 _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {

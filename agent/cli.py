@@ -90,6 +90,7 @@ def tell(
     """Teach a rule: "A knife is used for cutting"."""
     with _agent(kb) as agent:
         _converse(
+            agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="tell"),
             (lambda reply: reply.as_tell_json()) if as_json else None,
@@ -111,6 +112,7 @@ def do(
     """Ask for something to be done: "pass me something used for cutting"."""
     with _agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
         _converse(
+            agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="do"),
             (lambda reply: reply.as_do_json()) if as_json else None,
@@ -130,6 +132,7 @@ def ask(
     """Ask what is known: "what is a knife used for?"."""
     with _agent(kb, scene=scene, seed=seed, no_sim=True) as agent:
         _converse(
+            agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="ask"),
             (lambda reply: reply.as_ask_json()) if as_json else None,
@@ -278,7 +281,10 @@ def _console(*, stderr: bool = False) -> Console:
 
 
 def _converse(
-    text: str, hear: Callable[[str], Reply], as_json: Callable[[Reply], Json] | None
+    agent: Agent,
+    text: str,
+    hear: Callable[[str], Reply],
+    as_json: Callable[[Reply], Json] | None,
 ) -> None:
     """Say each utterance and print each reply as soon as it is there."""
     done = True
@@ -288,17 +294,17 @@ def _converse(
         if as_json:
             _show(as_json(reply))
         else:
-            _show_reply(reply)
+            _show_reply(agent, reply)
     _finish(done)
 
 
-def _show_reply(reply: Reply) -> None:
+def _show_reply(agent: Agent, reply: Reply) -> None:
     from . import console
 
     out = _console()
     out.print(console.turn(reply))
     if reply.achievement and reply.achievement.steps:
-        out.print(console.achievement(reply.achievement))
+        out.print(console.achievement(reply.achievement, agent.quote))
 
 
 def _utterances(text: str) -> Iterator[str]:

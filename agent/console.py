@@ -8,7 +8,7 @@ are rich's to decide, so a pipe gets plain text. Nothing here prints.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -25,6 +25,8 @@ from ..nlu.understanding import Understanding
 from ..ontology.vocabulary import prefixed
 from .outcome import Achievement, Decision, Step, World
 from .reply import Reply
+
+Quote = Callable[[int], str]  # the text of an utterance by its number
 
 
 def turn(reply: Reply) -> RenderableType:
@@ -90,30 +92,32 @@ def _operations(step: Step) -> Iterable[tuple[str, str]]:
     yield "action", step.action
 
 
-def decision(made: Decision) -> Table:
+def decision(made: Decision, quote: Quote) -> Table:
     """Every candidate with its interval, lambda and reason; the part below the object."""
     table = Table(
         "candidate", "interval", "lambda", "", "because", title="Decision", title_justify="left"
     )
     for candidate in made.object.candidates:
-        _add_candidate(table, candidate, candidate.name)
+        _add_candidate(table, candidate, candidate.name, quote)
     for candidate in made.part.candidates if made.part else ():
         part = candidate.argument.name if candidate.argument else ""
-        _add_candidate(table, candidate, f"  by the {part}")
+        _add_candidate(table, candidate, f"  by the {part}", quote)
     return table
 
 
-def _add_candidate(table: Table, candidate: Candidate, name: str) -> None:
+def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
     mark = Text("yes", "green") if candidate.accepted else Text("no", "red")
-    told = "; ".join(
-        f"{rule.speaker}, utterance {rule.utterance}, {rule.interval}" for rule in candidate.rules
-    )
+    told = [
+        f'{rule.speaker.capitalize()} said: "{quote(rule.utterance)}"'
+        for rule in candidate.rules
+        if rule.utterance
+    ]
     table.add_row(
         name,
         escape(str(candidate.interval)),
         f"{candidate.certainty:.4f}",
         mark,
-        escape(f"{candidate.reason}{f' ({told})' if told else ''}"),
+        escape("\n".join((*told, candidate.reason))),
     )
 
 
@@ -131,11 +135,11 @@ def world(happened: World) -> Table:
     return table
 
 
-def achievement(came: Achievement) -> RenderableType:
+def achievement(came: Achievement, quote: Quote) -> RenderableType:
     """All that came of a command: the walk, the decision, the world."""
     parts: list[RenderableType] = [walk(came.steps)]
     if came.decision:
-        parts.append(decision(came.decision))
+        parts.append(decision(came.decision, quote))
     parts.append(world(came.world))
     return Group(*parts)
 

@@ -45,15 +45,15 @@ def run(agent: Agent, out: Console, folder: Path) -> bool:
         out.print(shown.turn(reply))
     out.print(shown.rules(rule for reply in lessons for rule in reply.rules))
     for reply in (passed, picked, nothing):
-        _show_command(out, reply)
+        _show_command(out, reply, agent)
     return _is_as_told(passed, picked, nothing, agent)
 
 
-def _show_command(out: Console, reply: Reply) -> None:
+def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
     out.print(Panel(reply.text, style="cyan", expand=False))
     out.print(shown.turn(reply))
     if reply.achievement:
-        out.print(shown.achievement(reply.achievement))
+        out.print(shown.achievement(reply.achievement, agent.quote))
         for picture in reply.achievement.world.pictures:
             out.print(f"wrote {picture}", markup=False)
 

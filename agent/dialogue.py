@@ -178,13 +178,13 @@ class Dialogue:
     def _not_understood(
         self, understood: Understanding, said: meaning.AskBack | meaning.Misunderstanding
     ) -> Reply:
-        spoken = (
-            said.question if isinstance(said, meaning.AskBack) else getattr(said, "message", "")
+        asks = isinstance(said, meaning.AskBack)
+        reply = replace(
+            self._reply(understood, said.question if asks else said.message),
+            ending="asked" if asks else "not_understood",
         )
-        ending = "asked" if isinstance(said, meaning.AskBack) else "not_understood"
-        return Reply(
-            understood.text, understood.speaker, understood, spoken, ending, seed=self.seed
-        )
+        self._record(reply)
+        return reply
 
     # --- Helpers -----------------------------------------------------------------------------
 

@@ -252,11 +252,11 @@ def _judged(
     if needs_rule and not rules:
         reason = "nothing that was told says so"
     elif accepted:
-        reason = f"lambda {sure:.4g} is above {threshold:.4g}"
+        reason = f"{interval} is sure enough: lambda {sure:.4g} is above {threshold:.4g}"
     elif is_denied(interval, threshold):
-        reason = f"believed not to: {interval}"
+        reason = f"{interval} speaks against it"
     else:
-        reason = f"not sure enough: lambda {sure:.4g} is not above {threshold:.4g}"
+        reason = f"{interval} is not sure enough: lambda {sure:.4g} is not above {threshold:.4g}"
     return Candidate(
         seen.name, seen.object, argument, interval, sure, accepted, reason, tuple(rules)
     )

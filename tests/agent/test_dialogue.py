@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dialogue: what is believed, done and answered, and what is not."""
+
+import pytest
+
+from hilt.agent.agent import Agent
+from hilt.agent.reply import Reply
+
+
+def part(reply: Reply) -> str | None:
+    """The part that a command decided on."""
+    assert reply.achievement is not None
+    return reply.achievement.decision.chosen_part if reply.achievement.decision else None
+
+
+# --- The running example -------------------------------------------------------------------
+
+
+def test_nothing_is_known_before_it_is_told(agent: Agent):
+    """Without the sentences the command fails with the right answer."""
+    reply = agent.hear("pass me something used for cutting")
+
+    assert (reply.ending, reply.said) == ("failed", "I see nothing that is used for cutting.")
+    assert agent.base.rules() == []
+
+
+def test_knife_is_passed_by_the_blade_once_told(taught: Agent):
+    """The three sentences decide what is passed, and how."""
+    reply = taught.hear("pass me something used for cutting")
+
+    assert (reply.said, part(reply)) == ("I would pass the knife by the blade.", "blade")
+
+
+def test_same_knife_is_picked_up_by_the_handle(taught: Agent):
+    """The context decides the part."""
+    assert part(taught.hear("pick up the knife")) == "handle"
+
+
+def test_exchanged_sentences_exchange_the_parts(agent: Agent):
+    """Nothing but the sentences says which part it is."""
+    agent.hear("To pickup a knife grab the knife by the blade")
+    agent.hear("To pass a knife grab the knife by the handle")
+
+    assert part(agent.hear("pick up the knife")) == "blade"
+    assert part(agent.hear("pass me the knife")) == "handle"
+
+
+def test_decision_rests_on_the_rules_that_were_told(taught: Agent):
+    """The reasons name the rule of the object and the rule of the part."""
+    reply = taught.hear("pass me something used for cutting")
+
+    assert reply.achievement is not None and reply.achievement.decision is not None
+    texts = [taught.base.utterance(r.utterance or 0).text for r in reply.achievement.decision.rules]
+    assert texts == [
+        "A knife is used for cutting",
+        "To pass a knife grab the knife by the blade",
+    ]
+
+
+def test_walk_has_four_operations_at_each_node_in_preorder(taught: Agent):
+    """Each node says what was looked for, seen, concluded and done."""
+    reply = taught.hear("pass me something used for cutting")
+
+    assert reply.achievement is not None
+    steps = {step.node: step for step in reply.achievement.steps}
+    assert list(steps) == [
+        "pass", "pass/findObject", "pass/graspObject", "pass/moveTo", "pass/handOver",
+    ]  # fmt: skip
+    assert steps["pass/findObject"].features == ("object:knife",)
+    assert steps["pass/findObject"].percepts == {"knife": 1.0}
+    grasp = steps["pass/graspObject"].constraint
+    assert grasp is not None
+    assert (grasp.object, grasp.part, grasp.lower) == ("knife", "blade", 0.95)
+
+
+def test_tool_is_chosen_by_what_the_action_needs(agent: Agent):
+    """Pounding a nail looks for something used for pounding (section 4.2)."""
+    agent.hear("A hammer is used for pounding")
+
+    reply = agent.hear("pound the nail")
+
+    assert reply.said == "I would pound the nail with the hammer."
+
+
+# --- Being told ----------------------------------------------------------------------------
+
+
+def test_what_was_learned_is_said_back_with_interval_and_source(agent: Agent):
+    """The echo is made from the rule that was stored."""
+    reply = agent.hear("To pass a knife grab it by the blade")
+
+    assert reply.said == "I learned: to pass a knife, grab it by the blade (0.95, from Sam)."
+
+
+def test_same_thing_told_twice_is_one_rule(agent: Agent):
+    """Repetition is not evidence."""
+    agent.hear("A knife is used for cutting")
+    again = agent.hear("A knife is used for cutting")
+
+    assert again.said.startswith("I know that already from Sam")
+    assert len(agent.base.rules()) == 1
+
+
+def test_untrusted_speaker_is_neither_believed_nor_obeyed(taught: Agent):
+    """Who is not trusted changes nothing, and hears why."""
+    before = taught.base.rules()
+
+    told = taught.hear("A mug is used for cutting", speaker="mallory")
+    asked = taught.hear("pass me the knife", speaker="mallory")
+
+    assert (told.ending, asked.ending) == ("refused", "refused")
+    assert "Mallory" in told.said
+    assert taught.base.rules() == before
+
+
+def test_trust_can_be_given_and_counts(agent: Agent):
+    """What a half-trusted speaker says generally is believed to .475."""
+    agent.base.set_trust("kim", 0.5)
+    agent.hear("A knife is used for cutting", speaker="kim")
+
+    reply = agent.hear("pass me something used for cutting")
+
+    assert reply.achievement is not None and reply.achievement.decision is not None
+    best = reply.achievement.decision.object.best
+    assert best is not None and best.interval.lower == pytest.approx(0.475)
+
+
+def test_trust_that_is_withdrawn_counts_at_once(agent: Agent):
+    """A decision after the change uses the new trust."""
+    agent.base.set_trust("kim", 1.0)
+    agent.hear("A knife is used for cutting", speaker="kim")
+    before = agent.hear("pass me something used for cutting")
+    agent.base.set_trust("kim", 0.0)
+
+    after = agent.hear("pass me something used for cutting")
+
+    assert (before.ending, after.ending) == ("done", "failed")
+
+
+def test_forgetting_takes_back_the_last_rule_and_keeps_history(taught: Agent):
+    """What was forgotten is no reason any more, but can be told."""
+    reply = taught.hear("forget that")
+
+    assert reply.said.startswith("I take it back: to pass a knife")
+    assert part(taught.hear("pass me the knife")) is None
+    assert [u.text for u in taught.base.history()][2] == LESSON_THREE
+
+
+LESSON_THREE = "To pass a knife grab the knife by the blade"
+
+
+# --- Being asked, and not understanding -----------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("question", "answer"),
+    [
+        ("what is a knife used for?", "A knife is used for cutting."),
+        ("what is used for cutting?", "For cutting I know knife."),
+        ("how do you pass a knife?", "To pass a knife, grab it by the blade (0.95, from Sam)."),
+        ("is a knife used for cutting?", "Yes: a knife is used for cutting (0.95, from Sam)."),
+        ("is a mug used for cutting?", "Not that I know: nobody has told me that a mug is used"),
+        ("what is a mug used for?", "I know of nothing that a mug is used for."),
+    ],
+)
+def test_questions_are_answered_from_what_was_told(taught: Agent, question: str, answer: str):
+    """Answers carry interval and source where they rest on a rule."""
+    assert taught.hear(question).said.startswith(answer)
+
+
+def test_why_is_answered_with_the_sentence_it_rests_on(taught: Agent):
+    """The reason of an action is what somebody said."""
+    taught.hear("pass me the knife")
+
+    assert taught.hear("why?").said == f'Because Sam said: "{LESSON_THREE}".'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "   ",
+        "knife",
+        "pass me",
+        "To pass a knife grab",
+        "pass me something used for",
+        "x" * 10_000,
+        "pass the knife and banana phone",
+        "colourless green ideas sleep furiously",
+    ],
+)
+def test_nonsense_changes_nothing_and_is_told(taught: Agent, text: str):
+    """Half sentences and noise are neither believed nor obeyed."""
+    before = taught.base.rules()
+
+    reply = taught.hear(text)
+
+    assert reply.ending in {"not_understood", "asked"}
+    assert reply.said
+    assert reply.achievement is None
+    assert taught.base.rules() == before
+
+
+def test_forbidden_act_is_not_carried_out(taught: Agent):
+    """A negated command is acknowledged and refused."""
+    reply = taught.hear("do not pass me the knife")
+
+    assert (reply.ending, reply.achievement) == ("refused", None)
+
+
+@pytest.mark.parametrize(
+    ("only", "text"),
+    [("tell", "pass me the knife"), ("do", "A mug is used for cutting"), ("ask", "pick it up")],
+)
+def test_listening_for_one_kind_refuses_the_others(taught: Agent, only: str, text: str):
+    """`hilt tell` moves nothing and `hilt do` believes nothing."""
+    before = taught.base.rules()
+
+    reply = taught.hear(text, only=only)
+
+    assert reply.ending == "not_understood"
+    assert reply.achievement is None
+    assert taught.base.rules() == before
+
+
+# --- Memory --------------------------------------------------------------------------------
+
+
+def test_every_utterance_is_in_the_history(taught: Agent):
+    """Commands, refusals and nonsense are kept beside what was believed."""
+    taught.hear("pass me the knife")
+    taught.hear("gibberish blah blah")
+
+    kinds = [(utterance.kind, utterance.accepted) for utterance in taught.base.history()]
+
+    assert kinds[:3] == [("statement", True)] * 3
+    assert kinds[3] == ("command", True)
+    assert kinds[4][1] is False
+
+
+def test_command_leaves_an_episode_with_its_reasons(taught: Agent):
+    """What was decided can be asked of the graph afterwards."""
+    reply = taught.hear("pass me something used for cutting")
+
+    (episode,) = taught.base.episodes()
+
+    assert (episode.object, episode.part, episode.outcome) == ("knife", "blade", "done")
+    assert reply.achievement is not None and reply.achievement.decision is not None
+    assert set(episode.rules) == {rule.id for rule in reply.achievement.decision.rules}
