@@ -43,19 +43,24 @@ class Surroundings:
         """The points of the wanted part (k, 3)."""
         return self.points[self.labels == Label.WANTED]
 
-    def thinned(self, cell: float, *, reach: float) -> Surroundings:
-        """One point for each cube of side `cell` [m], none farther than `reach` [m] away."""
+    def thinned(self, cell: float, *, reach: float, most: int) -> Surroundings:
+        """Fewer points, evenly spread, and only those near the wanted part.
+
+        Args:
+            cell: side of the cubes of which each keeps one point [m].
+            reach: how far from the part points are kept [m].
+            most: about how many points there may be; the cubes grow until it is so.
+        """
         low, high = self.wanted.min(axis=0) - reach, self.wanted.max(axis=0) + reach
-        near = np.all((self.points >= low) & (self.points <= high), axis=1)
-        keep = np.flatnonzero(near)
-        kept = [
-            keep[self.labels[keep] == label][
-                thin(self.points[keep][self.labels[keep] == label], cell)
-            ]
-            for label in Label
-        ]
-        index = np.concatenate(kept)
+        near = np.flatnonzero(np.all((self.points >= low) & (self.points <= high), axis=1))
+        index = self._spread(near, cell)
+        if len(index) > most:
+            index = self._spread(near, cell * float(np.sqrt(len(index) / most)))
         return Surroundings(self.points[index], self.labels[index], self.table, self.balance)
+
+    def _spread(self, near: np.ndarray, cell: float) -> np.ndarray:
+        groups = [near[self.labels[near] == label] for label in Label]
+        return np.concatenate([group[thin(self.points[group], cell)] for group in groups])
 
 
 def surround(

@@ -24,12 +24,14 @@ from .robots import Gripper
 COARSE_CELL = 0.0035  # [m] between the points that proposals look at
 FINE_CELL = 0.002  # [m] between the points that the profile looks at
 COARSE_REACH, FINE_REACH = 0.15, 0.13  # [m] round the part, what a hand may run into
+COARSE_POINTS, FINE_POINTS = 3000, 9000  # about so many are enough, also of large things
 JUDGED = 240  # proposals that are judged
 PLACE = 0.02  # [m], side of the cubes that are one place; each place gets its share of them
 TILT_COST = 0.03  # [m], a level approach counts as this much farther from the balance
 SHUFFLE = 0.02  # [m], so that different directions come first at one place
 REFINED = 24  # of those, the best are turned and judged again
 TURNS_DEG = (-7.0, -3.5, 3.5, 7.0)  # about the approach direction
+LARGEST_MOVE = 0.03  # [m] towards the middle of something round
 DEEPER = 0.004  # [m], the best ones are also tried deeper
 LEAST_POINTS = 12  # of a part, else nothing can be said about it
 APART = 0.012  # [m], grasps nearer than this and turned alike are one
@@ -91,12 +93,17 @@ def plan_grasps(
     """
     if len(surroundings.wanted) < LEAST_POINTS:
         return GraspPlan((), {})
-    coarse = surroundings.thinned(COARSE_CELL, reach=COARSE_REACH)
-    fine = surroundings.thinned(FINE_CELL, reach=FINE_REACH)
+    coarse = surroundings.thinned(COARSE_CELL, reach=COARSE_REACH, most=COARSE_POINTS)
+    fine = surroundings.thinned(FINE_CELL, reach=FINE_REACH, most=FINE_POINTS)
     proposed = propose(coarse, gripper, rng=rng)
-    first = _spread_out(proposed.world_from_grip, surroundings.balance, rng)
-    holds = hold.judge(proposed.world_from_grip[first], fine, gripper)
+    opening = np.minimum(proposed.width + 2 * hold.SPARE, gripper.opening)
+    low = hold.hits_table(proposed.world_from_grip, opening, surroundings.table, gripper)
+    first = np.flatnonzero(~low)
+    first = first[_spread_out(proposed.world_from_grip[first], surroundings.balance, rng)]
+    between = proposed.width[first]
+    holds = hold.judge(proposed.world_from_grip[first], between, fine, gripper)
     rejected = _count(holds)
+    rejected["table"] = rejected.get("table", 0) + int(low.sum())
     rejected["too_wide"] = rejected.get("too_wide", 0) + proposed.too_wide
     rejected["part"] = rejected.get("part", 0) + proposed.blocked
     holds = _refine(holds, fine, gripper)
@@ -118,12 +125,30 @@ def _spread_out(world_from_grip: Array, balance: Array, rng: np.random.Generator
 
 
 def _refine(holds: Holds, fine: Surroundings, gripper: Gripper) -> Holds:
+    """The holds, and better ones near the best of them."""
+    best = holds[_distinct(holds, REFINED, least=-2 * hold.RULED_OUT)]
+    centred = hold.judge(best.world_from_grip @ _corrections(best), best.between, fine, gripper)
+    holds = holds.joined(centred)
     best = holds[_distinct(holds, REFINED)]
     turns = np.tile(np.eye(4), (len(TURNS_DEG) + 1, 1, 1))
     turns[:-1, :3, :3] = poses.rotation_about((0, 0, 1), np.radians(TURNS_DEG))
     turns[-1, 2, 3] = DEEPER
     changed = (best.world_from_grip[:, None] @ turns).reshape(-1, 4, 4)
-    return holds.joined(hold.judge(changed, fine, gripper))
+    between = np.repeat(best.between, len(turns))
+    return holds.joined(hold.judge(changed, between, fine, gripper))
+
+
+def _corrections(holds: Holds) -> Array:
+    """How to move each hand to where the part is widest, and turn it along its faces.
+
+    On a round thing of radius r, at a distance d from its middle, the slope is d / sqrt(r^2 - d^2)
+    and half the width is the root: their product is how far the middle is away.
+    """
+    result = np.tile(np.eye(4), (len(holds.width), 1, 1))
+    result[:, :3, :3] = poses.rotation_about((0, 0, 1), holds.twist)
+    move = np.clip(holds.slope * holds.width[:, None] / 2, -LARGEST_MOVE, LARGEST_MOVE)
+    result[:, 0, 3], result[:, 2, 3] = move.T
+    return result
 
 
 def _count(holds: Holds) -> dict[str, int]:
@@ -131,11 +156,11 @@ def _count(holds: Holds) -> dict[str, int]:
     return {name: int(n) for name, n in zip(hold.OBSTACLES, numbers, strict=True) if name and n}
 
 
-def _distinct(holds: Holds, count: int) -> np.ndarray:
-    """Indices of the good holds, best first, without those that nearly repeat a better one."""
+def _distinct(holds: Holds, count: int, *, least: float = 0.0) -> np.ndarray:
+    """Indices of possible holds, best first, without those that nearly repeat a better one."""
     chosen: list[int] = []
     for index in np.argsort(-holds.score, kind="stable"):
-        if len(chosen) == count or holds.score[index] <= 0:
+        if len(chosen) == count or holds.score[index] <= least:
             break
         if not chosen or not _near(holds.world_from_grip[chosen], holds.world_from_grip[index]):
             chosen.append(int(index))

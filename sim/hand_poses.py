@@ -19,14 +19,15 @@ from .clouds import Label, Surroundings, level_direction, spread
 from .poses import Array
 from .robots import Gripper
 
-SAMPLES = 40  # points of the part from which poses are tried
+SAMPLES = 60  # points of the part from which poses are tried
 BIN = 0.002  # [m] along the closing direction
 HALF_BINS = 52  # a section may lie wholly on one side of its sample: 104 mm
+PART_BINS = 1  # at either end of the section, where nothing but the wanted part may be
 TIP_DEPTHS = (0.003, 0.008, 0.014)  # [m] of the finger tips below the sample
 TABLE_CLEARANCE = 0.001  # [m] between the tips and the table
 SIDE_CLEARANCE = 0.0035  # [m] between a finger and the part as the hand comes down
 TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
-LEVEL_ROLLS = 16  # for the hand that looks straight down
+LEVEL_ROLLS = 24  # for the hand that looks straight down
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,13 @@ class HandPoses:
 
     Attributes:
         world_from_grip: (c, 4, 4).
+        width: (c,) of what is between the fingers [m].
         too_wide: how many places were wider than the hand.
         blocked: how many had no room for the fingers.
     """
 
     world_from_grip: Array
+    width: Array
     too_wide: int
     blocked: int
 
@@ -65,13 +68,15 @@ def propose(surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Gene
     wanted = surroundings.wanted
     samples = wanted[spread(wanted, SAMPLES, first=int(rng.integers(len(wanted))))]
     found: list[Array] = []
+    widths: list[Array] = []
     too_wide = blocked = 0
     for rotation in hand_directions(level_direction(wanted)):
         sections = _Sections.along(rotation, samples, surroundings, gripper)
         too_wide += sections.too_wide
         blocked += sections.blocked
         found.append(poses.pose(rotation, sections.centres @ rotation.T))
-    return HandPoses(np.concatenate(found), too_wide, blocked)
+        widths.append(sections.width)
+    return HandPoses(np.concatenate(found), np.concatenate(widths), too_wide, blocked)
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,7 @@ class _Sections:
     """Cuts through the part that fit between the fingers, for one direction of the hand."""
 
     centres: Array  # (c, 3) of the grip frame, in the directions of the hand [m]
+    width: Array  # (c,) [m]
     too_wide: int
     blocked: int
 
@@ -89,28 +95,38 @@ class _Sections:
         points, starts = surroundings.points @ rotation, samples @ rotation
         tips = _tip_depths(rotation, samples, surroundings.table, gripper)  # (s, t)
         possible = tips[:, 0] > 0
+        if not possible.any():
+            return cls(np.zeros((0, 3)), np.zeros(0), 0, 0)
         starts, tips = starts[possible], tips[possible]
-        wanted, other = _count(points, surroundings.labels, starts, tips, gripper)
+        wanted, other, nearest = _count(points, surroundings.labels, starts, tips, gripper)
         room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
         right = _first_room(wanted + other, room)
         left = _first_room((wanted + other)[..., ::-1], room)
         width = (left + right - 1) * BIN
         reach = np.arange(-HALF_BINS, HALF_BINS + 1)
-        within = (reach > -left[..., None] - room) & (reach < right[..., None] + room)
-        clear = ~np.any((other > 0) & within, axis=-1) & (left < HALF_BINS) & (right < HALF_BINS)
+        left_end, right_end = -left[..., None], right[..., None]
+        at_left = (reach > left_end - room) & (reach <= left_end + PART_BINS)
+        at_right = (reach < right_end + room) & (reach >= right_end - PART_BINS)
+        clear = ~np.any((other > 0) & (at_left | at_right), axis=-1)
         narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
-        ok = clear & narrow & (tips > 0)
+        shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
+        ok = clear & narrow & shallow & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
         row, depth = np.nonzero(ok)
         shift = (right - left)[row, depth] * BIN / 2
         centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
-        return cls(centres, int(np.sum(~narrow)), int(np.sum(narrow & ~clear)))
+        return cls(centres, width[row, depth], int(np.sum(~narrow)), int(np.sum(narrow & ~clear)))
 
 
 def _tip_depths(rotation: Array, samples: Array, table: float, gripper: Gripper) -> Array:
     """How far the tips go below each sample (s, t) [m]; -1 where the table is in the way."""
     down = -rotation[2, 2]
-    corner = gripper.finger_width / 2 * abs(rotation[2, 0])
-    room = (samples[:, 2] - table - TABLE_CLEARANCE - corner) / max(down, 1e-6)
+    finger = gripper.finger_width / 2 * abs(rotation[2, 0])
+    finger += gripper.finger_thickness * abs(rotation[2, 1])
+    along_x, along_y = gripper.palm_size
+    palm = along_x / 2 * abs(rotation[2, 0]) + along_y / 2 * abs(rotation[2, 1])
+    palm += (gripper.palm - gripper.tip) * down
+    lowest = max(finger, palm)  # of the hand below its tips
+    room = (samples[:, 2] - table - TABLE_CLEARANCE - lowest) / max(down, 1e-6)
     depths = np.minimum(np.array(TIP_DEPTHS), room[:, None])
     fresh = np.diff(depths, prepend=0.0, axis=1) > 0.25 * TIP_DEPTHS[0]
     return np.where(fresh, depths, -1.0)
@@ -118,15 +134,20 @@ def _tip_depths(rotation: Array, samples: Array, table: float, gripper: Gripper)
 
 def _count(
     points: Array, labels: np.ndarray, starts: Array, tips: Array, gripper: Gripper
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points that the fingers would sweep over: (s, t, bins), wanted and other ones."""
+) -> tuple[np.ndarray, np.ndarray, Array]:
+    """Points that the fingers would sweep over: (s, t, bins), wanted and other ones.
+
+    Also how far the nearest one to the palm lies below each sample (s,) [m].
+    """
     s, t = tips.shape
     bins = 2 * HALF_BINS + 1
-    beside = np.abs(points[:, 0] - starts[:, :1]) <= gripper.finger_width / 2
-    beside &= points[:, 2] <= (starts[:, 2] + tips.max(axis=1))[:, None]
-    row, point = np.nonzero(beside)
-    place = np.rint((points[point, 1] - starts[row, 1]) / BIN).astype(int) + HALF_BINS
+    row, point = _beside(points[:, 0], starts[:, 0], gripper.finger_width / 2)
     depth = points[point, 2] - starts[row, 2]
+    above = depth <= tips.max(axis=1)[row]
+    row, point, depth = row[above], point[above], depth[above]
+    nearest = np.zeros(s)
+    np.minimum.at(nearest, row, depth)
+    place = np.rint((points[point, 1] - starts[row, 1]) / BIN).astype(int) + HALF_BINS
     layer = np.sum(depth[:, None] > np.maximum.accumulate(tips, axis=1)[row], axis=1)
     inside = (place >= 0) & (place < bins) & (layer < t)
     row, place, layer, point = row[inside], place[inside], layer[inside], point[inside]
@@ -134,7 +155,17 @@ def _count(
     key = ((kind * s + row) * t + layer) * bins + place
     counts = np.bincount(key, minlength=2 * s * t * bins).reshape(2, s, t, bins)
     wanted, other = np.cumsum(counts, axis=2)
-    return wanted, other
+    return wanted, other, nearest
+
+
+def _beside(x: Array, middles: Array, half: float) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs (sample, point) with a point at most `half` [m] from the sample along x."""
+    order = np.argsort(x, kind="stable")
+    first = np.searchsorted(x[order], middles - half)
+    count = np.searchsorted(x[order], middles + half, side="right") - first
+    row = np.repeat(np.arange(len(middles)), count)
+    within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    return row, order[first[row] + within]
 
 
 def _first_room(counts: np.ndarray, room: int) -> np.ndarray:

@@ -10,7 +10,7 @@ goes on outwards beyond the tips is a slope that would push the fingers open.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -22,15 +22,20 @@ from .robots import Gripper
 CELLS_X, CELLS_Z = 5, 3  # of a pad's face
 LEVEL = 0.0012  # [m], how far a cell may lie behind the outermost one and still be touched
 PART_CLEARANCE = 0.004  # [m] from the pads to any other part of the object
+RECESS = 0.003  # [m] that another part between the fingers stands back from the pads
 SWEEP_CLEARANCE = 0.002  # [m] from the moving hand to the points of anything
 SPARE = 0.008  # [m] the open hand is wider than the part, on each side
+SPARE_ABOVE = 0.004  # [m] the same for what is between the fingers above the pads
 BEYOND = 0.006  # [m] below the tips in which the part must not go on outwards
-OUTWARD = 0.0015  # [m], more than this is outwards
+OUTWARD = 0.003  # [m], more than this is outwards: a slope of 27 degrees
 LEVER_SCALE = 0.15  # [m], a lever arm that costs as much as the worst support
 TABLE_CLEARANCE = 0.0008  # [m] from the hand to the table
 
+RULED_OUT = 10.0  # taken from the score of a pose that something is in the way of
+
 # Weights of the score: 1 is a flat, vertical grasp at the centre of mass.
-_BASE, _SUPPORT, _OVERLAP, _LEVER, _TILT, _WIDE = 0.25, 0.35, 0.4, 0.45, 0.12, 0.1
+_BASE, _SUPPORT, _OVERLAP = 0.45, 0.25, 0.3
+_LEVER, _TILT, _WIDE, _WEDGE = 0.3, 0.1, 0.1, 1.0
 LEAST_CELLS = 1.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
 
 
@@ -41,35 +46,34 @@ class Holds:
     Attributes:
         world_from_grip: (c, 4, 4), the part centred between the pads.
         width: (c,) of the part between the pads [m].
+        between: (c,) of all that is between the fingers [m].
         opening: (c,) of the hand before it closes [m].
         score: (c,), at most 1; what is not above 0 must not be tried.
-        obstacle: (c,) of `Obstacle`, why a pose is ruled out.
+        obstacle: (c,), index in `OBSTACLES` of what rules a pose out; 0 for nothing.
+        slope: (c, 2), how much the part grows wider along x and z of the grip, per side.
+        twist: (c,), how far the faces are turned about the approach against the pads [rad].
     """
 
     world_from_grip: Array
     width: Array
+    between: Array
     opening: Array
     score: Array
     obstacle: np.ndarray
+    slope: Array
+    twist: Array
 
     def __getitem__(self, index: np.ndarray) -> Holds:
         """Some of them."""
-        return Holds(
-            self.world_from_grip[index],
-            self.width[index],
-            self.opening[index],
-            self.score[index],
-            self.obstacle[index],
-        )
+        return Holds(*(getattr(self, field.name)[index] for field in fields(self)))
 
     def joined(self, other: Holds) -> Holds:
         """These and the other ones."""
         return Holds(
-            np.concatenate([self.world_from_grip, other.world_from_grip]),
-            np.concatenate([self.width, other.width]),
-            np.concatenate([self.opening, other.opening]),
-            np.concatenate([self.score, other.score]),
-            np.concatenate([self.obstacle, other.obstacle]),
+            *(
+                np.concatenate([getattr(self, field.name), getattr(other, field.name)])
+                for field in fields(self)
+            )
         )
 
 
@@ -77,32 +81,43 @@ OBSTACLES = ("", "too_wide", "slope", "uneven", "part", "neighbour", "table")
 _NONE, _TOO_WIDE, _SLOPE, _UNEVEN, _PART, _NEIGHBOUR, _TABLE = range(len(OBSTACLES))
 
 
-def judge(world_from_grip: Array, surroundings: Surroundings, gripper: Gripper) -> Holds:
-    """Judge poses of the hand (c, 4, 4) round the wanted part."""
-    if not len(world_from_grip):
-        empty = np.zeros(0)
-        return Holds(np.zeros((0, 4, 4)), empty, empty, empty, np.zeros(0, dtype=int))
-    grip_from_world = poses.inverse(world_from_grip)
-    local = poses.transform(grip_from_world, surroundings.points)  # (c, n, 3)
+def judge(
+    world_from_grip: Array, between: Array, surroundings: Surroundings, gripper: Gripper
+) -> Holds:
+    """Judge poses of the hand round the wanted part.
+
+    Args:
+        world_from_grip: (c, 4, 4).
+        between: (c,), width of all that will be between the fingers, not only the pads [m].
+        surroundings: the part, and what is near it.
+        gripper: the hand.
+    """
+    local = poses.transform(poses.inverse(world_from_grip), surroundings.points)  # (c, n, 3)
     wanted = surroundings.labels == Label.WANTED
     shift, width = _centre(local, wanted, gripper)
     local[..., 1] -= shift[:, None]
     centred = world_from_grip @ _sideways(shift)
-    opening = np.minimum(width + 2 * SPARE, gripper.opening)
-    support, overlap = _profile(local, wanted, width, gripper)
+    opening = np.maximum(width + 2 * SPARE, between + 2 * (np.abs(shift) + SPARE_ABOVE))
+    opening = np.minimum(opening, gripper.opening)
+    profile = _Profile.between(local, wanted, width, gripper)
+    touched = profile.touched(width)  # (c, 2, CELLS_X, CELLS_Z)
+    overlap = _between(touched).all(axis=1).mean(axis=(1, 2))
     obstacle = _obstacle(local, surroundings.labels, width, opening, gripper)
     obstacle[(obstacle == _NONE) & (overlap < LEAST_CELLS)] = _UNEVEN
-    obstacle[_hits_table(centred, opening, surroundings.table, gripper)] = _TABLE
+    obstacle[hits_table(centred, opening, surroundings.table, gripper)] = _TABLE
     obstacle[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
+    slope, twist = profile.slopes(gripper)
     score = (
         _BASE
-        + _SUPPORT * support
+        + _SUPPORT * touched.mean(axis=(2, 3)).min(axis=1)  # of the side that is touched less
         + _OVERLAP * overlap
         - _LEVER * _lever(centred, surroundings.balance) / LEVER_SCALE
         - _TILT * (1 + centred[:, 2, 2])
+        - _WEDGE * np.abs(slope).max(axis=1)
         - _WIDE * width / gripper.opening
     )
-    return Holds(centred, width, opening, np.where(obstacle == _NONE, score, -1.0), obstacle)
+    score = np.where(obstacle == _NONE, score, score - RULED_OUT)
+    return Holds(centred, width, between, opening, score, obstacle, slope, twist)
 
 
 def _sideways(shift: Array) -> Array:
@@ -121,29 +136,72 @@ def _band(local: Array, gripper: Gripper) -> np.ndarray:
 def _centre(local: Array, wanted: np.ndarray, gripper: Gripper) -> tuple[Array, Array]:
     """Middle and width (c,) [m] of the part between the pads."""
     band = _band(local, gripper) & wanted & (np.abs(local[..., 1]) <= gripper.opening / 2)
-    high = np.max(np.where(band, local[..., 1], -np.inf), axis=1)
-    low = np.min(np.where(band, local[..., 1], np.inf), axis=1)
-    some = band.any(axis=1)
-    width = np.where(some, high - low, np.inf)
-    return np.where(some, (high + low) / 2, 0.0), width
+    far = gripper.opening  # an empty band counts as twice as wide as the hand
+    high = np.max(np.where(band, local[..., 1], -far), axis=1)
+    low = np.min(np.where(band, local[..., 1], far), axis=1)
+    width = np.where(high >= low, high - low, 2 * far)
+    return np.where(high >= low, (high + low) / 2, 0.0), width
 
 
-def _profile(
-    local: Array, wanted: np.ndarray, width: Array, gripper: Gripper
-) -> tuple[Array, Array]:
-    """Share of the pad's cells touched: the worse side's, and both sides' over the same cells."""
-    band = _band(local, gripper) & wanted & (np.abs(local[..., 1]) <= width[:, None] / 2 + 1e-9)
-    row, point = np.nonzero(band)
-    x, y, z = local[row, point].T
-    cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
-    cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
-    cell = row * CELLS_X * CELLS_Z + cell_x * CELLS_Z + cell_z
-    level = width[row] / 2 - LEVEL
-    count = len(local) * CELLS_X * CELLS_Z
-    right = np.bincount(cell[y >= level], minlength=count).reshape(len(local), -1) > 0
-    left = np.bincount(cell[y <= -level], minlength=count).reshape(len(local), -1) > 0
-    worse = np.minimum(right.mean(axis=1), left.mean(axis=1))
-    return worse, (right & left).mean(axis=1)
+@dataclass(frozen=True)
+class _Profile:
+    """What the pads meet, told outwards from the middle: heights (c, 2, CELLS_X, CELLS_Z) [m].
+
+    Cells that hold no point have the height -inf.
+    """
+
+    heights: Array
+
+    @classmethod
+    def between(cls, local: Array, wanted: np.ndarray, width: Array, gripper: Gripper) -> _Profile:
+        inside = np.abs(local[..., 1]) <= width[:, None] / 2 + 1e-9
+        row, point = np.nonzero(_band(local, gripper) & wanted & inside)
+        x, y, z = local[row, point].T
+        cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
+        cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
+        cell = (cell_x * CELLS_Z) + cell_z
+        heights = np.full((2, len(local) * CELLS_X * CELLS_Z), -np.inf)
+        for side, outwards in enumerate((y, -y)):
+            np.maximum.at(heights[side], row * CELLS_X * CELLS_Z + cell, outwards)
+        # A cell whose points all lie on the other side is empty on this one.
+        heights[heights < 0] = -np.inf
+        shaped = heights.reshape(2, len(local), CELLS_X, CELLS_Z)
+        return cls(np.ascontiguousarray(np.swapaxes(shaped, 0, 1)))
+
+    def touched(self, width: Array) -> np.ndarray:
+        """Which cells (c, 2, CELLS_X, CELLS_Z) the pads touch."""
+        return self.heights >= (width / 2 - LEVEL)[:, None, None, None]
+
+    def slopes(self, gripper: Gripper) -> tuple[Array, Array]:
+        """How the faces lie against the pads: the `slope` (c, 2) and `twist` (c,) of `Holds`.
+
+        A slope is the mean of both sides: a wedge, that is squeezed out of the hand. A round bar
+        has none. A twist is their difference: parallel faces that the hand could be turned along.
+        """
+        across = _slopes(self.heights.max(axis=3), gripper.pad_width / CELLS_X)
+        along = _slopes(self.heights.max(axis=2), gripper.pad_length / CELLS_Z)
+        slope = np.column_stack([across.mean(axis=1), along.mean(axis=1)])
+        return slope, np.arctan((across[:, 1] - across[:, 0]) / 2)
+
+
+def _between(touched: np.ndarray) -> np.ndarray:
+    """The cells touched, and those between them: a pad on a hollow rests on its edges."""
+    for axis in (2, 3):
+        before = np.logical_or.accumulate(touched, axis=axis)
+        after = np.flip(np.logical_or.accumulate(np.flip(touched, axis), axis=axis), axis)
+        touched = before & after
+    return touched
+
+
+def _slopes(edges: Array, spacing: float) -> Array:
+    """Slopes (c, 2) of edges (c, 2, n) by least squares, over the cells filled on both sides."""
+    filled = np.isfinite(edges[:, 0]) & np.isfinite(edges[:, 1])
+    place = np.arange(edges.shape[-1]) * spacing
+    middle = (filled * place).sum(axis=1) / np.maximum(filled.sum(axis=1), 1)
+    centred = np.where(filled, place - middle[:, None], 0.0)
+    spread = np.maximum((centred**2).sum(axis=1), spacing**2 / 2)
+    heights = np.where(filled[:, None], edges, 0.0)
+    return np.einsum("cn,csn->cs", centred, heights) / spread[:, None]
 
 
 def _obstacle(
@@ -155,9 +213,11 @@ def _obstacle(
     beyond = (z > gripper.tip) & (z <= gripper.tip + BEYOND)
     slope = on_finger & beyond & (y > half + OUTWARD) & (y < half + gripper.finger_thickness)
     swept = _swept(x, y, z, (opening / 2)[:, None], gripper)
+    # Between the fingers there may be more of the thing, if it stands back from the pads.
     near = (
         (x <= gripper.finger_width / 2 + PART_CLEARANCE)
         & (z <= gripper.tip + PART_CLEARANCE)
+        & (y >= half - RECESS)
         & (y <= (opening / 2)[:, None] + gripper.finger_thickness)
     )
     own, other = labels == Label.WANTED, labels == Label.OTHER_PART
@@ -180,9 +240,10 @@ def _swept(x: Array, y: Array, z: Array, half_open: Array, gripper: Gripper) -> 
     return (in_width & (finger | root)) | palm
 
 
-def _hits_table(
+def hits_table(
     world_from_grip: Array, opening: Array, table: float, gripper: Gripper
 ) -> np.ndarray:
+    """Which of the hands (c,), open by `opening` [m], would run into the table."""
     half_x, tip = gripper.finger_width / 2, gripper.tip
     outer = opening / 2 + gripper.finger_thickness
     root = opening / 2 + gripper.root_thickness

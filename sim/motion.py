@@ -34,6 +34,7 @@ RELEASE_TIME = 0.4  # [s]
 RETREAT = 0.08  # [m] the open hand goes back
 POINTING_GAP = 0.05  # [m] between the finger tips and the thing pointed at
 HEADINGS = 24  # turns about the vertical that are tried for handing over
+AT_ONCE = 6  # of them, sought together
 REACH_ALONG = (0.0, -0.06, 0.06, -0.12)  # [m] nearer to or farther from the receiver
 
 
@@ -133,9 +134,12 @@ class Motion:
 
     # --- holding ------------------------------------------------------------------------------
 
-    def raise_up(self, held: Held) -> bool:
-        """Go straight up with what is held; False as soon as it is lost."""
-        return self.robot.follow(held.reach.lift, pace=LIFT_PACE, stop=self._loses(held.name))
+    def raise_up(self, held: Held, height: float, reacher: Reacher) -> bool:
+        """Go straight up by `height` [m] with what is held; False as soon as it is lost."""
+        path = reacher.straight_up(height)
+        if path is None:
+            path = held.reach.lift
+        return self.robot.follow(path, pace=LIFT_PACE, stop=self._loses(held.name))
 
     def hold_still(self, held: Held, seconds: float) -> float:
         """Stand still; how long the thing was held [s]."""
@@ -218,9 +222,12 @@ class Motion:
         turned_away: list[Array] = []
         for shift in REACH_ALONG:
             targets = poses.pose(rotations[order], self.meeting + shift * towards)
-            answer = reacher.postures(targets)
-            yield from answer.joints[answer.found & (facing[order] >= 0)]
-            turned_away.extend(answer.joints[answer.found & (facing[order] < 0)])
+            for first in range(0, HEADINGS, AT_ONCE):
+                some = slice(first, first + AT_ONCE)
+                answer = reacher.postures(targets[some])
+                towards_them = facing[order][some] >= 0
+                yield from answer.joints[answer.found & towards_them]
+                turned_away.extend(answer.joints[answer.found & ~towards_them])
         yield from turned_away
 
     # --- pointing -----------------------------------------------------------------------------

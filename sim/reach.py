@@ -26,6 +26,7 @@ APPROACH_STEP = 0.015  # [m] between the poses of a straight way
 CHECK_STEP = 0.12  # [rad] between the postures that are checked
 TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
 APPROACH_GAP = -0.003  # [m] to the rest; the spheres are a little larger than the hand
+AT_ONCE = 4  # grasps whose ways are sought together: the first ones mostly do
 VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 
 
@@ -69,8 +70,10 @@ class Reacher:
             grasps: best first.
             lift: how high the thing must be lifted afterwards [m].
         """
-        if not grasps:
-            return
+        for first in range(0, len(grasps), AT_ONCE):
+            yield from self._ways(grasps[first : first + AT_ONCE], lift)
+
+    def _ways(self, grasps: Sequence[Grasp], lift: float) -> Iterator[Reach]:
         both = [turned for grasp in grasps for turned in (grasp, _half_turned(grasp))]
         at = np.stack([grasp.world_from_grip for grasp in both])
         before = self._solve(at @ poses.translation(0, 0, -RETREAT))

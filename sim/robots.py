@@ -28,6 +28,7 @@ _GRIPPER_LENGTHS = (
     "pad_width",
     "finger_width",
     "pad_length",
+    "tip",
     "finger_thickness",
     "root_thickness",
     "root",
@@ -51,6 +52,7 @@ class Gripper:
         pad_width: flat part of a finger along x [m].
         finger_width: a finger along x [m].
         pad_length: a pad along z, centred on the grip frame [m].
+        tip: the ends of the fingers, z in the grip frame [m].
         finger_thickness: a finger along y, at its tip [m].
         root_thickness: the same nearer to the hand than `root` [m].
         root: where the finger becomes thicker, z in the grip frame [m].
@@ -66,6 +68,7 @@ class Gripper:
     pad_width: float
     finger_width: float
     pad_length: float
+    tip: float
     finger_thickness: float
     root_thickness: float
     root: float
@@ -76,11 +79,6 @@ class Gripper:
     def hand_from_grip(self) -> Array:
         """The grip frame on the hand (4, 4)."""
         return poses.translation(0.0, 0.0, self.grip)
-
-    @property
-    def tip(self) -> float:
-        """The ends of the fingers, z in the grip frame [m]."""
-        return self.pad_length / 2
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The body of the agent: eyes, one arm and a hand, in a simulated world.
+
+It searches for features, takes things by the part it is told, lifts them, gives them, puts them
+back and points at them. It knows nothing of rules: which thing and which part is decided
+elsewhere. Every motion ends in a `MotionReport`; a motion that fails is tried again with another
+grasp where that can help, and what cannot be done is said and not tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ontology.objects import ObjectType
+from .camera import View
+from .grasp import Grasp, GraspPlan, plan_grasps
+from .motion import Held, Motion, Touch
+from .percept import Percept
+from .poses import Array
+from .reach import Reach, Reacher
+from .report import MotionReport
+from .robot import Robot
+from .robots import find_robot
+from .scene import Scene
+from .sight import Sight
+from .vision import Vision
+from .world import World
+
+if TYPE_CHECKING:
+    from .recording import Recorder
+
+TABLE_HEIGHT = 0.0  # [m]
+LIFT_HEIGHT = 0.15  # [m]
+LEAST_LIFT = 0.10  # [m], less is not lifted
+HOLD_TIME = 1.0  # [s]
+MAX_ATTEMPTS = 3  # how often the hand closes for one thing
+BUMP = 0.01  # [m], a neighbour that moved more was bumped
+SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
+RECEIVER = (1.15, 0.0, 0.40)  # [m], the one who gets things sits across the table
+MEETING = (0.58, 0.0, 0.40)  # [m], where things are handed over
+_OBSTACLE_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
+
+
+@dataclass(frozen=True)
+class _Aim:
+    """What the hand is after, and how often it has closed for it."""
+
+    name: str
+    part: str | None
+    attempts: int = 0
+    tried: tuple[Grasp, ...] = ()
+
+
+class Body:
+    """A robot at a table with the things of a scene.
+
+    Use it in a `with` block, or `close` it.
+
+    Args:
+        scene: what is on the table.
+        objects: the types there are.
+        seed: from which all choices of the motions are drawn.
+        gui: whether to show a window.
+        robot: which one; see `robots.yaml`.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        objects: Mapping[str, ObjectType],
+        *,
+        seed: int,
+        gui: bool = False,
+        robot: str = "panda",
+    ) -> None:
+        kind = find_robot(robot)
+        self.world = World.build(scene, objects, gui=gui)
+        self.robot = Robot(self.world.engine, kind, step=self.world.step)
+        self.vision = Vision(self.world.engine, self.world.kinds, self.world.models)
+        self.motion = Motion(
+            self.robot,
+            table=TABLE_HEIGHT,
+            receiver=np.array(RECEIVER),
+            meeting=np.array(MEETING),
+        )
+        self._rng = np.random.default_rng(seed)
+        self._held: Held | None = None
+        self._sight: Sight | None = None
+        self._aim = _Aim("", None)
+        self._resting: dict[str, Array] = {}
+        self._views: tuple[View, ...] = ()
+        self._seen_at = -1
+
+    def close(self) -> None:
+        """Stop the simulator."""
+        self.world.close()
+
+    def __enter__(self) -> Body:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def abilities(self) -> frozenset[str]:
+        """The primitives of the action trees that it can perform."""
+        hand = {"graspObject", "moveTo", "handOver"} if self.robot.kind.gripper else set[str]()
+        return frozenset({"findObject", "pointAt", *hand})
+
+    @property
+    def holding(self) -> str | None:
+        """The name of the thing in the hand; None when it is empty."""
+        return self._held.name if self._held else None
+
+    # --- seeing -------------------------------------------------------------------------------
+
+    def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
+        """The things in view that have one of the features ("object:knife"), the surest first."""
+        return self.vision.search(features, views=self._look())
+
+    def picture(self, path: Path) -> Path:
+        """Write a picture of the scene as it is now; gives the path back."""
+        from .pictures import save_picture, take_picture
+
+        save_picture(take_picture(self.world.engine), path)
+        return path
+
+    def record(self, path: Path) -> Recorder:
+        """A recorder of all that happens inside its `with` block."""
+        from .recording import Recorder
+
+        return Recorder(self.world, path)
+
+    # --- acting -------------------------------------------------------------------------------
+
+    def grasp(self, percept: Percept, part: str | None) -> MotionReport:
+        """Close the hand on a thing.
+
+        Args:
+            percept: the thing.
+            part: the part by which it must be taken; None leaves the choice to the hand.
+        """
+        if self.robot.kind.gripper is None:
+            return MotionReport("grasp", ok=False, reason="no_gripper")
+        if self._held:
+            self.put_back()
+        self._aim = _Aim(percept.name, part)
+        self._resting = {name: self.world.pose(name) for name in self.world.kinds}
+        return self._grasp_again()
+
+    def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
+        """Take what is held up from the table and hold it for a second; regrasps what slips.
+
+        Args:
+            height_m: how high; a grasp is only planned for `LIFT_HEIGHT`, more may be out of reach.
+        """
+        report = self._lift_once(height_m)
+        while report.reason in {"slipped", "dropped"} and self._aim.attempts < MAX_ATTEMPTS:
+            self._release()
+            grasped = self._grasp_again()
+            if not grasped.ok:
+                return replace(report, attempts=grasped.attempts)
+            report = self._lift_once(height_m)
+        return report
+
+    def hold(self, seconds: float) -> MotionReport:
+        """Stand still with what is held."""
+        if self._held is None:
+            return MotionReport("hold", ok=False, reason="nothing_held")
+        held_s = self.motion.hold_still(self._held, seconds)
+        return self._report("hold", "" if held_s >= seconds else "dropped", held_s=held_s)
+
+    def hand_over(self) -> MotionReport:
+        """Bring what is held to the receiver, its free part first, and hold it there."""
+        if self._held is None or self._sight is None:
+            return MotionReport("hand_over", ok=False, reason="nothing_held")
+        reason = self.motion.hand_over(self._held, self._reacher(self._sight))
+        held_s = 0.0
+        if not reason:
+            held_s = self.motion.hold_still(self._held, HOLD_TIME)
+            reason = "" if held_s >= HOLD_TIME else "dropped"
+        return self._report("hand_over", reason, held_s=held_s)
+
+    def put_back(self) -> MotionReport:
+        """Put what is held back where it was taken up, and let it go."""
+        if self._held is None or self._sight is None:
+            return MotionReport("put_back", ok=False, reason="nothing_held")
+        reason = self.motion.put_back(self._held, self._reacher(self._sight))
+        report = self._report("put_back", reason)
+        if not reason:
+            self._held = None
+        return report
+
+    def point_at(self, percept: Percept) -> MotionReport:
+        """Point at a thing without touching it."""
+        if self._held:
+            self.put_back()
+        sight = self._see(percept.name, None)
+        if sight is None:
+            return MotionReport("point_at", ok=False, reason="nothing_seen")
+        reason = self.motion.point_at(sight.percept.cloud, self._reacher(sight))
+        return MotionReport("point_at", ok=not reason, reason=reason)
+
+    # --- how ----------------------------------------------------------------------------------
+
+    def _grasp_again(self) -> MotionReport:
+        """Look, plan and close the hand until it holds the part, or the attempts are used up."""
+        reason = "nothing_seen"
+        while self._aim.attempts < MAX_ATTEMPTS:
+            sight = self._see(self._aim.name, self._aim.part)
+            if sight is None or not len(sight.wanted):
+                break
+            plan = plan_grasps(sight.surroundings(TABLE_HEIGHT), self.robot.gripper, rng=self._rng)
+            reach = self._choose(plan, sight)
+            if reach is None:
+                reason = _why_not(plan)
+                break
+            reason, touch = self._take(reach, sight)
+            if not reason:
+                return self._report("grasp", "", touched=touch.parts(self._aim.name))
+            self._release()
+        return MotionReport(
+            "grasp",
+            ok=False,
+            reason=reason,
+            attempts=self._aim.attempts,
+            bumped=self._bumped(),
+        )
+
+    def _choose(self, plan: GraspPlan, sight: Sight) -> Reach | None:
+        """The way to the best grasp that can be reached and has not failed before."""
+        fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
+        return next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
+
+    def _has_failed(self, grasp: Grasp) -> bool:
+        at = grasp.world_from_grip[:3, 3]
+        return any(
+            float(np.linalg.norm(at - other.world_from_grip[:3, 3])) < SAME_PLACE
+            for other in self._aim.tried
+        )
+
+    def _take(self, reach: Reach, sight: Sight) -> tuple[str, Touch]:
+        """Close the hand once; what went wrong, and what the fingers feel."""
+        name = self._aim.name
+        before = self.world.pose(name)
+        touch = self.motion.take(reach)
+        self._aim = replace(
+            self._aim, attempts=self._aim.attempts + 1, tried=(*self._aim.tried, reach.grasp)
+        )
+        self._sight = sight
+        if not touch.both:
+            return "missed", touch
+        if any(body != name or link not in sight.allowed for body, link in touch.both):
+            return "wrong_part", touch
+        if not touch.holds(name):
+            return "missed", touch
+        self._held = self.motion.grip_on(name, reach, sight.wanted, sight.rest, before)
+        return "", touch
+
+    def _lift_once(self, height_m: float) -> MotionReport:
+        if self._held is None or self._sight is None:
+            return MotionReport("lift", ok=False, reason="nothing_held")
+        if not self.motion.raise_up(self._held, height_m, self._reacher(self._sight)):
+            return self._report("lift", "slipped")
+        held_s = self.motion.hold_still(self._held, HOLD_TIME)
+        if held_s < HOLD_TIME:
+            return self._report("lift", "dropped", held_s=held_s)
+        lifted = self.motion.height_gained(self._held) >= min(LEAST_LIFT, height_m)
+        return self._report("lift", "" if lifted else "slipped", held_s=held_s)
+
+    def _release(self) -> None:
+        """Open the hand, go back and home."""
+        if self._sight is not None:
+            self.motion.let_go(self._reacher(self._sight))
+        self._held = None
+
+    def _look(self) -> tuple[View, ...]:
+        """What the cameras see; the last views as long as no time has passed."""
+        now = self.world.engine.steps
+        if now != self._seen_at:
+            self._views, self._seen_at = self.vision.look(), now
+        return self._views
+
+    def _see(self, name: str, part: str | None) -> Sight | None:
+        kind = self.world.kinds.get(name)
+        if kind is None:
+            return None
+        views = self._look()
+        found = self.vision.search([f"object:{kind.name}"], views=views)
+        percept = next((each for each in found if each.name == name), None)
+        if percept is None:
+            return None
+        return Sight(percept, kind, part, self.vision.obstacles(name, views=views))
+
+    def _reacher(self, sight: Sight) -> Reacher:
+        return Reacher(self.robot, TABLE_HEIGHT, sight.everything, sight.others)
+
+    def _report(
+        self, action: str, reason: str, *, held_s: float = 0.0, touched: tuple[str, ...] = ()
+    ) -> MotionReport:
+        held = self._held
+        slip_m, slip_rad = self.motion.slip(held) if held else (0.0, 0.0)
+        return MotionReport(
+            action,
+            ok=not reason,
+            reason=reason,
+            touched=touched or (self.motion.feel().parts(held.name) if held else ()),
+            lifted_m=self.motion.height_gained(held) if held else 0.0,
+            held_s=held_s,
+            attempts=self._aim.attempts,
+            score=held.reach.grasp.score if held else 0.0,
+            slip_m=slip_m,
+            slip_rad=slip_rad,
+            bumped=self._bumped(),
+        )
+
+    def _bumped(self) -> tuple[str, ...]:
+        """The neighbours that have moved since the hand went for its aim."""
+        moved = {
+            name: float(np.linalg.norm(self.world.pose(name)[:3, 3] - before[:3, 3]))
+            for name, before in self._resting.items()
+            if name != self._aim.name
+        }
+        return tuple(name for name, distance in moved.items() if distance > BUMP)
+
+
+def _why_not(plan: GraspPlan) -> str:
+    """The reason to report when no grasp of a plan could be used."""
+    if plan.grasps:
+        return "unreachable"
+    return _OBSTACLE_REASONS.get(plan.reason, "no_grasp")
