@@ -139,7 +139,8 @@ class Speech:
         if form == "level":
             return _level(value)
         if form == "list":
-            return self.listed([value] if isinstance(value, str) else [str(each) for each in value])
+            items = (value,) if isinstance(value, (str, int, float)) else value
+            return self.listed([str(each) for each in items])
         return forms[form](str(value)) if form else str(value)
 
 

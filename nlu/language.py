@@ -198,8 +198,12 @@ class Language:
         return None
 
     def _unknown(self, tokens: Tokens) -> list[Token]:
-        lexicon = self.listener.lexicon
-        return [token for token in tokens.items if token.word not in lexicon]
+        lexicon, closed = self.listener.lexicon, self.book.closed
+        return [
+            token
+            for token in tokens.items
+            if token.word not in lexicon and token.word not in closed
+        ]
 
     def _taken(self, tokens: Tokens, situation: Situation) -> Understanding:
         unknown = self._unknown(tokens)

@@ -26,7 +26,7 @@ from .vocabulary import ROLES, Vocabulary
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
 _NAMING = ("USE", "ACT", "THIS")
-_KEYS = ("contractions", "templates", "verbs", "qualifiers", "nouns", "words")
+_KEYS = ("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words")
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,7 @@ class WordBook:
         self._grammar, self._inflection, self._combinator = grammar, inflection, combinator
         self.templates: dict[str, Template] = {}
         self.contractions: dict[str, tuple[str, ...]] = {}
+        self.closed: frozenset[str] = frozenset()
         self.verbs: list[Verb] = []
         self.qualifiers: dict[str, tuple[str, ...]] = {}
         self.nouns: dict[str, tuple[str, ...]] = {}
@@ -71,6 +72,8 @@ class WordBook:
         parts = read_yaml(path).entries(optional=_KEYS)
         for short, field in _entries(parts, "contractions"):
             self.contractions[short] = tuple(field.text().split())
+        if "closed" in parts:
+            self.closed |= set(parts["closed"].texts())
         for name, field in _entries(parts, "templates"):
             self.templates[name] = self._template(name, field)
         for field in _items(parts, "verbs"):
