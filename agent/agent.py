@@ -10,6 +10,8 @@ The body is made when the first command comes: teaching and asking need no robot
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from functools import cache, cached_property
 from pathlib import Path
 from types import TracebackType
@@ -25,11 +27,14 @@ from ..ontology.objects import load_objects
 from ..sim.scene import Scene, parse_scene
 from .dialogue import Dialogue
 from .goals import GoalManager
+from .outcome import Step
 from .perception import PerfectVision
 from .reply import Reply
 
 if TYPE_CHECKING:
     from ..sim.body import Body
+
+PICTURED = {"graspObject": "grasp", "handOver": "hand-over", "pointAt": "pointing"}
 
 
 def default_location() -> Path:
@@ -85,7 +90,7 @@ class Agent:
         self.affordances = Affordances(base, settings)
         self.simulate = simulate
         self.gui = gui
-        self.dialogue = Dialogue(base, language, self._goal_manager, self.visible, seed=scene.seed)
+        self.dialogue = Dialogue(base, language, lambda: self.goals, self.visible, seed=scene.seed)
 
     @classmethod
     def open(
@@ -156,11 +161,39 @@ class Agent:
 
         return Body(self.scene, self.objects, seed=self.scene.seed, gui=self.gui)
 
-    def _goal_manager(self) -> GoalManager:
+    @cached_property
+    def goals(self) -> GoalManager:
+        """The goal manager over this agent's eyes and hands."""
         if self.simulate:
             return GoalManager(self.actions, self.affordances, self.body, self.body)
         vision = PerfectVision(self.scene, self.objects)
         return GoalManager(self.actions, self.affordances, vision, None)
+
+    @contextmanager
+    def recorded(self, folder: Path) -> Generator[list[str]]:
+        """Keep pictures of what is done in the block, and an animation of it.
+
+        Args:
+            folder: where `before.png`, one picture for each motion, and `animation.gif` go.
+
+        Returns:
+            The files; complete when the block ends.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [str(self.body.picture(folder / "before.png"))]
+
+        def keep(step: Step) -> None:
+            name = PICTURED.get(step.node.rsplit("/", 1)[-1])
+            if name and step.action == "executed":
+                files.append(str(self.body.picture(folder / f"{name}.png")))
+
+        self.goals.watchers.append(keep)
+        try:
+            with self.body.record(folder / "animation.gif"):
+                yield files
+        finally:
+            self.goals.watchers.remove(keep)
+        files.append(str(folder / "animation.gif"))
 
     def close(self) -> None:
         """Release the body and the base."""

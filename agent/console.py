@@ -31,12 +31,12 @@ Quote = Callable[[int], str]  # the text of an utterance by its number
 
 def turn(reply: Reply) -> RenderableType:
     """One turn of a dialogue: what was said, its predicate form, and the answer."""
-    lines = [
-        Text.assemble((f"{reply.speaker.capitalize():>6}  ", "bold cyan"), reply.text),
-        Text.assemble(" " * 8, (reply.understanding.pragmatics, "dim")),
-        Text.assemble(("  Hilt  ", "bold green"), reply.said),
-    ]
-    return Group(*(line for line in lines if line.plain.strip()))
+    grid = Table.grid(padding=(0, 2))
+    grid.add_row(Text(reply.speaker.capitalize(), "bold cyan"), Text(reply.text))
+    if reply.understanding.pragmatics:
+        grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
+    grid.add_row(Text("Hilt", "bold green"), Text(reply.said))
+    return grid
 
 
 def understood(found: Understanding) -> RenderableType:
@@ -138,7 +138,7 @@ def world(happened: World) -> Table:
 def achievement(came: Achievement, quote: Quote) -> RenderableType:
     """All that came of a command: the walk, the decision, the world."""
     parts: list[RenderableType] = [walk(came.steps)]
-    if came.decision:
+    if came.decision and came.decision.object.candidates:
         parts.append(decision(came.decision, quote))
     parts.append(world(came.world))
     return Group(*parts)

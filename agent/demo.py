@@ -86,7 +86,7 @@ class _Step:
 
     def __call__(self, text: str, agent: Agent, folder: Path | None = None) -> Reply:
         self._bar.update(self._task, description=text)
-        recording: AbstractContextManager[tuple[str, ...]] = nullcontext(())
+        recording: AbstractContextManager[list[str]] = nullcontext([])
         if folder and agent.simulate:
             recording = agent.recorded(folder)
         with recording as pictures:

@@ -104,7 +104,8 @@ class Dialogue:
         spoken = self._echo(key, rules)
         self.base.believe(understood.text, understood.content, speaker, rules, answer=spoken)
         self.language = self.language.with_words(understood.new_words)
-        return replace(self._reply(understood, spoken), rules=rules)
+        told = tuple(self.base.rule(rule.id) for rule in rules)
+        return replace(self._reply(understood, spoken), rules=told)
 
     def _echo(self, key: str, rules: Iterable[Rule]) -> str:
         """Say back what was believed, a sentence a rule."""

@@ -57,6 +57,9 @@ class GoalManager:
         affordances: inference over the rules.
         vision: the eyes.
         motion: the hands; None decides but does not move.
+
+    Attributes:
+        watchers: called after every node of a walk, with what was done there.
     """
 
     def __init__(
@@ -66,6 +69,7 @@ class GoalManager:
         self.affordances = affordances
         self.vision = vision
         self.motion = motion
+        self.watchers: list[Callable[[Step], None]] = []
 
     def achieve(self, request: Request) -> Achievement:
         """Walk the tree of a goal to its end, or to its first failure.
@@ -120,7 +124,7 @@ class _Walk:
         self.motion = motion
         self.steps: list[Step] = []
         self.decision: Decision | None = None
-        self.world = World(executed=motion is not None)
+        self.world = World()
         self._found: dict[Target, tuple[Percept, Candidate]] = {}
         self._primitives: dict[str, Callable[[Mapping[str, Argument], Inference], Answer | None]]
         self._primitives = {
@@ -148,6 +152,8 @@ class _Walk:
             constraint=self._constraint(node, arguments, inference),
             action=failure.key if failure else self._did(node),
         )
+        for watcher in self.manager.watchers:
+            watcher(self.steps[index])
         return failure
 
     def _goal(self, arguments: Mapping[str, Argument]) -> Goal:
@@ -231,7 +237,7 @@ class _Walk:
         if self.motion is None:
             return None
         report = self.motion.grasp(percept, part)
-        self.world = replace(self.world, touched=tuple(report.touched), attempts=report.attempts)
+        self.world = World(True, touched=tuple(report.touched), attempts=report.attempts)
         if report.ok:
             return None
         return answers.motion_failed(report.reason, percept.object, part)
@@ -247,7 +253,13 @@ class _Walk:
         if self.motion is None:
             return None
         report = self.motion.lift()
-        self.world = replace(self.world, lifted_m=report.lifted_m, held_s=report.held_s)
+        self.world = replace(
+            self.world,
+            touched=tuple(report.touched),
+            lifted_m=report.lifted_m,
+            held_s=report.held_s,
+            attempts=report.attempts,
+        )
         return None if report.ok else self._failed(report.reason, arguments)
 
     def _hand_over(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
@@ -262,6 +274,7 @@ class _Walk:
             return None
         percept, _ = self._found[self._target(arguments)]
         report = self.motion.point_at(percept)
+        self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, arguments)
 
     def _failed(self, reason: str, arguments: Mapping[str, Argument]) -> Answer:
