@@ -22,6 +22,9 @@ from .poses import Array
 from .readings import Light
 
 NEAR, FAR = 0.05, 6.0  # [m], what a camera can see at all
+# Where in its pixel the renderer looks, from the upper left corner: the lower left one. Half a
+# pixel would be 1 mm on the table, in another direction for each camera.
+SAMPLE = (0.0, 1.0)
 VISION_LIGHT = Light(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
 
 _WATCHED = (0.49, 0.0, 0.03)  # [m], the middle of where objects stand
@@ -130,8 +133,8 @@ class View:
         rows, columns = np.nonzero(mask)
         camera = self.camera
         depth = self.depth[rows, columns].astype(np.float64)
-        across = (columns + 0.5 - camera.width / 2) / camera.focal
-        upwards = (camera.height / 2 - rows - 0.5) / camera.focal
+        across = (columns + SAMPLE[0] - camera.width / 2) / camera.focal
+        upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
         seen = np.column_stack([across * depth, upwards * depth, -depth])
         return poses.transform(camera.world_from_camera, seen)
 

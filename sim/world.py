@@ -34,7 +34,7 @@ STILL_SHIFT = 1e-4  # [m]
 STILL_TURN = 0.004  # [rad]
 
 
-@dataclass
+@dataclass(repr=False)
 class World:
     """The room with the objects of one scene.
 
@@ -106,6 +106,9 @@ class World:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        return f"<World of {', '.join(self.kinds) or 'nothing'}>"
 
     @property
     def time(self) -> float:
