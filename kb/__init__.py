@@ -12,6 +12,7 @@ trust       how far what a speaker says is believed
 node        an action-tree node; the rules that matter there hang on it
 base        a folder, the memory, or an endpoint that keeps all of it
 
+>>> from hilt.kb import Interval, KnowledgeBase, grasping
 >>> kb = KnowledgeBase.open("memory:")
 >>> rule = grasping("knife", "blade", "pass", interval=Interval(0.95, 1))
 >>> told = kb.believe("To pass a knife grab the knife by the blade", "implies(...)", "sam", [rule])

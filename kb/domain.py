@@ -95,7 +95,7 @@ def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
     for path in actions.nodes:
         node, (above, _, action) = _node(path), path.rpartition("/")
         yield node, TYPE, term("Node")
-        yield node, LABEL, path.replace("/", ".")
+        yield node, LABEL, _key(path)
         yield node, DOES, atom_iri(Atom("action", action))
         if above:
             yield node, UNDER, _node(above)
@@ -107,8 +107,15 @@ def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
 
 
 def _node(path: str) -> Iri:
-    """A node of a tree; where it is one below the root it is the very node that rules hang on."""
-    return iri("node", path.replace("/", "."))
+    return iri("node", _key(path))
+
+
+def _key(path: str) -> str:
+    """The name of a node: one below the root has the very name under which rules hang.
+
+    There is one dot at most, as some SPARQL parsers read no more of them in a prefixed name.
+    """
+    return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
 
 
 def _having(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term]]:

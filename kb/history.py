@@ -12,13 +12,15 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
-from typing import cast
+from typing import TypeVar, cast
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import Iri, iri, split, term
+from ..ontology.vocabulary import Iri, iri, shortened, split, term
 from .rule import check_speaker
 from .stars import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
 from .terms import Quad, Term, lexical
+
+T = TypeVar("T", int, str, bool, Iri, datetime)
 
 HISTORY = iri("graph", "history")
 MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
@@ -103,10 +105,32 @@ def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
     found: dict[Iri, list[Term]] = defaultdict(list)
     for predicate, value in properties:
         found[predicate].append(value)
-    try:
-        return _read(found)
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValidationError([f"An utterance is malformed: {error}."]) from error
+    links = (
+        tuple(sorted(rule_id(cast(Iri, node)) for node in found[link]))
+        for link in (ASSERTS, RETRACTS, SUPERSEDES)
+    )
+    return Utterance(
+        _one(found, SEQUENCE, int),
+        _one(found, TEXT, str),
+        _one(found, PREDICATE, str, ""),
+        split(_one(found, ATTRIBUTED_TO, Iri))[1],
+        _one(found, GENERATED_AT, datetime),
+        _one(found, KIND, str),
+        _one(found, ACCEPTED, bool),
+        _one(found, ANSWER, str, ""),
+        *links,
+    )
+
+
+def _one(found: dict[Iri, list[Term]], key: Iri, kind: type[T], default: T | None = None) -> T:
+    values = found[key]
+    if not values and default is not None:
+        return default
+    if len(values) != 1 or not isinstance(values[0], kind):
+        raise ValidationError(
+            [f"An utterance has {len(values)} {shortened(key)}; expected one {kind.__name__}."]
+        )
+    return values[0]
 
 
 def _properties(utterance: Utterance) -> Iterator[tuple[Iri, Term]]:
@@ -128,23 +152,6 @@ def _properties(utterance: Utterance) -> Iterator[tuple[Iri, Term]]:
     ):
         for one in ids:
             yield link, rule_iri(one)
-
-
-def _read(found: dict[Iri, list[Term]]) -> Utterance:
-    return Utterance(
-        cast(int, found[SEQUENCE][0]),
-        cast(str, found[TEXT][0]),
-        cast(str, found[PREDICATE][0]) if PREDICATE in found else "",
-        split(cast(Iri, found[ATTRIBUTED_TO][0]))[1],
-        cast(datetime, found[GENERATED_AT][0]),
-        cast(str, found[KIND][0]),
-        cast(bool, found[ACCEPTED][0]),
-        cast(str, found[ANSWER][0]) if ANSWER in found else "",
-        *(
-            tuple(sorted(rule_id(cast(Iri, node)) for node in found.get(link, ())))
-            for link in (ASSERTS, RETRACTS, SUPERSEDES)
-        ),
-    )
 
 
 def _check_text(text: str) -> None:

@@ -14,19 +14,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import SHAPES_FILE, Iri, shortened, term
+from ..ontology.vocabulary import ATOM_KINDS, SHAPES_FILE, Iri, shortened, split, term
 from . import stars
 from .history import HISTORY, read_utterance, utterance_quads
+from .recall import TRUST_LOWER, TRUST_UPPER
 from .stars import BELIEFS, TYPE
 from .store import Store
 from .telling import speaker_quads
-from .terms import Quad, Term, lexical
+from .terms import STRING, Quad, Term, lexical
 
 if TYPE_CHECKING:
     from rdflib import Graph
 
 RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule"))
-_SPEAKER_TRUST = frozenset({stars.LABEL, TYPE, term("trustLower"), term("trustUpper")})
+_OF_SPEAKERS = frozenset({TYPE, stars.LABEL, TRUST_LOWER, TRUST_UPPER})
+_NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
 
 
 @dataclass(frozen=True, order=True)
@@ -123,7 +125,10 @@ def _utterance_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iter
 
 def _stands_alone(quad: Quad) -> bool:
     """Types and names of what no rule speaks of any more, and speakers with their trust."""
-    return quad.predicate in _SPEAKER_TRUST and quad.subject not in RULE_CLASSES
+    kind, _ = split(quad.subject)
+    if kind == "speaker":
+        return quad.predicate in _OF_SPEAKERS
+    return kind in _NAMED and quad.predicate in {TYPE, stars.LABEL}
 
 
 def _shown(quad: Quad) -> str:
@@ -141,6 +146,8 @@ def _as_rdflib(quads: Iterable[Quad]) -> Graph:
         text, datatype, language = lexical(value)
         if language:
             return Literal(text, lang=language)
+        if datatype == STRING:
+            return Literal(text)  # rdflib takes a text with its type for another one
         return Literal(text, datatype=URIRef(datatype), normalize=False)
 
     graph = Graph(bind_namespaces="none")

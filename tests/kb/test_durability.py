@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about what a dying process leaves behind: everything acknowledged, nothing torn."""
+
+from __future__ import annotations
+
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.interval import Interval
+from hilt.kb.rule import functional, grasping
+from hilt.kb.validation import lawful
+
+# Teaches two rules an utterance and takes the one before back, for ever; prints each number as
+# soon as it is acknowledged.
+TEACHER = """
+import sys
+from hilt.kb import Interval, KnowledgeBase, functional, grasping
+kb = KnowledgeBase.open(sys.argv[1])
+high = Interval(0.95, 1)
+print(kb.sequence, flush=True)
+while True:
+    number = kb.sequence + 1
+    name = f"object {number}"
+    rules = [
+        functional(name, "cutting", interval=high),
+        grasping(name, "handle", "pass", interval=high),
+    ]
+    gone = [one for one in kb.utterance(number - 1).asserts[:1]] if number > 1 else []
+    said = kb.believe(f"Sentence {number}.", "implies(x,y,high)", "sam", rules, retracts=gone)
+    print(said.sequence, flush=True)
+"""
+
+
+def teach_and_kill(folder: Path, seconds: float) -> int:
+    """Run the teacher, kill it after a time, and give the last number it acknowledged."""
+    teacher = subprocess.Popen(
+        [sys.executable, "-c", TEACHER, str(folder)], stdout=subprocess.PIPE, text=True
+    )
+    assert teacher.stdout is not None
+    first = teacher.stdout.readline()
+    time.sleep(seconds)
+    teacher.send_signal(signal.SIGKILL)
+    rest = teacher.stdout.read().split("\n")
+    teacher.stdout.close()
+    teacher.wait()
+    return int([first, *rest][-2] or first)  # what follows the last newline is no number yet
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_kill_loses_nothing_that_was_acknowledged(tmp_path: Path, seed: int):
+    """After kill -9 at a random moment, again and again, every acknowledged utterance is whole."""
+    moments = random.Random(seed)  # noqa: S311 - nothing secret
+    acknowledged = 0
+
+    for _ in range(2):
+        acknowledged = max(
+            acknowledged, teach_and_kill(tmp_path / "kb", moments.uniform(0.05, 0.4))
+        )
+
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+        last = kb.sequence
+        assert acknowledged <= last <= acknowledged + 1
+        assert [said.sequence for said in kb.history()] == list(range(1, last + 1))
+        assert all(len(said.asserts) == 2 for said in kb.history())
+        assert list(lawful(kb.store)) == []
+        assert len(kb.rules(status="retracted")) == last - 1
+
+
+def test_acknowledged_rule_is_there_without_closing(tmp_path: Path):
+    """A process that just ends, without closing, has lost nothing."""
+    program = TEACHER.replace("while True:", "for _ in range(3):") + "import os; os._exit(1)"
+    subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path / "kb")], check=False, capture_output=True
+    )
+
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+        assert kb.sequence == 3
+        assert len(kb.rules()) + len(kb.rules(status="retracted")) == 6
+
+
+def test_failed_write_leaves_the_base_as_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """When the store refuses, neither utterance nor rule nor number is there."""
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+        high = Interval(0.95, 1)
+        kb.believe("One.", "", "sam", [functional("knife", "cutting", interval=high)])
+
+        def full(**_: object) -> None:
+            raise OSError("No space left on device")
+
+        monkeypatch.setattr(kb.store, "apply", full)
+        with pytest.raises(OSError, match="No space"):
+            kb.believe("Two.", "", "sam", [grasping("knife", "blade", interval=high)])
+        monkeypatch.undo()
+
+        assert (kb.sequence, len(kb.rules())) == (1, 1)
+        assert kb.believe("Three.", "", "sam", []).sequence == 2

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about validation: what is valid passes, and everything that is not is found."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hilt.kb import stars
+from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.rule import Rule
+from hilt.kb.store import open_store
+from hilt.kb.terms import Quad
+from hilt.kb.validation import Finding, lawful, refuse, shapes
+from hilt.ontology.errors import ValidationError
+from hilt.ontology.vocabulary import Iri, external, iri, term
+
+from .conftest import BLADE, teach
+from .strategies import rules
+
+NODE = stars.rule_iri(BLADE.id)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(rules, max_size=4))
+def test_whatever_is_told_is_valid(taught: list[Rule]):
+    """Both checks pass what the base itself has written."""
+    base = KnowledgeBase(open_store("memory:"))
+    teach(base, *taught)
+
+    assert list(lawful(base.store)) == []
+    assert list(shapes(base.store)) == []
+
+
+FAULTS = {  # what is done to a rule -> what both checks say
+    "no lower bound": ({stars.LOWER: None}, "hilt:lower"),
+    "lower above upper": ({stars.UPPER: Decimal("0.1")}, "upper"),
+    "bound above one": ({stars.UPPER: Decimal("1.3")}, "1.3"),
+    "bound below zero": ({stars.LOWER: Decimal("-0.1")}, "-0.1"),
+    "no functor": ({stars.FUNCTOR: None}, "hilt:functor"),
+    "no status": ({stars.STATUS: None}, "hilt:status"),
+    "no speaker": ({stars.ATTRIBUTED_TO: None}, "wasAttributedTo"),
+    "foreign feature": ({stars.FEATURE: Iri("http://example.org/x")}, "example.org/x"),
+    "nothing spoken of": ({stars.FEATURE: None, stars.CONTEXT: None}, "at least one"),
+}
+
+
+@pytest.mark.parametrize("check", [lawful, shapes])
+@pytest.mark.parametrize("fault", FAULTS)
+def test_fault_in_a_rule_is_found_by_both_checks(kb: KnowledgeBase, fault: str, check: object):
+    """The finding names the rule, and what is wrong with it."""
+    changes, said = FAULTS[fault]
+    teach(kb, BLADE)
+    for key, value in changes.items():
+        old = list(kb.store.quads(NODE, key))
+        kb.store.apply(
+            delete=old, insert=[] if value is None else [Quad(NODE, key, value, stars.BELIEFS)]
+        )
+
+    found = [finding for finding in check(kb.store) if finding.node == BLADE.id.replace("/", ":")]
+
+    assert any(said in finding.problem for finding in found), found
+
+
+@pytest.mark.parametrize(
+    "stray",
+    [
+        Quad(Iri("http://x/a"), Iri("http://x/b"), "c", stars.BELIEFS),
+        Quad(iri("object", "mug"), term("usedFor"), iri("affordance", "eating"), stars.BELIEFS),
+        Quad(iri("node", "pass.graspObject"), stars.RULE, iri("rule", "0" * 16), stars.BELIEFS),
+        Quad(NODE, term("colour"), "red", stars.BELIEFS),
+        Quad(NODE, stars.TYPE, term("FunctionalRule"), stars.BELIEFS),
+    ],
+)
+def test_stray_statement_is_found(kb: KnowledgeBase, stray: Quad):
+    """An edge that no rule asserts, or a foreign statement, belongs to nothing known."""
+    teach(kb, BLADE)
+    kb.store.apply(insert=[stray])
+
+    (finding,) = lawful(kb.store)
+
+    assert "belongs to nothing known" in str(finding)
+
+
+def test_rule_under_a_wrong_name_is_found(kb: KnowledgeBase):
+    """A rule's name is made from its content."""
+    teach(kb, BLADE)
+    wrong = iri("rule", "0" * 16)
+    star = list(kb.store.quads(NODE))
+    kb.store.apply(delete=star, insert=[quad._replace(subject=wrong) for quad in star])
+
+    assert any(BLADE.id.replace("/", ":") in str(finding) for finding in lawful(kb.store))
+
+
+def test_utterance_under_a_wrong_number_is_found(kb: KnowledgeBase):
+    """The node and the sequence number agree."""
+    teach(kb, BLADE)
+    (old,) = kb.store.quads(iri("utterance", "1"), term("sequence"))
+    kb.store.apply(delete=[old], insert=[old._replace(object=7)])
+
+    assert any("sequence number is 7" in str(finding) for finding in lawful(kb.store))
+
+
+def test_findings_are_raised_together():
+    """One error carries all of them, each once, sorted."""
+    found = [Finding("rule:b", "Second."), Finding("rule:a", "First."), Finding("rule:a", "First.")]
+
+    with pytest.raises(ValidationError, match=r"rule:a: First\. \(and 1 more\)") as caught:
+        refuse(found)
+
+    assert caught.value.findings == ("rule:a: First.", "rule:b: Second.")
+
+
+def test_nothing_found_is_nothing_raised():
+    """A valid graph passes in silence."""
+    refuse([])
+
+
+def test_foreign_kinds_of_literals_are_shown(kb: KnowledgeBase):
+    """A finding about a literal shows its text."""
+    kb.store.apply(insert=[Quad(iri("object", "x"), external("rdfs:comment"), "hm", stars.BELIEFS)])
+
+    assert [str(one) for one in lawful(kb.store)] == [
+        'object:x: rdfs:comment "hm" belongs to nothing known.'
+    ]

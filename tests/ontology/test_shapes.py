@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about the vocabulary and its shapes: complete, and each constraint can be broken."""
+
+from __future__ import annotations
+
+import pytest
+from pyshacl import validate
+from rdflib import OWL, RDF, RDFS, SH, Graph, URIRef
+
+from hilt.ontology.vocabulary import HILT, PREFIXES, SHAPES_FILE, VOCABULARY_FILE
+
+VOCABULARY = Graph().parse(VOCABULARY_FILE)
+SHAPES = Graph().parse(SHAPES_FILE)
+CLASSES = [node for node in VOCABULARY.subjects(RDF.type, OWL.Class) if isinstance(node, URIRef)]
+PROPERTIES = [
+    node
+    for kind in (OWL.ObjectProperty, OWL.DatatypeProperty)
+    for node in VOCABULARY.subjects(RDF.type, kind)
+]
+HEAD = "".join(f"@prefix {prefix}: <{namespace}> .\n" for prefix, namespace in PREFIXES.items())
+
+RULE = """rule:0123456789abcdef a hilt:ActionRule ; hilt:feature object:knife ;
+    hilt:context action:pass ; hilt:functor hilt:graspObject ; hilt:part part:blade ;
+    hilt:lower 0.95 ; hilt:upper 1.0 ; hilt:status hilt:active ;
+    prov:wasAttributedTo speaker:sam ; prov:wasDerivedFrom utterance:1 ;
+    prov:generatedAtTime "2026-11-21T09:00:00Z"^^xsd:dateTime ."""
+USE = """rule:0123456789abcdef a hilt:FunctionalRule ; hilt:feature object:knife ;
+    hilt:functor hilt:usedFor ; hilt:affordance affordance:cutting ; hilt:lower 0.95 ;
+    hilt:upper 1.0 ; hilt:status hilt:active ; prov:wasAttributedTo speaker:sam ."""
+SAID = """utterance:1 a hilt:Utterance ; hilt:sequence 1 ; hilt:text "Hello." ;
+    hilt:kind "statement" ; hilt:accepted true ; hilt:predicate "x" ; hilt:answer "y" ;
+    hilt:asserts rule:0123456789abcdef ; prov:wasAttributedTo speaker:sam ;
+    prov:generatedAtTime "2026-11-21T09:00:00Z"^^xsd:dateTime ."""
+DONE = """episode:1 a hilt:Episode ; hilt:goal "g" ; hilt:text "t" ; hilt:answer "a" ;
+    hilt:outcome "done" ; hilt:seed 7 ; hilt:document "{}" ; hilt:about utterance:1 ;
+    hilt:step step:1.0 ; hilt:chosenObject object:knife ; prov:used rule:0123456789abcdef ;
+    prov:wasAttributedTo speaker:sam ;
+    prov:generatedAtTime "2026-11-21T09:00:00Z"^^xsd:dateTime ."""
+STEP = 'step:1.0 a hilt:Step ; hilt:index 0 ; hilt:path "pass" ; hilt:lower 0.9 ; hilt:upper 1.0 .'
+PART = """part:knife.blade a hilt:Part ; rdfs:label "blade of knife" ; hilt:isA part:blade ;
+    hilt:partOf object:knife ; hilt:whole object:knife ; hilt:role role:edge ;
+    hilt:property property:sharp ; hilt:mass 0.1 ."""
+NODE = """node:pass.graspObject a hilt:Node ; rdfs:label "pass.graspObject" ;
+    hilt:rule rule:0123456789abcdef ; hilt:does action:graspObject ; hilt:under node:pass ;
+    hilt:heeds node:graspObject ."""
+OBJECT = 'object:knife a hilt:Object ; rdfs:label "knife" ; hilt:isA object:cutlery .'
+TRUST = """speaker:sam a hilt:Speaker ; rdfs:label "sam" ; hilt:trustLower 0.9 ;
+    hilt:trustUpper 1.0 ."""
+WORD = """word:ladle a hilt:Word ; rdfs:label "ladle" ; hilt:denotes object:ladle ;
+    prov:wasAttributedTo speaker:sam ."""
+BASE = """<https://w3id.org/hilt/base> a hilt:Base ; hilt:formatVersion 1 ; hilt:sequence 3 ;
+    hilt:domainHash "x" ."""
+EXAMPLES = {
+    "Rule": RULE.replace("ActionRule", "Rule"),
+    "ActionRule": RULE,
+    "FunctionalRule": USE,
+    "Utterance": SAID,
+    "Episode": DONE,
+    "Step": STEP,
+    "Part": PART,
+    "Node": NODE,
+    "Object": OBJECT,
+    "Speaker": TRUST,
+    "Word": WORD,
+    "Base": BASE,
+    "Status": "hilt:active a hilt:Status .",
+    "Functor": 'functor:moveTo a hilt:Functor ; rdfs:label "moveTo" .',
+} | {
+    name: f'{name.lower()}:x a hilt:{name} ; rdfs:label "x" .'
+    for name in ("Property", "Action", "Place", "Role", "Affordance")
+}
+
+# (valid text, what stands in it, what is put instead, what the message says)
+BREAKS = [
+    (RULE, "rule:0123456789abcdef a", "rule:x a", "A rule is a node rule:ID"),
+    (RULE, "hilt:feature object:knife", "hilt:feature speaker:sam", "hilt:feature leads to"),
+    (RULE, "hilt:context action:pass", "hilt:context node:pass", "hilt:context leads to"),
+    (USE, "hilt:feature object:knife ;", "", "at least one hilt:feature or hilt:context"),
+    (RULE, "hilt:functor hilt:graspObject ;", "", "one hilt:functor"),
+    (RULE, "hilt:lower 0.95 ;", "", "A rule has one hilt:lower"),
+    (RULE, "hilt:upper 1.0 ;", "", "A rule has one hilt:upper"),
+    (RULE, "0.95", "-0.1", "hilt:lower is one decimal in"),
+    (RULE, "0.95", "0.1 , 0.2", "hilt:lower is one decimal in"),
+    (RULE, "0.95", "0.1234567", "hilt:lower is one decimal in"),
+    (RULE, "0.95", '"high"', "hilt:lower is one decimal in"),
+    (RULE, "0.95", "9.5e-1", "hilt:lower is one decimal in"),
+    (RULE, "hilt:upper 1.0", "hilt:upper 0.5", "hilt:lower is one decimal in"),
+    (RULE, "hilt:upper 1.0", "hilt:upper 1.3", "hilt:upper is one decimal in"),
+    (RULE, "part:blade ;", "part:blade , part:handle ;", "at most one hilt:part"),
+    (RULE, "part:blade ;", "object:mug ;", "hilt:part leads to a part"),
+    (RULE, "hilt:active", "hilt:maybe", "one hilt:status"),
+    (RULE, "utterance:1", "utterance:x", "prov:wasDerivedFrom of a rule"),
+    (RULE, "2026-11-21T09:00:00Z", "yesterday", "prov:generatedAtTime of a rule"),
+    (RULE, "speaker:sam", "object:sam", "one speaker:NAME"),
+    (RULE, "hilt:functor hilt:graspObject", "hilt:functor hilt:usedFor", "of an action rule"),
+    (RULE, "hilt:part part:blade ;", "", "An action rule has one hilt:part"),
+    (RULE, "hilt:part part:blade", "hilt:argument speaker:sam", "hilt:argument leads to"),
+    (USE, "hilt:functor hilt:usedFor", "hilt:functor hilt:graspObject", "a functional rule is"),
+    (USE, "hilt:affordance affordance:cutting ;", "", "has one hilt:affordance"),
+    (USE, "affordance:cutting", "object:cutting", "hilt:affordance leads to"),
+    (SAID, "utterance:1", "utterance:first", "An utterance is a node"),
+    (SAID, "hilt:sequence 1", "hilt:sequence 0", "one hilt:sequence"),
+    (SAID, 'hilt:text "Hello." ;', "", "one hilt:text"),
+    (SAID, 'hilt:predicate "x"', "hilt:predicate 1", "at most one hilt:predicate"),
+    (SAID, 'hilt:answer "y"', "hilt:answer 1", "at most one hilt:answer"),
+    (SAID, 'hilt:kind "statement" ;', "", "one hilt:kind"),
+    (SAID, "hilt:accepted true", 'hilt:accepted "yes"', "one hilt:accepted"),
+    (SAID, "rule:0123456789abcdef", "object:x", "lead to a rule"),
+    (SAID, "2026-11-21T09:00:00Z", "x", "An utterance has one prov:generatedAtTime"),
+    (DONE, 'hilt:goal "g" ;', "", "one hilt:goal"),
+    (DONE, 'hilt:text "t" ;', "", "one hilt:text"),
+    (DONE, 'hilt:answer "a" ;', "", "one hilt:answer"),
+    (DONE, '"done"', '"finished"', "one hilt:outcome"),
+    (DONE, "hilt:seed 7", 'hilt:seed "7"', "one hilt:seed"),
+    (DONE, 'hilt:document "{}" ;', "", "one hilt:document"),
+    (DONE, "utterance:1", "rule:1", "hilt:about leads to"),
+    (DONE, "step:1.0", "node:x", "hilt:step leads to"),
+    (DONE, "object:knife", "part:knife", "hilt:chosenObject leads to"),
+    (DONE, "rule:0123456789abcdef", "rule:x", "prov:used leads to"),
+    (DONE, "episode:1 a", "step:1 a", "An episode is a node"),
+    (DONE, "2026-11-21T09:00:00Z", "x", "An episode has one prov:generatedAtTime"),
+    (STEP, "hilt:index 0", "hilt:index -1", "one hilt:index"),
+    (STEP, 'hilt:path "pass" ;', "", "one hilt:path"),
+    (STEP, "step:1.0 a", "node:x a", "A step is a node"),
+    (PART, "part:knife.blade a", "object:blade a", "A part is a node"),
+    (PART, "hilt:isA part:blade", "hilt:isA object:blade", "hilt:isA of a part"),
+    (PART, "hilt:partOf object:knife", "hilt:partOf part:knife", "hilt:partOf leads to"),
+    (PART, "hilt:whole object:knife", "hilt:whole object:a , object:b", "hilt:whole leads to"),
+    (PART, "role:edge", "property:edge", "hilt:role leads to"),
+    (PART, "property:sharp", "role:sharp", "hilt:property leads to"),
+    (PART, "hilt:mass 0.1", "hilt:mass -0.1", "hilt:mass is one decimal"),
+    (NODE, "node:pass.graspObject a", "step:x a", "An action node is a node"),
+    (NODE, "rule:0123456789abcdef", "rule:x", "hilt:rule leads to"),
+    (NODE, "action:graspObject", "node:x", "hilt:does leads to"),
+    (NODE, "hilt:under node:pass", "hilt:under action:pass", "hilt:under leads to"),
+    (NODE, "hilt:heeds node:graspObject", "hilt:heeds action:x", "hilt:heeds leads to"),
+    (OBJECT, "object:knife a", "part:knife a", "An object is a node"),
+    (OBJECT, 'rdfs:label "knife" ;', "", "has an rdfs:label"),
+    (OBJECT, "object:cutlery", "part:x", "hilt:isA of an object"),
+    (TRUST, "speaker:sam a", "object:sam a", "A speaker is a node"),
+    (TRUST, "hilt:trustLower 0.9", "hilt:trustLower 1.5", "hilt:trustLower is one decimal"),
+    (TRUST, "hilt:trustUpper 1.0", "hilt:trustUpper 1.5", "hilt:trustUpper is one decimal"),
+    (WORD, "word:ladle a", "object:ladle a", "A word is a node"),
+    (WORD, "object:ladle", "speaker:ladle", "hilt:denotes leads to"),
+    (BASE, "hilt:formatVersion 1 ;", "", "one hilt:formatVersion"),
+    (BASE, "hilt:sequence 3", 'hilt:sequence "3"', "at most one hilt:sequence"),
+    (BASE, 'hilt:domainHash "x"', "hilt:domainHash 1", "at most one hilt:domainHash"),
+    ("hilt:active a hilt:Status .", "hilt:active a", "hilt:maybe a", "A status is"),
+    (EXAMPLES["Functor"], "functor:moveTo a", "functor:Move a", "A functor is"),
+    *(
+        (EXAMPLES[name], f"{name.lower()}:x a", "node:x a", f"is a node {name.lower()}:NAME")
+        for name in ("Property", "Action", "Place", "Role", "Affordance")
+    ),
+]
+
+
+def findings(text: str) -> list[str]:
+    """The messages about a text."""
+    _, report, _ = validate(Graph().parse(data=HEAD + text, format="turtle"), shacl_graph=SHAPES)
+    return [str(message) for message in report.objects(None, SH.resultMessage)]
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_example_of_each_class_is_valid(name: str):
+    """What the base writes for a class passes its shape."""
+    assert findings(EXAMPLES[name]) == []
+
+
+@pytest.mark.parametrize(("text", "old", "new", "said"), BREAKS)
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_each_constraint_can_be_broken(text: str, old: str, new: str, said: str):
+    """One thing changed in a valid example gives the message of that constraint."""
+    assert old in text
+
+    assert any(said in message for message in findings(text.replace(old, new, 1)))
+
+
+def test_every_message_of_a_shape_has_a_test_that_brings_it_up():
+    """No constraint is there that nothing breaks."""
+    said = [one[3] for one in BREAKS]
+    messages = {str(message) for message in SHAPES.objects(None, SH.message)}
+
+    assert [m for m in sorted(messages) if not any(part in m for part in said)] == []
+
+
+def test_every_class_has_a_shape():
+    """The shapes cover the vocabulary; Atom is abstract."""
+    shaped = set(SHAPES.objects(None, SH.targetClass))
+
+    assert {node for node in CLASSES if node not in shaped} == {URIRef(HILT + "Atom")}
+
+
+@pytest.mark.parametrize("node", sorted([*CLASSES, *PROPERTIES]))
+def test_every_term_is_explained(node: URIRef):
+    """Each class and property has a label and a comment."""
+    assert VOCABULARY.value(node, RDFS.label)
+    assert str(VOCABULARY.value(node, RDFS.comment)).endswith(".")
+
+
+@pytest.mark.parametrize("node", sorted(PROPERTIES))
+def test_every_property_has_domain_and_range(node: URIRef):
+    """Each property says what it leads from and to."""
+    assert VOCABULARY.value(node, RDFS.domain)
+    assert VOCABULARY.value(node, RDFS.range)
+
+
+def test_shapes_use_only_terms_of_the_vocabulary():
+    """A shape cannot speak of a term that is not explained."""
+    used = {
+        node
+        for triple in SHAPES
+        for node in triple
+        if isinstance(node, URIRef) and node.startswith(HILT)
+    }
+
+    assert used <= set(VOCABULARY.subjects())
