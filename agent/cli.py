@@ -293,6 +293,8 @@ def _converse(
         done = done and reply.is_done
         if as_json:
             _show(as_json(reply))
+        elif reply.ending == "not_understood":
+            _complain(reply.said)
         else:
             _show_reply(agent, reply)
     _finish(done)
@@ -365,7 +367,11 @@ def _run(arguments: Sequence[str], *, debug: bool) -> int:
     except Exception as error:
         if debug or not hasattr(error, "format_message"):
             raise
-        _complain(f"{error.format_message()} Run: hilt --help")  # pyright: ignore
+        message: str = error.format_message()  # pyright: ignore[reportAttributeAccessIssue]
+        if arguments:
+            _complain(f"{message.rstrip('.')}. Run: hilt --help")
+        else:
+            typer.echo(message)
         return WRONG_USAGE
 
 

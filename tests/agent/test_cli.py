@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: contracts of its JSON and exit codes, and what bad input does."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hilt.agent.cli import main
+
+LESSONS = (
+    "A knife is used for cutting",
+    "To pickup a knife grab the knife by the handle",
+    "To pass a knife grab the knife by the blade",
+)
+RULE_KEYS = {
+    "id", "kind", "object", "affordance", "context", "part", "lower", "upper", "speaker",
+}  # fmt: skip
+
+
+class Hilt:
+    """Runs commands on one knowledge base, as the shell would."""
+
+    def __init__(self, kb: Path, capfd: pytest.CaptureFixture[str]) -> None:
+        self.kb, self._capfd = kb, capfd
+        self.code, self.out, self.err = 0, "", ""
+
+    def __call__(self, *arguments: str) -> "Hilt":
+        """Run one command and keep its exit code and what it printed."""
+        self._capfd.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main([*arguments, "--kb", str(self.kb)])
+        self.code = int(ended.value.code or 0)
+        self.out, self.err = self._capfd.readouterr()
+        return self
+
+    @property
+    def document(self):
+        """What was printed, which must be one JSON document and nothing else."""
+        return json.loads(self.out)
+
+
+@pytest.fixture
+def hilt(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Hilt:
+    """The command line over a base of its own."""
+    return Hilt(tmp_path / "kb", capfd)
+
+
+@pytest.fixture
+def taught(hilt: Hilt) -> Hilt:
+    """The same after the three sentences of the running example."""
+    for sentence in LESSONS:
+        assert hilt("tell", sentence).code == 0
+    return hilt
+
+
+# --- Contracts -----------------------------------------------------------------------------
+
+
+def test_tell_prints_the_contract(hilt: Hilt):
+    """The keys of `hilt tell --json` are fixed."""
+    document = hilt("tell", "--json", LESSONS[2]).document
+
+    assert set(document) == {"utterance", "accepted", "said", "rules", "new_words"}
+    assert document["accepted"] is True
+    (rule,) = document["rules"]
+    assert set(rule) == RULE_KEYS
+    assert (rule["kind"], rule["object"], rule["context"], rule["part"]) == (
+        "action", "knife", "pass", "blade",
+    )  # fmt: skip
+    assert (rule["lower"], rule["upper"], rule["affordance"]) == (0.95, 1.0, None)
+
+
+def test_do_prints_the_contract(taught: Hilt):
+    """The keys of `hilt do --json` are fixed."""
+    document = taught("do", "--no-sim", "--json", "pass me something used for cutting").document
+
+    assert set(document) == {
+        "utterance", "goal", "outcome", "said", "decision", "steps", "world", "seed",
+    }  # fmt: skip
+    assert document["goal"] == "pass(self,usedFor(something,cutting))"
+    assert document["outcome"] == "done"
+    assert document["world"] == {"executed": False}
+    decision = document["decision"]
+    assert set(decision) == {
+        "object", "part", "lower", "upper", "lambda", "threshold", "candidates", "ties", "rules",
+    }  # fmt: skip
+    assert (decision["object"], decision["part"]) == ("knife", "blade")
+    assert decision["candidates"][0]["accepted"] is True
+    assert all(rule.startswith("rule/") for rule in decision["rules"])
+    assert set(document["steps"][1]) >= {"node", "features", "percepts", "constraint"}
+
+
+def test_rejected_candidates_are_listed_with_reasons(hilt: Hilt):
+    """What was not chosen is told, with why."""
+    hilt("tell", "A knife is used for cutting")
+    hilt("tell", "A spoon is never used for cutting")
+
+    document = hilt("do", "--no-sim", "--json", "pass me something used for cutting").document
+
+    spoon = document["decision"]["candidates"][1]
+    assert (spoon["object"], spoon["accepted"]) == ("spoon", False)
+    assert "speaks against it" in spoon["reason"]
+
+
+def test_rules_are_listed_as_tell_gave_them(taught: Hilt):
+    """`hilt rules --json` is a list of the same rules."""
+    document = taught("rules", "--json").document
+
+    assert [rule["part"] for rule in document] == [None, "handle", "blade"]
+    assert all(set(rule) == RULE_KEYS for rule in document)
+
+
+def test_parse_prints_the_meaning_schema(hilt: Hilt):
+    """`hilt parse --json` shows every stage."""
+    document = hilt_parse("parse", "--json", LESSONS[2], hilt)
+
+    assert document["semantics"] == (
+        "STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))"
+    )
+    assert document["meaning"]["part"] == "blade"
+
+
+def hilt_parse(*arguments) -> dict:
+    """Run `hilt parse`, which has no knowledge base."""
+    *words, hilt = arguments
+    with pytest.raises(SystemExit):
+        main(words)
+    return json.loads(hilt._capfd.readouterr().out)
+
+
+def test_query_prints_sparql_results_json(taught: Hilt):
+    """`hilt query --json` is the W3C document."""
+    text = "SELECT ?part { GRAPH ?g { ?rule a hilt:ActionRule ; hilt:part ?part } } ORDER BY ?part"
+
+    document = taught("query", "--json", text).document
+
+    values = [row["part"]["value"] for row in document["results"]["bindings"]]
+    assert document["head"] == {"vars": ["part"]}
+    assert values == [
+        "https://w3id.org/hilt/part/blade",
+        "https://w3id.org/hilt/part/handle",
+    ]
+
+
+def test_options_may_lead_the_command(taught: Hilt, capfd: pytest.CaptureFixture[str]):
+    """`hilt --kb X --json rules` is `hilt rules --kb X --json`."""
+    with pytest.raises(SystemExit):
+        main(["--kb", str(taught.kb), "--json", "rules"])
+
+    assert len(json.loads(capfd.readouterr().out)) == 3
+
+
+def test_dash_reads_one_utterance_a_line(hilt: Hilt, monkeypatch: pytest.MonkeyPatch):
+    """A batch prints one JSON line for each utterance."""
+    text = "\n".join((LESSONS[0], "", "gibberish blah", LESSONS[1])).encode()
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+
+    lines = [json.loads(line) for line in hilt("tell", "--json", "-").out.splitlines()]
+
+    assert [line["accepted"] for line in lines] == [True, False, True]
+    assert hilt.code == 1
+
+
+def test_tables_are_printed_for_people(taught: Hilt):
+    """Without `--json` the same is shown as text."""
+    assert "by the blade" in taught("do", "--no-sim", "pass me something used for cutting").out
+    assert "graspObject" in taught("rules").out
+    assert "handle" in taught("query", "SELECT ?o { GRAPH ?g { ?s hilt:part ?o } }").out
+
+
+def test_export_and_import_carry_the_rules_over(taught: Hilt, tmp_path: Path):
+    """What one base exports another one knows."""
+    taught("export", str(tmp_path / "rules.ttl"))
+    before = taught("rules", "--json").document
+    other = Hilt(tmp_path / "other", taught._capfd)
+
+    assert other("import", str(tmp_path / "rules.ttl")).code == 0
+
+    ids = {rule["id"] for rule in other("rules", "--json").document}
+    assert ids == {rule["id"] for rule in before}
+
+
+def test_trust_lets_another_speaker_teach(hilt: Hilt):
+    """Nobody but sam is believed until somebody says so."""
+    refused = hilt("tell", "--speaker", "kim", LESSONS[0]).code
+    hilt("trust", "kim", "0.9")
+
+    assert (refused, hilt("tell", "--speaker", "kim", LESSONS[0]).code) == (1, 0)
+
+
+def test_chat_talks_down_a_pipe(hilt: Hilt, monkeypatch: pytest.MonkeyPatch):
+    """A script of utterances and slash commands is a conversation."""
+    script = io.StringIO(f"{LESSONS[0]}\npass me something used for cutting\n/rules\n/quit\nno\n")
+    monkeypatch.setattr(sys, "stdin", script)
+
+    out = hilt("chat", "--no-sim").out
+
+    assert "I would pass the knife." in out
+    assert "usedFor" in out
+    assert "not understood" not in out
+
+
+# --- Bad input -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["tell", ""], 1, "I heard nothing"),
+        (["tell", "x" * 10_000], 1, "That is too long for me"),
+        (["tell", "To pass a knife grab"], 1, "I understand"),
+        (["do", "--no-sim", "--scene", "objects:kniife", "hi"], 2, 'Did you mean "knife"'),
+        (["do", "--no-sim", "--scene", "none.yaml", "hi"], 2, "none.yaml: cannot be read"),
+        (["do", "--no-sim"], 2, "Missing argument 'text'"),
+        (["do", "--seed", "x", "hi"], 2, "Invalid value for '--seed'"),
+        (["frobnicate"], 2, "No such command 'frobnicate'"),
+        (["query", "SELECT ?x WHERE {"], 2, "The query is wrong at line 1"),
+        (["query", "none.rq"], 2, "none.rq: cannot be read"),
+        (["query", "SELECT * { SERVICE <http://127.0.0.1:1/> { ?s ?p ?o } }"], 2, "SERVICE"),
+        (["import", "none.ttl"], 2, "none.ttl: cannot be read"),
+        (["export", "rules.xyz"], 2, "names no format"),
+        (["trust", "sam", "1.5"], 2, "less than or equal to 1"),
+        (["trust", "", "1"], 1, "is no speaker's name"),
+    ],
+)
+def test_bad_input_is_told_in_one_line_and_changes_nothing(
+    taught: Hilt, arguments: list[str], code: int, message: str
+):
+    """One line on stderr, the right exit code, the same rules as before."""
+    before = taught("rules", "--json").out
+
+    result = taught(*arguments)
+
+    assert (result.code, result.out) == (code, "")
+    assert result.err.startswith("hilt: ")
+    assert message in result.err
+    assert result.err.count("\n") == 1
+    assert taught("rules", "--json").out == before
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("@prefix a: <b> . c d", "rules.ttl:1"),
+        ("<urn:a> <urn:b> <urn:c> .", ""),
+        ("\x00\x01", "rules.ttl"),
+    ],
+)
+def test_bad_file_is_refused_whole(taught: Hilt, tmp_path: Path, text: str, message: str):
+    """A file with a mistake changes nothing, and its place is told."""
+    (tmp_path / "rules.ttl").write_text(text, encoding="utf-8")
+    before = taught("export", "-").out
+
+    result = taught("import", str(tmp_path / "rules.ttl"))
+
+    assert result.code in {1, 2}
+    assert message in result.err
+    assert taught("export", "-").out == before
+
+
+def test_reversed_interval_is_refused(taught: Hilt, tmp_path: Path):
+    """A rule that says [0.9, 0.1] does not come in."""
+    taught("export", str(tmp_path / "rules.ttl"))
+    text = (tmp_path / "rules.ttl").read_text()
+    wrong = text.replace("hilt:lower 0.95", "hilt:lower 0.9").replace(
+        "hilt:upper 1", "hilt:upper 0.1"
+    )
+    (tmp_path / "rules.ttl").write_text(wrong)
+
+    result = taught("import", str(tmp_path / "rules.ttl"))
+
+    assert result.code in {1, 2}
+    assert result.err.count("\n") == 1
+    assert all(rule["lower"] == 0.95 for rule in taught("rules", "--json").document)
+
+
+def test_folder_that_cannot_be_written_is_told(hilt: Hilt, tmp_path: Path):
+    """A base where there is no place for one is an error in one line."""
+    (tmp_path / "file").write_text("x")
+    hilt.kb = tmp_path / "file" / "kb"
+
+    result = hilt("tell", LESSONS[0])
+
+    assert (result.code, result.err.count("\n")) == (1, 1)
+    assert "cannot be created" in result.err
+
+
+def test_debug_shows_the_traceback(hilt: Hilt):
+    """The place in the code is shown on request only."""
+    with pytest.raises(LookupError):
+        main(["do", "--no-sim", "--scene", "objects:x", "hi", "--debug", "--kb", str(hilt.kb)])
+
+
+# --- As a process --------------------------------------------------------------------------
+
+
+def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run `hilt` in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", "from hilt.agent.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | environment,
+    )
+
+
+def test_help_lists_every_command():
+    """A newcomer finds all there is."""
+    result = run("--help")
+
+    commands = "demo tell do ask chat parse rules query export import trust evaluate"
+    assert result.returncode == 0
+    assert all(f"\n  {command} " in result.stdout for command in commands.split())
+
+
+def test_help_imports_nothing_heavy():
+    """The help must answer at once, so it pays for no engine."""
+    code = (
+        "import sys, contextlib, hilt.agent.cli as cli\n"
+        "with contextlib.suppress(SystemExit): cli.main(['--help'])\n"
+        "heavy = {'numpy', 'pyoxigraph', 'rdflib', 'yaml', 'lark', 'pybullet', 'rich'}\n"
+        "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+    )
+
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+
+    assert result.stderr.strip() == "[]"
+
+
+def test_default_base_is_in_the_data_directory(tmp_path: Path):
+    """Without `--kb` everybody has a base of their own."""
+    result = run("tell", LESSONS[0], XDG_DATA_HOME=str(tmp_path), HILT_KB="")
+
+    assert result.returncode == 0
+    assert (tmp_path / "hilt" / "kb").is_dir()
