@@ -38,6 +38,7 @@ _SHOWN = {
     "COMMA": '","',
     "DOT": '"."',
     "COST": "a number",
+    "AT": '"@"',
     "__ANON_0": '"=>"',
     "$END": "the end",
 }
@@ -106,8 +107,8 @@ def _parse(field: Field, start: Start) -> Tree[Token]:
 
 def _syntax_error(field: Field, text: str, error: object) -> DataError:
     found = getattr(error, "column", -1)
-    # A token error at the end of the text has no column of its own.
-    offset = found - 1 if isinstance(found, int) and found > 0 else len(text)
+    at_end = getattr(getattr(error, "token", None), "type", "") == "$END"
+    offset = len(text) if at_end or not isinstance(found, int) else found - 1
     accepted: Sequence[str] = sorted(
         getattr(error, "accepts", None)
         or getattr(error, "expected", None)
