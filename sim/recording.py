@@ -33,8 +33,8 @@ from .world import World
 ENDINGS = (".gif", ".mp4", ".png")
 RECORDING_CAMERA = replace(OVERVIEW, width=480, height=360)
 LIGHT = replace(PICTURE_LIGHT, shadow=False)  # shadows would double the time of a picture
-RATE = 10  # pictures a second of the recording
-PACE = 1.5  # seconds of the world in one second of the recording
+RATE = 8  # pictures a second of the recording
+PACE = 2.0  # seconds of the world in one second of the recording
 SMOOTHING = 1.5  # edges without teeth, for half the price of twice
 HOLD = 1.2  # [s], how long an animation rests on its last picture
 COLOURS = 256  # all that a GIF can hold
