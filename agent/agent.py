@@ -42,9 +42,14 @@ def default_location() -> Path:
     return user_data_path("hilt") / "kb"
 
 
+# What comes with the program is read once: it never changes.
+_objects = cache(load_objects)
+_actions = cache(load_actions)
+
+
 @cache
 def _language() -> Language:
-    """The language, read once: it never changes and takes a quarter of a second to load."""
+    """The language, which takes a quarter of a second to load."""
     return Language.load()
 
 
@@ -55,7 +60,7 @@ def open_base(location: str | None) -> KnowledgeBase:
         StoreError: it cannot be opened.
     """
     base = KnowledgeBase.open(location or default_location())
-    base.load_domain(load_objects(), load_actions())
+    base.load_domain(_objects(), _actions())
     return base
 
 
@@ -86,7 +91,7 @@ class Agent:
         self.base = base
         self.actions = actions
         self.scene = scene
-        self.objects = load_objects()
+        self.objects = _objects()
         self.affordances = Affordances(base, settings)
         self.simulate = simulate
         self.gui = gui
@@ -117,11 +122,11 @@ class Agent:
             DataError: the scene is wrong.
             StoreError: the base cannot be opened.
         """
-        on_table = parse_scene(scene, seed=seed, objects=load_objects())
+        on_table = parse_scene(scene, seed=seed, objects=_objects())
         return cls(
             open_base(location),
             _language(),
-            load_actions(),
+            _actions(),
             on_table,
             simulate=simulate,
             gui=gui,

@@ -87,7 +87,7 @@ def test_modules_import_each_other_relatively():
 
 @pytest.mark.parametrize(
     ("foreign", "package"),
-    [("pybullet", "sim"), ("pyoxigraph", "kb"), ("typer", "agent"), ("lark", "nlu")],
+    [("pybullet", "sim"), ("pyoxigraph", "kb"), ("lark", "nlu")],
 )
 def test_foreign_engine_is_imported_in_one_module(foreign: str, package: str):
     """What may be exchanged one day is known to one module only."""

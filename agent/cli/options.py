@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The application object, and the options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    name="hilt",
+    help="Learn from plain sentences what objects are for and how to hold them, and act on it.",
+    epilog="--kb, --scene, --seed, --speaker and --json may also stand before the command.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+Utterance = Annotated[str, typer.Argument(help='What to say, or "-" for a line each from stdin.')]
+Kb = Annotated[
+    str | None,
+    typer.Option(
+        "--kb",
+        envvar="HILT_KB",
+        help='The knowledge base: "memory:", a folder, or the http(s) address of a SPARQL '
+        "endpoint. Default: a folder in your data directory.",
+    ),
+]
+SceneSpec = Annotated[
+    str,
+    typer.Option(
+        "--scene", help="What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
+    ),
+]
+Seed = Annotated[int, typer.Option("--seed", help="The seed of everything random.")]
+Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
+Gui = Annotated[bool, typer.Option("--gui", help="Show the simulator's window.")]
+NoSim = Annotated[bool, typer.Option("--no-sim", help="Decide, but do not move a robot.")]
+Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]

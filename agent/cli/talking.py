@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that talk to the robot: demo, tell, do, ask, chat, parse."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from .options import AsJson, Gui, Kb, NoSim, Out, SceneSpec, Seed, Speaker, Utterance, app
+from .terminal import converse, finish, open_agent, show, terminal, utterances
+
+
+@app.command()
+def demo(
+    *,
+    kb: Kb = "memory:",
+    seed: Seed = 7,
+    out: Out = Path("out/demo"),
+    gui: Gui = False,
+    no_sim: NoSim = False,
+) -> None:
+    """Run the paper's running example: three sentences, and a knife passed by the blade."""
+    from ..demo import run
+
+    with open_agent(kb, scene="all", seed=seed, gui=gui, no_sim=no_sim) as agent:
+        finish(run(agent, terminal(), out))
+
+
+@app.command()
+def tell(
+    text: Utterance, *, kb: Kb = None, speaker: Speaker = "sam", as_json: AsJson = False
+) -> None:
+    """Teach a rule: "A knife is used for cutting"."""
+    with open_agent(kb) as agent:
+        converse(
+            agent,
+            text,
+            lambda said: agent.hear(said, speaker=speaker, only="tell"),
+            (lambda reply: reply.as_tell_json()) if as_json else None,
+        )
+
+
+@app.command()
+def do(
+    text: Utterance,
+    *,
+    kb: Kb = None,
+    scene: SceneSpec = "all",
+    seed: Seed = 0,
+    speaker: Speaker = "sam",
+    as_json: AsJson = False,
+    gui: Gui = False,
+    no_sim: NoSim = False,
+) -> None:
+    """Ask for something to be done: "pass me something used for cutting"."""
+    with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
+        converse(
+            agent,
+            text,
+            lambda said: agent.hear(said, speaker=speaker, only="do"),
+            (lambda reply: reply.as_do_json()) if as_json else None,
+        )
+
+
+@app.command()
+def ask(
+    text: Utterance,
+    *,
+    kb: Kb = None,
+    scene: SceneSpec = "all",
+    seed: Seed = 0,
+    speaker: Speaker = "sam",
+    as_json: AsJson = False,
+) -> None:
+    """Ask what is known: "what is a knife used for?"."""
+    with open_agent(kb, scene=scene, seed=seed, no_sim=True) as agent:
+        converse(
+            agent,
+            text,
+            lambda said: agent.hear(said, speaker=speaker, only="ask"),
+            (lambda reply: reply.as_ask_json()) if as_json else None,
+        )
+
+
+@app.command()
+def chat(
+    *,
+    kb: Kb = None,
+    scene: SceneSpec = "all",
+    seed: Seed = 0,
+    speaker: Speaker = "sam",
+    gui: Gui = False,
+    no_sim: NoSim = False,
+) -> None:
+    """Talk: teach, ask and command, a line each; /rules, /why, /scene and /quit."""
+    from ..chat import run
+
+    with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
+        run(agent, terminal(), sys.stdin, speaker)
+
+
+@app.command()
+def parse(text: Utterance, *, speaker: Speaker = "sam", as_json: AsJson = False) -> None:
+    """Show how a sentence is understood: derivation, predicate form, meaning."""
+    from ...nlu.language import Language
+    from .. import console
+
+    language = Language.load()
+    understood = [language.understand(said, speaker=speaker) for said in utterances(text)]
+    for found in understood:
+        show(found.as_json()) if as_json else terminal().print(console.understood(found))
+    finish(all(found.reading is not None for found in understood))

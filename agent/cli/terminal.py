@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What commands have in common: opening things, reading what is said, printing what came of it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from ...ontology.errors import DataError, HiltError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ...kb.beliefs import KnowledgeBase
+    from ..agent import Agent
+    from ..outcome import Json
+    from ..reply import Reply
+
+FAILED = 1  # exit code
+
+
+def open_agent(
+    kb: str | None,
+    *,
+    scene: str = "all",
+    seed: int = 0,
+    gui: bool = False,
+    no_sim: bool = False,
+) -> Agent:
+    """An agent over a knowledge base, as the options of a command say."""
+    from ..agent import Agent
+
+    return Agent.open(kb, scene=scene, seed=seed, gui=gui, simulate=not no_sim)
+
+
+def open_base(kb: str | None) -> KnowledgeBase:
+    """Open a knowledge base; None is the user's own."""
+    from .. import agent
+
+    return agent.open_base(kb)
+
+
+def terminal(*, stderr: bool = False) -> Console:
+    """Where a person reads; colour and width are found out."""
+    from rich.console import Console
+
+    return Console(stderr=stderr, highlight=False)
+
+
+def converse(
+    agent: Agent,
+    text: str,
+    hear: Callable[[str], Reply],
+    as_json: Callable[[Reply], Json] | None,
+) -> None:
+    """Say each utterance and print each reply as soon as it is there."""
+    done = True
+    for said in utterances(text):
+        reply = hear(said)
+        done = done and reply.is_done
+        if as_json:
+            show(as_json(reply))
+        elif reply.ending == "not_understood":
+            complain(reply.said)
+        else:
+            _show_reply(agent, reply)
+    finish(done)
+
+
+def _show_reply(agent: Agent, reply: Reply) -> None:
+    from .. import console
+
+    out = terminal()
+    out.print(console.turn(reply))
+    if reply.achievement and reply.achievement.steps:
+        out.print(console.achievement(reply.achievement, agent.quote))
+
+
+def utterances(text: str) -> Iterator[str]:
+    """The text itself, or for "-" the lines of stdin that hold something."""
+    if text != "-":
+        yield text
+        return
+    yield from (line.strip() for line in _lines(sys.stdin.buffer) if line.strip())
+
+
+def _lines(stream: Iterable[bytes]) -> Iterator[str]:
+    for number, line in enumerate(stream, start=1):
+        try:
+            yield line.decode("utf-8")
+        except UnicodeDecodeError as error:
+            raise DataError("expected UTF-8 text.", source="<stdin>", line=number) from error
+
+
+def text_of(text_or_file: str) -> str:
+    """The content of a file when there is one of that name, else the text itself."""
+    looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
+    if looks_like_file and Path(text_or_file).suffix in {".rq", ".sparql"}:
+        try:
+            return Path(text_or_file).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise DataError(f"cannot be read: {error}.", source=text_or_file) from error
+    return text_or_file
+
+
+def show(document: object) -> None:
+    """Print one JSON document on a line of its own."""
+    typer.echo(json.dumps(document, ensure_ascii=False))
+    sys.stdout.flush()
+
+
+def finish(done: bool) -> None:
+    """End the command: with exit code 1 unless what was asked for is done."""
+    if not done:
+        raise typer.Exit(FAILED)
+
+
+def complain(error: HiltError | str) -> None:
+    """One line on stderr; on a terminal also the line of the file, with a caret."""
+    typer.echo(f"hilt: {error}", err=True)
+    if isinstance(error, DataError) and error.text and sys.stderr.isatty():
+        typer.echo(error.excerpt(), err=True)
