@@ -90,8 +90,10 @@ def _key(kind: ObjectType) -> str:
         s.form.path for p in kind.parts.values() for s in p.shape if isinstance(s.form, MeshFile)
     )
     sources = [here / name for name in _SOURCES]
-    what = repr((kind.parts, kind.rests)).encode()
-    return content_key(what, *(path.read_bytes() for path in (*sources, *files)))
+    # Only what the files depend on: a set, as of properties, reads differently in each process.
+    parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
+    what = repr((kind.name, parts, kind.rests))
+    return content_key(what.encode(), *(path.read_bytes() for path in (*sources, *files)))
 
 
 def _publish(kind: ObjectType, folder: Path) -> None:

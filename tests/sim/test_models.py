@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Models of objects: built once, kept, and never half written."""
 
+import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +27,28 @@ def test_model_is_built_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
     assert second.urdf == first.urdf
     assert (second.points == first.points).all()
+
+
+def test_other_processes_use_the_same_files(tmp_path: Path):
+    """What one process has built is found by another, whatever its hashes are."""
+    program = (
+        "from hilt.ontology.objects import load_objects\n"
+        "from hilt.sim.models import model_of\n"
+        "print(model_of(load_objects()['knife']).urdf)"
+    )
+
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "HILT_CACHE": str(tmp_path), "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    }
+
+    assert len(found) == 1
 
 
 def test_changed_object_is_another_model(tmp_path: Path):
