@@ -44,11 +44,14 @@ class Functor:
 
     def __str__(self) -> str:
         slash = ("/" if self.forward else "\\") + ("^" if self.composes else "")
-        argument = f"({self.argument})" if isinstance(self.argument, Functor) else self.argument
-        return f"{self.result}{slash}{argument}"
+        return f"{_bracketed(self.result)}{slash}{_bracketed(self.argument)}"
 
 
 Category: TypeAlias = Atom | Functor
+
+
+def _bracketed(category: Category) -> str:
+    return f"({category})" if isinstance(category, Functor) else str(category)
 
 
 def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:

@@ -143,12 +143,11 @@ class Language:
         problem = self._problem(text, tokens)
         if problem is not None:
             return _without_reading(tokens, situation, problem)
-        found = self._taken(tokens, situation)
+        found = self._taken(tokens, situation, insist)
         if found.reading is None and BREAK in tokens.words:
-            again = self._taken(tokens.without_breaks(), situation)
+            again = self._taken(tokens.without_breaks(), situation, insist)
             found = again if again.reading is not None else found
-        slip = self._slip(found, tokens, insist)
-        return found if slip is None else _without_reading(tokens, situation, slip)
+        return found
 
     def say(self, key: str, **slots: Slot) -> str:
         """An answer of `answers.yaml`, with its slots filled."""
@@ -177,25 +176,26 @@ class Language:
             return self._not_known(tokens, strange or unknown)
         return None
 
-    def _slip(
-        self, found: Understanding, tokens: Tokens, insist: Collection[str]
-    ) -> AskBack | None:
-        """The question back when a word is new, but close to a known one."""
+    def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
+        """The question back when a new word is close to a known one of its kind."""
         lexicon = self.listener.lexicon
-        if found.reading is not None:
-            close = (
-                (word.said, nearest(word.said, names_like(word.role, lexicon)))
-                for word in found.new_words
-                if word.said not in insist
-            )
-        else:
-            unknown = [token.word for token in self._unknown(tokens) if token.word not in insist]
-            close = ((word, nearest(word, self.known_words)) for word in unknown)
-        for word, suggestion in close:
-            if suggestion is not None:
-                question = self.say("did_you_mean", word=word, suggestion=suggestion)
-                return AskBack(question, (suggestion,))
+        for word in words:
+            if word.said not in insist:
+                close = nearest(word.said, names_like(word.role, lexicon))
+                if close is not None:
+                    return self._did_you_mean(word.said, close)
         return None
+
+    def _slip_anywhere(self, unknown: list[Token], insist: Collection[str]) -> AskBack | None:
+        """The question back when an unknown word of an unknown kind is close to a known one."""
+        for token in unknown:
+            close = None if token.word in insist else nearest(token.word, self.known_words)
+            if close is not None:
+                return self._did_you_mean(token.word, close)
+        return None
+
+    def _did_you_mean(self, word: str, close: str) -> AskBack:
+        return AskBack(self.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _unknown(self, tokens: Tokens) -> list[Token]:
         lexicon, closed = self.listener.lexicon, self.book.closed
@@ -205,26 +205,30 @@ class Language:
             if token.word not in lexicon and token.word not in closed
         ]
 
-    def _taken(self, tokens: Tokens, situation: Situation) -> Understanding:
+    def _taken(
+        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+    ) -> Understanding:
         unknown = self._unknown(tokens)
         chart = self.listener.chart(tokens, self._guesses(tokens, unknown))
         readings, refusal = self.listener.readings(chart, tokens, situation)
-        learned = [reading for reading in readings if _may_teach(reading)]
-        chosen = decide(learned)
-        if chosen is None:
-            meaning = self._unclear(chart, tokens, learned, refusal, unknown)
-            return replace(_without_reading(tokens, situation, meaning), readings=len(learned))
-        return Understanding(
-            tokens.text,
-            situation.speaker,
-            situation.addressee,
-            chosen.meaning,
-            chosen,
-            len(learned),
-            chosen.new_words,
-            tokens.words,
-            after(chosen.meaning, chosen.act.arguments[-1], situation.discourse),
-        )
+        clear = [reading for reading in readings if _may_teach(reading)]
+        chosen = decide(clear)
+        if chosen is not None:
+            slip = self._slip(chosen.new_words, insist)
+            if slip is None:
+                return _with_reading(tokens, situation, chosen, len(clear))
+            return _without_reading(tokens, situation, slip)
+        meaning: Meaning
+        if clear:
+            meaning = self._several(clear)
+        elif readings:
+            slip = self._slip(readings[0].new_words, insist)
+            meaning = slip or self._not_known(tokens, unknown)
+        elif unknown:
+            meaning = self._slip_anywhere(unknown, insist) or self._not_known(tokens, unknown)
+        else:
+            meaning = self._unclear(chart, tokens, refusal)
+        return replace(_without_reading(tokens, situation, meaning), readings=len(clear))
 
     def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
         return {
@@ -233,20 +237,12 @@ class Language:
             if token in unknown
         }
 
-    def _unclear(
-        self,
-        chart: Chart,
-        tokens: Tokens,
-        readings: Sequence[Reading],
-        refusal: RefusedError | None,
-        unknown: list[Token],
-    ) -> Meaning:
-        """What to answer when no reading, or more than one, is the best."""
-        if readings:
-            choices = tuple(self._choice(reading.meaning) for reading in readings)
-            return AskBack(self.say("which_meaning", choices=choices), choices)
-        if unknown:
-            return self._not_known(tokens, unknown)
+    def _several(self, readings: Sequence[Reading]) -> AskBack:
+        choices = tuple(self._choice(reading.meaning) for reading in readings)
+        return AskBack(self.say("which_meaning", choices=choices), choices)
+
+    def _unclear(self, chart: Chart, tokens: Tokens, refusal: RefusedError | None) -> Meaning:
+        """What to answer when all words are known, but the whole has no meaning."""
         if refusal is not None:
             said = self.say(refusal.key, **refusal.slots)
             if refusal.asks:
@@ -277,6 +273,22 @@ class Language:
 def _may_teach(reading: Reading) -> bool:
     """New words come in with what is taught, never with a command or a question."""
     return not reading.new_words or isinstance(reading.meaning, Statement)
+
+
+def _with_reading(
+    tokens: Tokens, situation: Situation, reading: Reading, readings: int
+) -> Understanding:
+    return Understanding(
+        tokens.text,
+        situation.speaker,
+        situation.addressee,
+        reading.meaning,
+        reading,
+        readings,
+        reading.new_words,
+        tokens.words,
+        after(reading.meaning, reading.act.arguments[-1], situation.discourse),
+    )
 
 
 def _without_reading(tokens: Tokens, situation: Situation, meaning: Meaning) -> Understanding:

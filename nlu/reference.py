@@ -111,7 +111,7 @@ def _rule(form: Form, discourse: Discourse) -> Form:
     context, act, degree = form.arguments
     actor, place = act.arguments
     part, owners = _part(place)
-    candidates = [*owners, _object(context, owners)]
+    candidates = [_object(context, owners), *owners]
     known = _one(candidates) or discourse.object
     if known is None:
         raise RefusedError("of_which_object", asks=True)

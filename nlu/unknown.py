@@ -75,7 +75,7 @@ def slips(one: str, other: str, limit: int) -> int:
             row.append(min(cost, above[j - 2] + 1) if swapped else cost)
         if min(row) > limit:
             return limit + 1
-    return row[-1]
+    return min(row[-1], limit + 1)
 
 
 def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]:

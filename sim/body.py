@@ -38,7 +38,8 @@ if TYPE_CHECKING:
 TABLE_HEIGHT = 0.0  # [m]
 LIFT_HEIGHT = 0.15  # [m]
 LEAST_LIFT = 0.10  # [m], less is not lifted
-HOLD_TIME = 1.0  # [s]
+HOLD_TIME = 1.0  # [s], after a lift
+OFFER_TIME = 0.5  # [s], at the receiver
 MAX_ATTEMPTS = 3  # how often the hand closes for one thing
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
@@ -188,8 +189,8 @@ class Body:
         reason = self.motion.hand_over(self._held, self._reacher(self._sight))
         held_s = 0.0
         if not reason:
-            held_s = self.motion.hold_still(self._held, HOLD_TIME)
-            reason = "" if held_s >= HOLD_TIME else "dropped"
+            held_s = self.motion.hold_still(self._held, OFFER_TIME)
+            reason = "" if held_s >= OFFER_TIME else "dropped"
         return self._report("hand_over", reason, held_s=held_s)
 
     def put_back(self) -> MotionReport:

@@ -103,3 +103,19 @@ def clearance(
     squared = np.sum(centres**2, axis=1)[:, None] + np.sum(near**2, axis=1) - 2 * centres @ near.T
     distance = np.sqrt(np.maximum(squared.min(axis=1), 0.0)) - radius
     return min(gap, float(distance.min()))
+
+
+def self_clearance(chain: Chain, held: Spheres, arm: Spheres, joints: Array) -> float:
+    """The smallest gap [m] between what the hand holds and the arm behind it.
+
+    Args:
+        chain: the arm.
+        held: spheres on the hand.
+        arm: spheres on all links; those of the hand itself do not count.
+        joints: postures (n, k) [rad].
+    """
+    behind = arm.link < len(chain.links) - 1
+    frames = chain.frames(joints)
+    at = held.placed(frames)[:, :, None] - arm.placed(frames)[:, None, behind]
+    gaps = np.linalg.norm(at, axis=-1) - held.radius[:, None] - arm.radius[behind]
+    return float(gaps.min(initial=np.inf))

@@ -14,17 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import poses
-from .clearance import Spheres, on_hand
+from .clearance import on_hand
 from .clouds import thin
 from .engine import TIME_STEP
 from .poses import Array
 from .reach import Reach, Reacher
 from .robot import Robot
 
-TRANSIT_PACE = 0.55  # shares of the joints' speed limits
-APPROACH_PACE = 0.2
-LIFT_PACE = 0.16
-CARRY_PACE = 0.3
+TRANSIT_PACE = 0.7  # shares of the joints' speed limits
+APPROACH_PACE = 0.3
+LIFT_PACE = 0.2
+CARRY_PACE = 0.4
 FEEL_EVERY = 12  # steps between two looks at what the fingers feel
 LOST_LOOKS = 2
 HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for what is held
@@ -33,8 +33,9 @@ RELEASE_HEIGHT = 0.003  # [m] above where it was taken up, a thing is let go
 RELEASE_TIME = 0.4  # [s]
 RETREAT = 0.08  # [m] the open hand goes back
 POINTING_GAP = 0.05  # [m] between the finger tips and the thing pointed at
+SHORTEST = 0.01  # [m], the free part's direction from the hand
 HEADINGS = 24  # turns about the vertical that are tried for handing over
-AT_ONCE = 6  # of them, sought together
+FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
 REACH_ALONG = (0.0, -0.06, 0.06, -0.12)  # [m] nearer to or farther from the receiver
 
 
@@ -184,9 +185,8 @@ class Motion:
 
     def hand_over(self, held: Held, reacher: Reacher) -> str:
         """Carry what is held to the receiver; the reason why not, or an empty text."""
-        spheres = self._with_held(held)
         for goal in self._offers(held, reacher):
-            path = reacher.transit(goal, spheres, reacher.others, gap=HELD_GAP)
+            path = self._carry(held, goal, reacher)
             if path is None:
                 continue
             kept = self.robot.follow(path, pace=CARRY_PACE, stop=self._loses(held.name))
@@ -196,9 +196,7 @@ class Motion:
     def put_back(self, held: Held, reacher: Reacher) -> str:
         """Put what is held down where it lay; the reason why not, or an empty text."""
         at = held.reach.grasp.world_from_grip
-        above = reacher.transit(
-            held.reach.lift[-1], self._with_held(held), reacher.others, gap=HELD_GAP
-        )
+        above = self._carry(held, held.reach.lift[-1], reacher)
         if above is None:
             return "unreachable"
         if not self.robot.follow(above, pace=CARRY_PACE, stop=self._loses(held.name)):
@@ -210,25 +208,19 @@ class Motion:
         return ""
 
     def _offers(self, held: Held, reacher: Reacher) -> Iterator[Array]:
-        """Postures for handing over, those that turn the free part to the receiver first."""
-        world_from_hand = self.robot.world_from_hand
+        """Postures for handing over: the free part towards the receiver, then the nearest ones."""
         turns = poses.rotation_about((0, 0, 1), np.arange(HEADINGS) * 2 * np.pi / HEADINGS)
-        towards = self.receiver - self.meeting
-        towards[2] = 0.0
+        towards = (self.receiver - self.meeting) * (1, 1, 0)
         towards /= np.linalg.norm(towards)
-        rotations = turns @ world_from_hand[:3, :3]
-        facing = rotations @ held.free @ towards
-        order = np.argsort(-facing.round(6), kind="stable")
-        turned_away: list[Array] = []
+        rotations = turns @ self.robot.world_from_grip[:3, :3]
+        facing = _unit(rotations @ held.free * (1, 1, 0)) @ towards
+        worse = -np.digitize(facing, FACING)
         for shift in REACH_ALONG:
-            targets = poses.pose(rotations[order], self.meeting + shift * towards)
-            for first in range(0, HEADINGS, AT_ONCE):
-                some = slice(first, first + AT_ONCE)
-                answer = reacher.postures(targets[some])
-                towards_them = facing[order][some] >= 0
-                yield from answer.joints[answer.found & towards_them]
-                turned_away.extend(answer.joints[answer.found & ~towards_them])
-        yield from turned_away
+            for level in np.unique(worse):
+                chosen = rotations[worse == level]
+                answer = reacher.postures(poses.pose(chosen, self.meeting + shift * towards))
+                reached = answer.joints[answer.found]
+                yield from reached[np.argsort(reacher.travel(reached), kind="stable")]
 
     # --- pointing -----------------------------------------------------------------------------
 
@@ -267,9 +259,15 @@ class Motion:
     def _hand_from(self, name: str) -> Array:
         return poses.inverse(self.robot.world_from_hand) @ self.robot.engine.pose(name)
 
-    def _with_held(self, held: Held) -> Spheres:
-        spheres = self.robot.body_spheres(self.robot.opening)
-        return spheres.joined(on_hand(self.robot.chain, held.points, HELD_RADIUS))
+    def _carry(self, held: Held, goal: Array, reacher: Reacher) -> Array | None:
+        """A way to a posture on which neither the arm nor what is held hits anything."""
+        return reacher.transit(
+            goal,
+            self.robot.body_spheres(self.robot.opening),
+            reacher.others,
+            gap=HELD_GAP,
+            held=on_hand(self.robot.chain, held.points, HELD_RADIUS),
+        )
 
     def _loses(self, name: str) -> Callable[[], bool]:
         """A question for each step: is the thing gone? A contact may be missing for one look."""
@@ -286,3 +284,9 @@ class Motion:
 
     def _bumps(self) -> bool:
         return any(self.robot.felt())
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors (n, 3) at unit length; what is too short to have a direction becomes zero."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.where(length > SHORTEST, vectors / np.maximum(length, SHORTEST), 0.0)

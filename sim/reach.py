@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import poses
-from .clearance import Spheres, clearance
+from .clearance import Spheres, clearance, self_clearance
 from .grasp import Grasp
 from .kinematics import Solution
 from .paths import densified
@@ -76,11 +76,14 @@ class Reacher:
     def _ways(self, grasps: Sequence[Grasp], lift: float) -> Iterator[Reach]:
         both = [turned for grasp in grasps for turned in (grasp, _half_turned(grasp))]
         at = np.stack([grasp.world_from_grip for grasp in both])
-        before = self._solve(at @ poses.translation(0, 0, -RETREAT))
+        before = self.postures(at @ poses.translation(0, 0, -RETREAT))
         approach = self._straight(at @ poses.translation(0, 0, -RETREAT), at, before.joints)
         up = self._straight(at, poses.translation(0, 0, lift) @ at, approach.joints[:, -1])
         found = before.found & approach.found & up.found
-        for index in np.flatnonzero(found):
+        # Of a grasp and its half turn, the one that is nearer comes first.
+        pairs = self.travel(before.joints).reshape(-1, 2).argsort(axis=1)
+        order = (2 * np.arange(len(grasps))[:, None] + pairs).ravel()
+        for index in order[found[order]]:
             way = self._free_way(
                 both[index], before.joints[index], approach.joints[index], up.joints[index]
             )
@@ -102,9 +105,26 @@ class Reacher:
         )
 
     def transit(
-        self, goal: Array, spheres: Spheres, seen: Array, *, gap: float = TRANSIT_GAP
+        self,
+        goal: Array,
+        spheres: Spheres,
+        seen: Array,
+        *,
+        gap: float = TRANSIT_GAP,
+        held: Spheres | None = None,
     ) -> Array | None:
-        """Postures from where the arm is to the posture `goal`, hitting nothing; None if none."""
+        """A way through free space.
+
+        Args:
+            goal: the posture it ends in (k,) [rad].
+            spheres: what arm and hand fill.
+            seen: points of what may be hit (n, 3) [m].
+            gap: to keep from them [m].
+            held: what the hand holds; it may not hit the arm either.
+
+        Returns:
+            Postures (n, k) from where the arm is; None when there is no such way.
+        """
         start = self.robot.joints
         over_start, over_goal = self._raised(start), self._raised(goal)
         home = self.robot.kind.home
@@ -117,7 +137,8 @@ class Reacher:
         ):
             path = densified(np.vstack([start, *via, goal]), CHECK_STEP)
             # The start is where it is: something may be nearer to it than a path should be.
-            if self._gap(spheres, path[1:], seen) >= min(gap, self._gap(spheres, path[:1], seen)):
+            least = min(gap, self._gap(spheres, path[:1], seen, held))
+            if self._gap(spheres, path[1:], seen, held) >= least:
                 return path
         return None
 
@@ -136,12 +157,15 @@ class Reacher:
         return np.vstack([start[None], way.joints[0]]) if way.found[0] else None
 
     def postures(self, world_from_grip: Array) -> Solution:
-        """Joints for poses of the grip (m, 4, 4)."""
-        return self._solve(world_from_grip)
-
-    def _solve(self, world_from_grip: Array) -> Solution:
+        """Joints for poses of the grip (m, 4, 4), near to where the arm is if that can be."""
         targets = self.robot.base_from_hand(world_from_grip)
-        return self.robot.chain.solve(targets, self.robot.kind.starts)
+        starts = np.vstack([self.robot.joints, self.robot.kind.starts])
+        return self.robot.chain.solve(targets, starts)
+
+    def travel(self, joints: Array) -> Array:
+        """How long the arm needs at least from where it is to postures (m, k) [s]."""
+        way = np.abs(joints - self.robot.joints) / self.robot.chain.speed
+        return way.max(axis=1)
 
     def _straight(self, start: Array, end: Array, joints: Array) -> Solution:
         longest = np.linalg.norm(end[:, :3, 3] - start[:, :3, 3], axis=1).max(initial=0.0)
@@ -163,15 +187,20 @@ class Reacher:
         answer = chain.solve(target, joints[None])
         return answer.joints[0] if answer.found[0] else joints
 
-    def _gap(self, spheres: Spheres, path: Array, seen: Array) -> float:
-        return clearance(
-            self.robot.chain,
-            spheres,
+    def _gap(
+        self, spheres: Spheres, path: Array, seen: Array, held: Spheres | None = None
+    ) -> float:
+        chain = self.robot.chain
+        filled = spheres if held is None else spheres.joined(held)
+        gap = clearance(
+            chain,
+            filled,
             path,
             world_from_base=self.robot.world_from_base,
             seen=seen,
             table=self.table,
         )
+        return gap if held is None else min(gap, self_clearance(chain, held, spheres, path))
 
 
 def _half_turned(grasp: Grasp) -> Grasp:

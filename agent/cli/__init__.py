@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import typer
 
 from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
+
 from . import talking, knowledge, measuring  # isort: skip - the order in which help lists them
 from .options import app
 from .terminal import FAILED, complain
