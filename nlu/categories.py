@@ -50,10 +50,6 @@ class Functor:
 Category: TypeAlias = Atom | Functor
 
 
-def _bracketed(category: Category) -> str:
-    return f"({category})" if isinstance(category, Functor) else str(category)
-
-
 def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
     """The type of the meanings that a category has.
 
@@ -72,3 +68,7 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
 def sought(category: Category) -> Category | None:
     """What the category still needs next, None for an atom."""
     return category.argument if isinstance(category, Functor) else None
+
+
+def _bracketed(category: Category) -> str:
+    return f"({category})" if isinstance(category, Functor) else str(category)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A language as a whole: loading, the vocabulary, the examples, the cost of importing it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+import hilt.nlu
+from hilt.nlu import Language, NewWord, Vocabulary
+from hilt.ontology.errors import UnknownNameError
+
+
+def test_every_example_is_understood(language: Language) -> None:
+    """What is shown as sayable can be said."""
+    before = language.understand("To pass a knife grab it by the blade").discourse
+    for sentence in language.listener.examples:
+        assert language.understand(sentence, discourse=before).kind not in {"error", "ask_back"}
+
+
+def test_nouns_come_from_the_vocabulary() -> None:
+    """Another domain brings its own names."""
+    language = Language.load(vocabulary=Vocabulary(objects=("trowel",), parts=("tang",)))
+
+    understood = language.understand("To pass trowels grab them by the tang")
+
+    assert understood.meaning.as_json()["object"] == "trowel"
+    assert language.understand("pass me the knife").kind == "error"
+
+
+def test_an_unknown_language_is_told() -> None:
+    """The error lists those there are."""
+    with pytest.raises(UnknownNameError, match="english"):
+        Language.load("klingon")
+
+
+def test_learning_nothing_changes_nothing(language: Language) -> None:
+    """Words that are known already make no new language."""
+    word = NewWord("ladle", "object", "ladle")
+    taught = language.with_words([word])
+
+    assert language.with_words([]) is language
+    assert taught.with_words([word]) is taught
+
+
+def test_all_public_names_are_listed() -> None:
+    """`__all__` is sorted and complete."""
+    assert hilt.nlu.__all__ == sorted(hilt.nlu.__all__)
+    assert all(hasattr(hilt.nlu, name) for name in hilt.nlu.__all__)
+
+
+def test_importing_reads_no_data_and_no_parser() -> None:
+    """Who only imports does not pay for lark and yaml."""
+    program = "import sys, hilt.nlu; print(sorted({'lark', 'yaml', 'numpy'} & set(sys.modules)))"
+
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+
+    assert done.stdout.strip() == "[]"

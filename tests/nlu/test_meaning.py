@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meanings as values and as JSON."""
+
+from __future__ import annotations
+
+import pytest
+
+from hilt.nlu import (
+    Acknowledgement,
+    ActionRule,
+    AskBack,
+    Command,
+    FunctionalRule,
+    Meaning,
+    Misunderstanding,
+    Question,
+    Retraction,
+    Statement,
+    Target,
+    ToolCommand,
+)
+
+RULE = FunctionalRule("knife", "cutting", (0.95, 1.0))
+RULE_JSON = {
+    "rule": "functional", "object": "knife", "affordance": "cutting", "confidence": [0.95, 1.0],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("meaning", "kind", "json"),
+    [
+        (Statement((RULE,)), "statement", RULE_JSON),
+        (Statement((RULE, RULE)), "statement", {"all": [RULE_JSON, RULE_JSON]}),
+        (
+            Statement((ActionRule("mug", "pass", "rim", (0.5, 1.0), ("red",), revises=True),)),
+            "correction",
+            {"rule": "action", "object": "mug", "context": "pass", "part": "rim",
+             "confidence": [0.5, 1.0], "props": ["red"], "revises": True},
+        ),
+        (
+            Command("pass", Target(used_for="cutting"), "blade", "bob", negated=True),
+            "command",
+            {"goal": "pass", "target": {"usedFor": "cutting"}, "part": "blade",
+             "recipient": "bob", "negated": True},
+        ),
+        (
+            ToolCommand("pound", "nail", Target(object="hammer")),
+            "command",
+            {"goal": "pound", "patient": "nail", "tool": {"object": "hammer"}},
+        ),
+        (Question("how", object="mug", context="pass"), "question",
+         {"ask": "how", "object": "mug", "context": "pass"}),
+        (Retraction(), "correction", {"retract": "last"}),
+        (Retraction(RULE), "correction", {"retract": RULE_JSON}),
+        (Acknowledgement("thanks"), "acknowledgement", {"ack": "thanks"}),
+        (AskBack("Which one?", ("a", "b")), "ask_back", {"ask_back": True}),
+        (
+            Misunderstanding("No.", "to pass", ("an object",), ("Pass me the knife.",)),
+            "error",
+            {"error": True, "message": "No.", "where": "to pass", "expected": ["an object"],
+             "nearest": ["Pass me the knife."]},
+        ),
+    ],
+)  # fmt: skip
+def test_a_meaning_has_its_kind_and_json(
+    meaning: Meaning, kind: str, json: dict[str, object]
+) -> None:
+    """Key for key as the schema says; nothing that is not meant."""
+    assert meaning.kind == kind
+    assert meaning.as_json() == json
+
+
+@pytest.mark.parametrize(
+    "wrong", [{}, {"object": "knife", "used_for": "cutting"}, {"props": ("red",)}]
+)
+def test_a_target_is_one_thing(wrong: dict[str, object]) -> None:
+    """Either an object, or a use it has, or a use it has not."""
+    with pytest.raises(ValueError, match="exactly one"):
+        Target(**wrong)  # type: ignore[arg-type]

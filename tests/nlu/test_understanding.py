@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What comes of an utterance: every stage, the JSON, and the report of a failure."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hilt.nlu import ActionRule, AskBack, Language, Misunderstanding, Statement
+
+SENTENCE = "To pass a knife grab the knife by the blade"
+IMPLIES = "implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)"
+
+
+def test_the_json_has_every_stage(language: Language) -> None:
+    """As the documentation shows it, key for key."""
+    assert language.understand(SENTENCE).as_json() == {
+        "text": SENTENCE,
+        "speaker": "sam",
+        "addressee": "self",
+        "semantics": f"STATEMENT(sam,self,{IMPLIES})",
+        "pragmatics": f"wantBelieve(sam,self,{IMPLIES})",
+        "kind": "statement",
+        "meaning": {
+            "rule": "action",
+            "object": "knife",
+            "context": "pass",
+            "part": "blade",
+            "confidence": [0.95, 1.0],
+        },
+        "new_words": [],
+        "readings": 1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "pragmatics"),
+    [
+        ("pass me something used for cutting", "want(sam,pass(self,usedFor(something,cutting)))"),
+        ("pound the nail", "want(sam,pound(self,nail))"),
+        ("could you pass me the knife?", "want(sam,pass(self,knife))"),
+        ("I need the knife", "want(sam,pass(self,knife))"),
+        ("do not pass me the knife", "want(sam,not(pass(self,knife)))"),
+        (
+            "A knife is sometimes used for cutting",
+            "wantBelieve(sam,self,implies(knife,cutting,mediumLow))",
+        ),
+        (
+            "To pickup a knife grab it by the handle",
+            "wantBelieve(sam,self,implies(pickUp(self,knife),"
+            "graspObject(self,partOf(handle,knife)),high))",
+        ),
+    ],
+)
+def test_the_predicate_forms_are_the_papers(language: Language, text: str, pragmatics: str) -> None:
+    """Sections 3.2, 3.3 and 4.2."""
+    assert language.understand(text).pragmatics == pragmatics
+
+
+def test_the_speaker_is_named(language: Language) -> None:
+    """Who says it stands in the forms."""
+    understood = language.understand("I need the knife", speaker="evan")
+
+    assert understood.semantics == "STATEMENT(evan,self,need(evan,knife))"
+
+
+def test_the_goal_is_the_content_of_a_command(language: Language) -> None:
+    """What is submitted to the goal manager is a predicate."""
+    understood = language.understand("pass me something used for cutting")
+
+    assert understood.content == "pass(self,usedFor(something,cutting))"
+
+
+def test_the_derivation_shows_a_term_at_each_step(language: Language) -> None:
+    """It prints as an indented tree."""
+    assert str(language.understand("pass me the knife").derivation).splitlines() == [
+        "C : pass(self,knife)    CP => C",
+        "  CP : pass(self,knife)    >",
+        "    CP/NP : λx.pass(self,x)    >",
+        '      (CP/NP)/ME : λx.λy.pass(self,y)    "pass"',
+        '      ME : speaker    "me"',
+        "    NP : knife    >",
+        '      NP/N : λx.x    "the"',
+        '      N : knife    "knife"',
+    ]
+
+
+def test_the_derivation_is_there_as_json(language: Language) -> None:
+    """Other programs can draw it."""
+    derivation = language.understand("pass me the knife").derivation
+
+    assert derivation is not None
+    assert json.loads(json.dumps(derivation.as_json()))["rule"] == "CP => C"
+
+
+def test_a_failure_says_how_far_it_got(language: Language) -> None:
+    """The longest span, what was expected after it, and what could be said instead."""
+    meaning = language.understand("to pass a knife grab").meaning
+
+    assert isinstance(meaning, Misunderstanding)
+    assert meaning.where == "to pass a knife"
+    assert any("how to hold it" in each for each in meaning.expected)
+    assert "To pass a knife, grab the knife by the blade." in meaning.nearest
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "I heard nothing."),
+        ("x" * 10_000, "That is too long for me: I listen to at most 2000 characters at a time."),
+        ("the " * 41, "That is too long for me: I listen to at most 40 words at a time."),
+        ("pass me the zorp", 'I do not know the word "zorp".'),
+        (
+            "to pass a knife grab the mug by the handle",
+            "You speak of a knife and a mug at once. Say it of one of them.",
+        ),
+        ("pass me the knife and the mug", "One thing at a time, please."),
+    ],
+)
+def test_a_failure_is_told_in_a_sentence(language: Language, text: str, message: str) -> None:
+    """What is wrong, in words for the speaker."""
+    meaning = language.understand(text).meaning
+
+    assert isinstance(meaning, Misunderstanding)
+    assert meaning.message == message
+
+
+def test_a_stated_question_teaches_nothing(language: Language) -> None:
+    """A question mark makes a question of a statement, and asks back on a command."""
+    assert language.understand("A knife is used for cutting?").kind == "question"
+    assert isinstance(language.understand("Pass me the knife?").meaning, AskBack)
+
+
+def test_it_is_what_was_spoken_of(language: Language) -> None:
+    """Within a sentence, and over sentences."""
+    first = language.understand("do you see the mug?")
+    second = language.understand("to pick it up grab it by the handle", discourse=first.discourse)
+
+    assert second.meaning == Statement((ActionRule("mug", "pickUp", "handle", (0.95, 1.0)),))
+
+
+def test_it_without_anything_before_asks_back(language: Language) -> None:
+    """Nothing is guessed."""
+    assert language.understand("pass it to me").kind == "ask_back"
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text(max_size=300))
+def test_any_text_is_taken(language: Language, text: str) -> None:
+    """No text makes the language part fail, and none of these means anything."""
+    understood = language.understand(text)
+
+    json.dumps(understood.as_json())
+    assert understood.kind not in {"command", "correction"}

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Utterances and their meanings, as data: one check for all."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from hilt.nlu import Language
+
+DATA = Path(__file__).parent / "data"
+
+# Said differently from everything that Hilt covers so far; each with what is missing.
+SKIPPED = {
+    "Cutting is what a knife is for": "a relative clause with two gaps",
+    "pick something up that is used for rolling": "a relative clause away from its noun",
+    "with the hammer, pound the nail": "a tool before the act",
+}
+
+
+def cases(*names: str) -> list[object]:
+    """All utterances of the files, as `_cases` gives them."""
+    return list(_cases(*names))
+
+
+def _cases(*names: str) -> Iterator[object]:
+    """(text, what was said before, group) of every utterance in the files."""
+    for name in names:
+        for group in yaml.safe_load((DATA / f"{name}.yaml").read_text(encoding="utf-8")):
+            for text in group["texts"]:
+                reason = SKIPPED.get(text)
+                marks = [pytest.mark.xfail(reason=reason)] if reason else []
+                yield pytest.param(text, group.get("before"), group, marks=marks, id=text)
+
+
+def check(language: Language, text: str, before: str | None, group: dict[str, object]) -> None:
+    """The text means what its group says, after what was said before."""
+    discourse = language.understand(before).discourse if before else None
+
+    understood = language.understand(text, discourse=discourse)
+
+    found = json.loads(json.dumps(understood.meaning.as_json()))
+    if "meaning" in group:
+        assert found == group["meaning"]
+    else:
+        expected = group["check"]
+        assert isinstance(expected, dict)
+        assert expected.items() <= found.items()
+
+
+@pytest.mark.parametrize(
+    ("text", "before", "group"), cases("paper", "paraphrases", "commands", "conversation")
+)
+def test_an_utterance_means_what_it_should(
+    language: Language, text: str, before: str | None, group: dict[str, object]
+) -> None:
+    """Every utterance of the data files has its meaning."""
+    check(language, text, before, group)
+
+
+@pytest.mark.parametrize(
+    "text", yaml.safe_load((DATA / "refusals.yaml").read_text(encoding="utf-8"))
+)
+def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
+    """Half, negated, conditional and injected sentences give neither belief nor command."""
+    assert language.understand(text).kind in {"error", "ask_back"}
+
+
+OBJECTS = [
+    "mug",
+    "knife",
+    "wine glass",
+    "spatula",
+    "spoon",
+    "shoe",
+    "screwdriver",
+    "rock",
+    "hammer",
+    "glass",
+]
+QUALIFIERS = {
+    "": 0.95,
+    "occasionally": 0.25,
+    "sometimes": 0.5,
+    "often": 0.75,
+    "generally": 0.95,
+    "always": 1.0,
+}
+GOALS = {"pass": "pass", "pickup": "pickUp", "pick up": "pickUp", "point to": "pointTo"}
+USES = ["cutting", "containing", "pounding", "rolling", "poking"]
+PARTS = [
+    "red",
+    "green",
+    "blue",
+    "handle",
+    "blade",
+    "sole",
+    "stem",
+    "barrel",
+    "shaft",
+    "upper",
+    "head",
+]
+PREFIXES = ["", "now ", "okay ", "first ", "then "]
+
+
+def test_table_3_functional_statements(language: Language) -> None:
+    """`a <object> is [<qualifier>] used for <use>`, all of them."""
+    for name, (word, lower), use in itertools.product(OBJECTS, QUALIFIERS.items(), USES):
+        found = language.understand(f"a {name} is {word} used for {use}").meaning.as_json()
+
+        assert found == {
+            "rule": "functional", "object": name, "affordance": use, "confidence": [lower, 1.0],
+        }  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", ["grab", "grasp"])
+@pytest.mark.parametrize("again", ["it", "the {}", "a {}"])
+def test_table_3_action_statements(language: Language, verb: str, again: str) -> None:
+    """`to <goal> a <object> [<qualifier>] <primitive> <object> by the <part>`, all of them."""
+    for name, (goal, context), (word, lower), part in itertools.product(
+        OBJECTS, GOALS.items(), QUALIFIERS.items(), PARTS
+    ):
+        text = f"to {goal} a {name} {word} {verb} {again.format(name)} by the {part}"
+
+        assert language.understand(text).meaning.as_json() == {
+            "rule": "action", "object": name, "context": context, "part": part,
+            "confidence": [lower, 1.0],
+        }  # fmt: skip
+
+
+@pytest.mark.parametrize("prefix", PREFIXES)
+def test_table_3_commands(language: Language, prefix: str) -> None:
+    """`[now|...] (<goal>|<primitive>) something used for <use>`, all of them."""
+    acts = {**GOALS, "pass me": "pass", "grab": "grasp", "grasp": "grasp"}
+    for (act, goal), use in itertools.product(acts.items(), USES):
+        found = language.understand(f"{prefix}{act} something used for {use}").meaning.as_json()
+
+        assert found == {"goal": goal, "target": {"usedFor": use}}
+
+
+@pytest.mark.parametrize("prefix", PREFIXES)
+def test_table_3_grasp_commands(language: Language, prefix: str) -> None:
+    """`[now|...] <primitive> <object> by the <part>`, all of them."""
+    for verb, name, part in itertools.product(["grab", "grasp"], OBJECTS, PARTS):
+        found = language.understand(f"{prefix}{verb} the {name} by the {part}").meaning.as_json()
+
+        assert found == {"goal": "grasp", "target": {"object": name}, "part": part}
