@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import doctest
+import importlib
 import subprocess
 import sys
 
@@ -60,3 +62,12 @@ def test_importing_reads_no_data_and_no_parser() -> None:
     )
 
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["", ".terms", ".predicates", ".language"])
+def test_the_examples_in_the_docstrings_run(name: str) -> None:
+    """What a docstring shows is what comes out."""
+    results = doctest.testmod(importlib.import_module(f"hilt.nlu{name}"))
+
+    assert results.attempted > 0
+    assert results.failed == 0
