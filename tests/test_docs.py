@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the documents show is what happens."""
+
+import doctest
+import importlib
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from hilt.agent.cli import main
+from hilt.agent.cli.options import app
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+DOCUMENTS = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md"]
+DOCUMENTS += sorted((ROOT / "docs").glob("*.md"))
+PACKAGES = ("agent", "inference", "kb", "nlu", "ontology", "sim")
+
+
+def blocks(text: str, language: str) -> list[str]:
+    """The fenced code blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+
+
+def test_readme_commands_print_what_the_readme_shows(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    """Every console line of the README runs and gives the output below it."""
+    monkeypatch.setenv("HILT_KB", str(tmp_path))
+    monkeypatch.setenv("COLUMNS", "120")
+    (session,) = blocks(README, "console")
+
+    for command, expected in re.findall(r"^\$ hilt (.*)\n((?:(?!\$ ).*\n)*)", session, re.M):
+        with pytest.raises(SystemExit):
+            main(shlex.split(command))
+        printed = "\n".join(line.rstrip() for line in capfd.readouterr().out.splitlines())
+        assert printed == expected.rstrip("\n")
+
+
+def test_readme_program_prints_what_its_comment_says(capfd: pytest.CaptureFixture[str]):
+    """The Python block of the README runs."""
+    (program,) = blocks(README, "python")
+
+    exec(compile(program, "README.md", "exec"), {})  # noqa: S102 - our own README
+
+    said = re.findall(r"print\(.*\)  # (.*)", program)
+    assert capfd.readouterr().out.splitlines() == said
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_somewhere(document: Path):
+    """Every relative link of a document points at a file that is there."""
+    links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", document.read_text(encoding="utf-8"))
+
+    assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+def test_every_command_is_documented():
+    """No command is left out of the documents."""
+    text = "\n".join(path.read_text(encoding="utf-8") for path in DOCUMENTS)
+    text += (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    names = {c.name or (c.callback.__name__ if c.callback else "") for c in app.registered_commands}
+
+    assert {
+        name for name in names if f"`{name}`" not in text and f"hilt {name}" not in text
+    } == set()
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_package_exports_what_it_lists(package: str):
+    """Every name in `__all__` is there; that it is sorted, the linter sees to."""
+    module = importlib.import_module(f"hilt.{package}")
+
+    assert all(hasattr(module, name) for name in getattr(module, "__all__", []))
+
+
+DOCTESTED = sorted(
+    ".".join(("hilt", *path.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__")
+    for package in PACKAGES
+    for path in (ROOT / package).rglob("*.py")
+    if ">>>" in path.read_text(encoding="utf-8")
+)
+
+
+@pytest.mark.parametrize("name", DOCTESTED)
+def test_docstring_examples_run(name: str):
+    """Every example in a docstring gives what stands below it."""
+    module = importlib.import_module(name)
+
+    result = doctest.testmod(module, optionflags=doctest.ELLIPSIS)
+
+    assert result.failed == 0
+    assert result.attempted > 0
