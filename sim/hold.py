@@ -34,7 +34,7 @@ TABLE_CLEARANCE = 0.0008  # [m] from the hand to the table
 RULED_OUT = 10.0  # taken from the score of a pose that something is in the way of
 
 # Weights of the score: 1 is a flat, vertical grasp at the centre of mass.
-_BASE, _SUPPORT, _OVERLAP = 0.45, 0.25, 0.3
+_BASE, _AREA, _ACROSS, _ALONG = 0.35, 0.2, 0.3, 0.15
 _LEVER, _TILT, _WIDE, _WEDGE = 0.3, 0.1, 0.1, 1.0
 LEAST_CELLS = 1.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
 
@@ -101,7 +101,8 @@ def judge(
     opening = np.minimum(opening, gripper.opening)
     profile = _Profile.between(local, wanted, width, gripper)
     touched = profile.touched(width)  # (c, 2, CELLS_X, CELLS_Z)
-    overlap = _between(touched).all(axis=1).mean(axis=(1, 2))
+    both = _between(touched).all(axis=1)  # (c, CELLS_X, CELLS_Z), cells that both pads rest on
+    overlap = both.mean(axis=(1, 2))
     obstacle = _obstacle(local, surroundings.labels, width, opening, gripper)
     obstacle[(obstacle == _NONE) & (overlap < LEAST_CELLS)] = _UNEVEN
     obstacle[hits_table(centred, opening, surroundings.table, gripper)] = _TABLE
@@ -109,8 +110,9 @@ def judge(
     slope, twist = profile.slopes(gripper)
     score = (
         _BASE
-        + _SUPPORT * touched.mean(axis=(2, 3)).min(axis=1)  # of the side that is touched less
-        + _OVERLAP * overlap
+        + _AREA * overlap
+        + _ACROSS * both.any(axis=2).mean(axis=1)
+        + _ALONG * both.any(axis=1).mean(axis=1)
         - _LEVER * _lever(centred, surroundings.balance) / LEVER_SCALE
         - _TILT * (1 + centred[:, 2, 2])
         - _WEDGE * np.abs(slope).max(axis=1)
