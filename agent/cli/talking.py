@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that talk to the robot: demo, tell, do, ask, chat, parse."""
+"""Commands that talk to the robot: demo, tell, do, ask, chat."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import sys
 from pathlib import Path
 
 from .options import AsJson, Gui, Kb, NoSim, Out, SceneSpec, Seed, Speaker, Utterance, app
-from .terminal import converse, finish, open_agent, show, terminal, utterances
+from .terminal import converse, finish, open_agent, terminal
 
 
 @app.command()
 def demo(
     *,
     kb: Kb = "memory:",
-    seed: Seed = 7,
+    seed: Seed = 0,
     out: Out = Path("out/demo"),
     gui: Gui = False,
     no_sim: NoSim = False,
@@ -97,16 +97,3 @@ def chat(
 
     with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
         run(agent, terminal(), sys.stdin, speaker)
-
-
-@app.command()
-def parse(text: Utterance, *, speaker: Speaker = "sam", as_json: AsJson = False) -> None:
-    """Show how a sentence is understood: derivation, predicate form, meaning."""
-    from ...nlu.language import Language
-    from .. import console
-
-    language = Language.load()
-    understood = [language.understand(said, speaker=speaker) for said in utterances(text)]
-    for found in understood:
-        show(found.as_json()) if as_json else terminal().print(console.understood(found))
-    finish(all(found.reading is not None for found in understood))

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands about the language: parse, and the lexicon."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from ...ontology.errors import DataError
+from .options import AsJson, Speaker, app
+from .terminal import finish, show, terminal, utterances
+
+if TYPE_CHECKING:
+    from ...nlu.session import Session
+    from ...nlu.understanding import Understanding
+
+Said = Annotated[
+    str | None, typer.Argument(metavar="TEXT", help='What to parse, or "-" for lines from stdin.')
+]
+Before = Annotated[
+    list[str] | None, typer.Option("--before", help="What was said before; may be repeated.")
+]
+Jsonl = Annotated[
+    Path | None,
+    typer.Option("--jsonl", help='A file of {"text", "before": [..]} lines; a result line each.'),
+]
+Svg = Annotated[Path | None, typer.Option("--svg", help="Draw the derivation into this file.")]
+UserLexicon = Annotated[
+    Path | None, typer.Option("--lexicon", help="A lexicon file of your own, added to English.")
+]
+
+
+@app.command()
+def parse(
+    text: Said = None,
+    *,
+    before: Before = None,
+    jsonl: Jsonl = None,
+    svg: Svg = None,
+    lexicon: UserLexicon = None,
+    speaker: Speaker = "sam",
+    as_json: AsJson = False,
+) -> None:
+    """Show how a sentence is understood: derivation, predicate form, meaning."""
+    if (text is None) == (jsonl is None):
+        raise typer.BadParameter("Give either a text or --jsonl FILE.")
+    session = _session(lexicon)
+    if jsonl is not None:
+        _parse_file(session, jsonl, speaker)
+        return
+    session = session.after(before or (), speaker=speaker)
+    understood = [session.hear(said, speaker=speaker)[0] for said in utterances(text or "")]
+    for found in understood:
+        show(found.as_json()) if as_json else _print(found)
+        if svg is not None:
+            _draw(found, svg)
+    finish(all(found.reading is not None for found in understood))
+
+
+def _session(lexicon: Path | None) -> Session:
+    from ...nlu.language import Language
+    from ...nlu.session import Session
+
+    return Session(Language.load(extra_lexicon=lexicon))
+
+
+def _print(found: Understanding) -> None:
+    from .. import console
+
+    terminal().print(console.understood(found))
+
+
+def _draw(found: Understanding, path: Path) -> None:
+    from ...nlu.drawing import svg_of
+
+    if found.derivation is not None:
+        path.write_text(svg_of(found.derivation), encoding="utf-8")
+
+
+def _parse_file(session: Session, path: Path, speaker: str) -> None:
+    """One result line for each line of the file, each in a session of its own."""
+    for text, before in _lines(path):
+        found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
+        show(found.as_json())
+
+
+def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
+    try:
+        lines = path.read_text(encoding="utf-8").split("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"cannot be read: {error}.", source=str(path)) from error
+    for number, line in enumerate(lines, start=1):
+        if line.strip():
+            yield _case(line, str(path), number)
+
+
+def _case(line: str, source: str, number: int) -> tuple[str, list[str]]:
+    try:
+        document: object = json.loads(line)
+    except ValueError as error:
+        raise DataError(f"expected JSON: {error}.", source=source, line=number) from error
+    case = cast("dict[str, object]", document) if isinstance(document, dict) else {}
+    text, given = case.get("text"), case.get("before") or []
+    before = cast("list[object]", given) if isinstance(given, list) else [given]
+    if not isinstance(text, str) or not all(isinstance(each, str) for each in before):
+        raise DataError(
+            'expected {"text": ..., "before": [...]} with texts.', source=source, line=number
+        )
+    return text, [str(each) for each in before]
