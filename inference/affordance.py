@@ -13,15 +13,17 @@ evidence and would otherwise be counted once a rule. With perfect detection both
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..kb.interval import CERTAIN, VACUOUS, Interval
+from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import Atom, Rule
 from ..ontology.errors import UnknownNameError
-from .evidence import EPSILON, Operators, certainty, is_affirmed, is_denied, negation
-from .goal import Candidate, Goal, Inference, Observation
+from .evidence import EPSILON, Operators, certainty, is_affirmed, is_denied
+from .goal import Candidate, Goal, Inference, Observation, Verdict
+from .proof import UNKNOWN, Proof, derived, told
+from .taxonomy import FLAT, Taxonomy
 
 FIND = "findObject"  # the action whose rules are functional: usedFor(object, affordance)
 STAGES = ("rules", "conclusions")
@@ -73,11 +75,22 @@ class Affordances:
 
     Rules are assimilated by sequence number: what a node's rules are is asked anew only when
     something was told since.
+
+    Args:
+        source: where the rules are.
+        settings: the choices of the theory.
+        taxonomy: what is a kind of what; rules are inherited along it.
     """
 
-    def __init__(self, source: RuleSource, settings: Settings | None = None) -> None:
+    def __init__(
+        self,
+        source: RuleSource,
+        settings: Settings | None = None,
+        taxonomy: Taxonomy = FLAT,
+    ) -> None:
         self.source = source
         self.settings = settings or Settings()
+        self.taxonomy = taxonomy
         self._sequence = -1
         self._rules: dict[str, tuple[Rule, ...]] = {}
 
@@ -88,10 +101,10 @@ class Affordances:
             node: path of the node in the action tree ("pass/graspObject").
             goal: what the walk is for.
         """
-        atoms: set[Atom] = set(_asked(node, goal))
-        for level in self._levels(node, goal):
-            atoms.update(*(rule.features for rule in self._relevant(level, node, goal)))
-        return tuple(sorted(atoms))
+        atoms = set(_asked(node, goal))
+        for key in self._levels(node, goal):
+            atoms.update(*(rule.features for rule in self._relevant(key, node, goal)))
+        return tuple(sorted(kind for atom in atoms for kind in self.taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
         """What the observed things afford at a node (getAffordance).
@@ -104,13 +117,26 @@ class Affordances:
         Returns:
             All candidates, best first. At the find node there is one for each observation; at any
             other node one for each thing and each part (or other argument) that a rule names.
+
+        Raises:
+            ConflictError: the chosen operators are not defined for what was told.
         """
-        threshold = self.settings.threshold_of(_contexts(node))
+        judge = Judge(node, self.settings)
         if _action(node) == FIND:
-            found = [self._find(node, goal, seen, threshold) for seen in observations]
+            found = [self._find(node, goal, seen, judge) for seen in observations]
         else:
-            found = self._constrain(node, goal, observations, threshold)
-        return self._ranked(node, threshold, found)
+            found = [each for seen in observations for each in self._bound(node, goal, seen, judge)]
+        return judge.ranked(found)
+
+    def infer_many(
+        self, node: str, goals: Sequence[Goal], scenes: Sequence[Sequence[Observation]]
+    ) -> list[Inference]:
+        """`infer` for several goals, each with the scene of the same index.
+
+        Raises:
+            ValueError: there are not as many scenes as goals.
+        """
+        return [self.infer(node, *pair) for pair in zip(goals, scenes, strict=True)]
 
     # --- Selecting rules -----------------------------------------------------------------
 
@@ -120,7 +146,14 @@ class Affordances:
             wanted = (goal.target.used_for, goal.target.not_used_for)
             return tuple(f"{FIND}.{affordance}" for affordance in wanted if affordance)
         action = _action(node)
-        return (*(f"{context}.{action}" for context in _contexts(node)), action)
+        return (*(f"{context.name}.{action}" for context in self._contexts(node)), action)
+
+    def _contexts(self, node: str) -> tuple[Atom, ...]:
+        """The actions above a node, nearest first, each with what it is a kind of."""
+        acting = (Atom("action", name) for name in contexts_of(node))
+        return tuple(
+            dict.fromkeys(above for atom in acting for above, _ in self.taxonomy.above(atom))
+        )
 
     def _rules_at(self, key: str) -> tuple[Rule, ...]:
         if self.source.sequence != self._sequence:
@@ -132,95 +165,156 @@ class Affordances:
 
     def _relevant(self, key: str, node: str, goal: Goal) -> list[Rule]:
         """The rules under a key whose context holds and, past the find node, whose object fits."""
-        acting = {Atom("action", context) for context in _contexts(node)}
-        given = acting | set(goal.contexts)
+        given = {*self._contexts(node), *self._closure(goal.contexts)}
         rules = [rule for rule in self._rules_at(key) if rule.contexts <= given]
-        wanted = goal.target.object
-        if wanted is None or _action(node) == FIND:
+        if goal.target.object is None or _action(node) == FIND:
             return rules
-        return [rule for rule in rules if rule.object in {wanted, None}]
+        wanted = {above.name for above, _ in self._above_object(goal.target.object)}
+        return [rule for rule in rules if rule.object is None or rule.object in wanted]
+
+    def _above_object(self, name: str) -> tuple[tuple[Atom, int], ...]:
+        return self.taxonomy.above(Atom("object", name))
+
+    def _closure(self, atoms: Iterable[Atom]) -> dict[Atom, tuple[int, Atom]]:
+        """What atoms show: themselves and what they are kinds of, with distance and origin."""
+        found: dict[Atom, tuple[int, Atom]] = {}
+        for atom in atoms:
+            for above, distance in self.taxonomy.above(atom):
+                if above not in found or distance < found[above][0]:
+                    found[above] = (distance, atom)
+        return found
 
     # --- Concluding ----------------------------------------------------------------------
 
-    def _find(self, node: str, goal: Goal, seen: Observation, threshold: float) -> Candidate:
+    def _find(self, node: str, goal: Goal, seen: Observation, judge: Judge) -> Candidate:
         """How surely one thing is what the command asks for."""
         target = goal.target
-        parts = [seen.atoms.get(atom, VACUOUS) for atom in _asked(node, goal)]
-        used: list[Rule] = []
-        argument = None
+        shown = self._closure(seen.atoms)
+        steps = [self._evidence(atom, goal, seen, shown) for atom in _asked(node, goal)]
+        argument, inherited = None, 0
         for affordance, is_negated in ((target.used_for, False), (target.not_used_for, True)):
             if affordance:
                 argument = Atom("affordance", affordance)
-                rules = self._applicable(f"{FIND}.{affordance}", node, goal, seen)
-                concluded = self._concluded(rules, goal, seen)
-                parts.append(negation(concluded) if is_negated else concluded)
-                used += rules
-        interval = self.settings.operators.all_of(parts)
-        return _judged(seen, argument, interval, threshold, used, needs_rule=argument is not None)
+                rules, inherited = self._applicable(f"{FIND}.{affordance}", node, goal, shown)
+                proof = self._concluded(rules, goal, seen, shown)
+                operators = self.settings.operators
+                steps.append(derived("not", [proof], operators) if is_negated else proof)
+        return judge.candidate(seen, argument, steps, inherited)
 
-    def _constrain(
-        self, node: str, goal: Goal, observations: Sequence[Observation], threshold: float
-    ) -> list[Candidate]:
-        """Which part (or other argument) the rules of the nearest context name, for each thing."""
-        found: list[Candidate] = []
-        for seen in observations:
-            for key in self._levels(node, goal):
-                rules = self._applicable(key, node, goal, seen)
-                if rules:
-                    found += self._by_argument(rules, goal, seen, threshold)
-                    break
-        return found
+    def _bound(self, node: str, goal: Goal, seen: Observation, judge: Judge) -> Iterator[Candidate]:
+        """Which part (or other argument) the rules of the nearest context name for one thing."""
+        shown = self._closure(seen.atoms)
+        for key in self._levels(node, goal):
+            rules, inherited = self._applicable(key, node, goal, shown)
+            if rules:
+                for argument, group in _by_argument(rules).items():
+                    proof = self._concluded(group, goal, seen, shown)
+                    yield judge.candidate(seen, argument, [proof], inherited)
+                return
 
-    def _by_argument(
-        self, rules: Sequence[Rule], goal: Goal, seen: Observation, threshold: float
-    ) -> list[Candidate]:
-        groups: dict[Atom | None, list[Rule]] = defaultdict(list)
-        for rule in rules:
-            groups[rule.argument].append(rule)
-        return [
-            _judged(seen, argument, self._concluded(group, goal, seen), threshold, group)
-            for argument, group in groups.items()
-        ]
+    def _applicable(
+        self, key: str, node: str, goal: Goal, shown: Mapping[Atom, tuple[int, Atom]]
+    ) -> tuple[list[Rule], int]:
+        """The relevant rules all of whose features are shown: the nearest, and how near."""
+        fitting = [r for r in self._relevant(key, node, goal) if r.features <= shown.keys()]
+        if not fitting:
+            return [], 0
+        distances = [max((shown[f][0] for f in r.features), default=0) for r in fitting]
+        nearest = min(distances)
+        return [r for r, d in zip(fitting, distances, strict=True) if d == nearest], nearest
 
-    def _applicable(self, key: str, node: str, goal: Goal, seen: Observation) -> list[Rule]:
-        """The relevant rules all of whose features were looked for and reported."""
-        atoms = seen.atoms.keys()
-        return [rule for rule in self._relevant(key, node, goal) if rule.features <= atoms]
-
-    def _concluded(self, rules: Sequence[Rule], goal: Goal, seen: Observation) -> Interval:
-        """One interval from rules with the same conclusion; [0, 1] from none."""
+    def _concluded(
+        self,
+        rules: Sequence[Rule],
+        goal: Goal,
+        seen: Observation,
+        shown: Mapping[Atom, tuple[int, Atom]],
+    ) -> Proof:
+        """One conclusion from rules that agree in what they conclude; unknown from none."""
         operators = self.settings.operators
-        groups: dict[frozenset[Atom], list[Interval]] = defaultdict(list)
+        groups: dict[frozenset[Atom], list[Proof]] = defaultdict(list)
         for rule in rules:
-            groups[rule.features | rule.contexts].append(rule.support)
-        concluded: list[Interval] = []
-        for antecedent, intervals in groups.items():
-            known = [_degree(atom, goal, seen) for atom in antecedent]
-            premise = operators.all_of(known)
-            fused = [operators.fuse(intervals)] if self.settings.stage == "rules" else intervals
-            concluded += [operators.conclude(premise, rule) for rule in fused]
-        return operators.fuse(concluded) if concluded else VACUOUS
+            groups[rule.features | rule.contexts].append(told(rule))
+        concluded: list[Proof] = []
+        for antecedent, said in groups.items():
+            known = [self._evidence(atom, goal, seen, shown) for atom in sorted(antecedent)]
+            premise = derived("and", known, operators)
+            fused = [derived("fuse", said, operators)] if self.settings.stage == "rules" else said
+            concluded += [derived("modus ponens", (premise, rule), operators) for rule in fused]
+        return derived("fuse", concluded, operators) if concluded else UNKNOWN
 
-    def _ranked(self, node: str, threshold: float, found: Sequence[Candidate]) -> Inference:
-        rank = self.settings.operators.rank
-        ordered = sorted(found, key=lambda c: (not c.accepted, -rank(c.interval)))
+    def _evidence(
+        self, atom: Atom, goal: Goal, seen: Observation, shown: Mapping[Atom, tuple[int, Atom]]
+    ) -> Proof:
+        """How surely an antecedent holds; an action on the path of the node holds by itself."""
+        if atom in shown:
+            origin = shown[atom][1]
+            kind = "" if origin == atom else f", which is a kind of {atom.name}"
+            return Proof("seen", seen.atoms[origin], f"{origin} seen on {seen.name}{kind}")
+        if atom.kind in {"object", "part", "property"}:
+            return Proof("seen", VACUOUS, f"{atom} not seen on {seen.name}")
+        given = self._closure(goal.contexts)
+        interval = goal.contexts[given[atom][1]] if atom in given else CERTAIN
+        return Proof("given", interval, str(atom))
+
+
+class Judge:
+    """Decides at one node which conclusions are sure enough, and which is the best."""
+
+    def __init__(self, node: str, settings: Settings) -> None:
+        self.node = node
+        self.operators = settings.operators
+        self.threshold = settings.threshold_of(contexts_of(node))
+
+    def candidate(
+        self, seen: Observation, argument: Atom | None, steps: Sequence[Proof], inherited: int
+    ) -> Candidate:
+        """What all steps together come to for one thing."""
+        proof = derived("and", steps, self.operators)
+        sure = certainty(proof.interval)
+        verdict = self.verdict(proof, UNKNOWN in steps)
+        reason = _REASONS[verdict].format(proof.interval, sure, self.threshold)
+        return Candidate(seen.name, seen.object, argument, proof, sure, verdict, reason, inherited)
+
+    def verdict(self, proof: Proof, is_unknown: bool) -> Verdict:
+        """Whether to act on a conclusion, to avoid it, or neither."""
+        if is_unknown:
+            return "unknown"
+        if is_affirmed(proof.interval, self.threshold):
+            return "accepted"
+        return "denied" if is_denied(proof.interval, self.threshold) else "unsure"
+
+    def ranked(self, found: Sequence[Candidate]) -> Inference:
+        """All candidates, the best first; equals in the order in which they were found."""
+        rank = self.operators.rank
+        ordered = sorted(found, key=lambda each: (not each.accepted, -rank(each.interval)))
         ties: tuple[Candidate, ...] = ()
         if ordered and ordered[0].accepted:
             best = rank(ordered[0].interval)
             # In scene order, so that rounding in the last bit cannot decide between equals.
-            tied = [c for c in found if c.accepted and rank(c.interval) > best - EPSILON]
-            ordered = [tied[0], *(c for c in ordered if c is not tied[0])]
+            tied = [
+                each for each in found if each.accepted and rank(each.interval) > best - EPSILON
+            ]
+            ordered = [tied[0], *(each for each in ordered if each is not tied[0])]
             ties = tuple(tied) if len(tied) > 1 else ()
-        denied = tuple(c for c in found if is_denied(c.interval, threshold))
-        return Inference(node, threshold, tuple(ordered), ties, denied)
+        return Inference(self.node, self.threshold, tuple(ordered), ties)
+
+
+_REASONS: Mapping[Verdict, str] = {
+    "accepted": "{0} is sure enough: lambda {1:.4g} is above {2:.4g}",
+    "denied": "{0} speaks against it",
+    "unsure": "{0} is not sure enough: lambda {1:.4g} is not above {2:.4g}",
+    "unknown": "nothing that was told says so",
+}
+
+
+def contexts_of(node: str) -> tuple[str, ...]:
+    """The contexts of a node, nearest first: the actions above it on its path."""
+    return tuple(reversed(node.split("/")[:-1]))
 
 
 def _action(node: str) -> str:
     return node.rsplit("/", 1)[-1]
-
-
-def _contexts(node: str) -> tuple[str, ...]:
-    return tuple(reversed(node.split("/")[:-1]))
 
 
 def _asked(node: str, goal: Goal) -> list[Atom]:
@@ -231,32 +325,8 @@ def _asked(node: str, goal: Goal) -> list[Atom]:
     return named + [Atom("property", name) for name in sorted(goal.target.properties)]
 
 
-def _degree(atom: Atom, goal: Goal, seen: Observation) -> Interval:
-    """How surely an antecedent holds; an action on the path of the node holds by itself."""
-    if atom in seen.atoms:
-        return seen.atoms[atom]
-    return goal.contexts.get(atom, CERTAIN)
-
-
-def _judged(
-    seen: Observation,
-    argument: Atom | None,
-    interval: Interval,
-    threshold: float,
-    rules: Sequence[Rule],
-    *,
-    needs_rule: bool = True,
-) -> Candidate:
-    accepted = is_affirmed(interval, threshold)
-    sure = certainty(interval)
-    if needs_rule and not rules:
-        reason = "nothing that was told says so"
-    elif accepted:
-        reason = f"{interval} is sure enough: lambda {sure:.4g} is above {threshold:.4g}"
-    elif is_denied(interval, threshold):
-        reason = f"{interval} speaks against it"
-    else:
-        reason = f"{interval} is not sure enough: lambda {sure:.4g} is not above {threshold:.4g}"
-    return Candidate(
-        seen.name, seen.object, argument, interval, sure, accepted, reason, tuple(rules)
-    )
+def _by_argument(rules: Sequence[Rule]) -> dict[Atom | None, list[Rule]]:
+    groups: dict[Atom | None, list[Rule]] = defaultdict(list)
+    for rule in rules:
+        groups[rule.argument].append(rule)
+    return groups

@@ -11,9 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
+from .proof import Proof
+
+Verdict = Literal["accepted", "denied", "unsure", "unknown"]
 
 
 @dataclass(frozen=True)
@@ -73,21 +77,37 @@ class Candidate:
         object: its class.
         argument: what it affords: an affordance, or the part to act on; None where the command
             names the object and no rule is needed.
-        interval: the fused conclusion.
+        proof: how the interval was worked out.
         certainty: lambda of the interval, in [0, 1].
-        accepted: whether it is sure enough to act on.
-        reason: why it is accepted or not, in a few words.
-        rules: the rules it rests on.
+        verdict: "accepted"; "denied", believed not to hold; "unsure", not enough either way; or
+            "unknown", nothing was told.
+        reason: why, in a few words.
+        inherited: how many steps up the rules were found: 0 for this very kind of thing.
     """
 
     name: str
     object: str
     argument: Atom | None
-    interval: Interval
+    proof: Proof
     certainty: float
-    accepted: bool
+    verdict: Verdict
     reason: str
-    rules: tuple[Rule, ...] = ()
+    inherited: int = 0
+
+    @property
+    def interval(self) -> Interval:
+        """The fused conclusion."""
+        return self.proof.interval
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it is sure enough to act on."""
+        return self.verdict == "accepted"
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules it rests on, each once."""
+        return tuple(dict.fromkeys(step.rule for step in self.proof if step.rule))
 
 
 @dataclass(frozen=True)
@@ -99,16 +119,19 @@ class Inference:
         threshold: Λ(c), what lambda must exceed here.
         candidates: all conclusions, best first.
         ties: the names (or parts) that are as good as the best one, in the order of the scene.
-        denied: candidates that are believed not to hold, surely enough to avoid them.
     """
 
     node: str
     threshold: float
     candidates: tuple[Candidate, ...]
     ties: tuple[Candidate, ...] = ()
-    denied: tuple[Candidate, ...] = ()
 
     @property
     def best(self) -> Candidate | None:
         """The candidate to act on, or None when none is sure enough."""
         return self.candidates[0] if self.candidates and self.candidates[0].accepted else None
+
+    @property
+    def denied(self) -> tuple[Candidate, ...]:
+        """The candidates that are believed not to hold, surely enough to avoid them."""
+        return tuple(each for each in self.candidates if each.verdict == "denied")
