@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..ontology.errors import UnknownNameError
+from ..ontology.objects import ObjectType
 from .poses import Array
 
 
@@ -78,3 +79,14 @@ class Percept:
 
     def __repr__(self) -> str:
         return f"<Percept {self.name}, {self.object} {self.confidence:.2f}>"
+
+
+def visible_features(kind: ObjectType) -> frozenset[str]:
+    """The features by which a type can be searched for."""
+    parts = kind.parts.values()
+    properties = kind.properties.union(*(part.properties for part in parts))
+    return frozenset(
+        {f"object:{kind.name}"}
+        | {f"part:{part.name}" for part in parts}
+        | {f"property:{word}" for word in properties}
+    )

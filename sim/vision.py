@@ -10,7 +10,7 @@ follows from how much of the object is in sight, against what is to be expected 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from ..ontology.objects import ObjectType
 from .camera import Camera, View, cameras_round_table
 from .engine import Engine
 from .models import Model
-from .percept import PartPercept, Percept
+from .noise import Noise, with_depth_noise
+from .percept import PartPercept, Percept, visible_features
 from .poses import Array
 
 SURE = 0.95  # confidence in an object in full sight; even then it may be a good likeness
@@ -38,16 +39,18 @@ class Vision:
         kinds: name of each object that may be in sight -> its type.
         models: type -> its model, for the silhouette to be expected.
         cameras: the eyes.
+        noise: of which the cameras have the depth noise; the rest is `NoisyVision`'s.
     """
 
     engine: Engine
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, Model]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
+    noise: Noise = field(default_factory=Noise)
 
     def look(self) -> tuple[View, ...]:
         """What all cameras see now."""
-        return tuple(camera.look(self.engine) for camera in self.cameras)
+        return look(self.engine, self.cameras, self.noise)
 
     def search(
         self, features: Iterable[str], *, views: Sequence[View] | None = None
@@ -83,14 +86,12 @@ class Vision:
         return thinned(np.vstack([np.empty((0, 3)), *clouds]), OBSTACLE_SPACING)
 
 
-def visible_features(kind: ObjectType) -> frozenset[str]:
-    """The features by which a type can be searched for."""
-    parts = kind.parts.values()
-    properties = kind.properties.union(*(part.properties for part in parts))
-    return frozenset(
-        {f"object:{kind.name}"}
-        | {f"part:{part.name}" for part in parts}
-        | {f"property:{word}" for word in properties}
+def look(engine: Engine, cameras: Sequence[Camera], noise: Noise) -> tuple[View, ...]:
+    """What some cameras see now, with the noise of their depths."""
+    views = (camera.look(engine) for camera in cameras)
+    return tuple(
+        replace(view, depth=with_depth_noise(view.depth, noise, view.camera.name, engine.steps))
+        for view in views
     )
 
 
