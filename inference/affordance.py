@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..kb.interval import CERTAIN, VACUOUS
+from ..kb.interval import CERTAIN, VACUOUS, Interval
 from ..kb.rule import Atom, Rule
 from ..ontology.errors import UnknownNameError
 from .evidence import EPSILON, Operators, certainty, is_affirmed, is_denied
@@ -283,6 +283,14 @@ class Judge:
         if is_affirmed(proof.interval, self.threshold):
             return "accepted"
         return "denied" if is_denied(proof.interval, self.threshold) else "unsure"
+
+    def first(self, intervals: Sequence[Interval]) -> int | None:
+        """The index of the first of the best intervals that are sure enough; None of none."""
+        sure = [i for i, each in enumerate(intervals) if is_affirmed(each, self.threshold)]
+        if not sure:
+            return None
+        best = max(self.operators.rank(intervals[i]) for i in sure)
+        return next(i for i in sure if self.operators.rank(intervals[i]) > best - EPSILON)
 
     def ranked(self, found: Sequence[Candidate]) -> Inference:
         """All candidates, the best first; equals in the order in which they were found."""
