@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules that contradict each other: what one asserts another denies.
+
+The weight of a conflict is the mass that Dempster's rule gives to the empty set when the two are
+combined, K = a1·(1-b2) + (1-b1)·a2 (Shafer 1976), in [0, 1]. Two parts for one grasp are rivals,
+not a contradiction: a knife can be held by either end.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations
+
+from ..kb.interval import Interval
+from ..kb.rule import Atom, Rule
+from .evidence import EPSILON
+
+Json = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Two rules with the same antecedent and conclusion that contradict each other.
+
+    Attributes:
+        first, second: the rules, the earlier one first.
+        weight: the conflicting mass K, in [0, 1].
+    """
+
+    first: Rule
+    second: Rule
+    weight: float
+
+    def as_json(self) -> Json:
+        """As `hilt conflicts --json` prints it."""
+        return {"rules": [self.first.as_json(), self.second.as_json()], "weight": self.weight}
+
+
+def conflict_mass(one: Interval, other: Interval) -> float:
+    """K, the mass on the empty set when two intervals are combined, in [0, 1]."""
+    return one.lower * (1 - other.upper) + (1 - one.upper) * other.lower
+
+
+def conflicts(rules: Iterable[Rule]) -> list[Conflict]:
+    """All pairs of rules that contradict each other, the heaviest first.
+
+    Rules count as far as their speakers are trusted.
+    """
+    groups: dict[tuple[frozenset[Atom], str, Atom | None], list[Rule]] = defaultdict(list)
+    for rule in rules:
+        groups[rule.features | rule.contexts, rule.functor, rule.argument].append(rule)
+    pairs = (pair for group in groups.values() for pair in combinations(group, 2))
+    found = [Conflict(a, b, conflict_mass(a.support, b.support)) for a, b in pairs]
+    heavy = [each for each in found if each.weight > EPSILON]
+    return sorted(heavy, key=lambda each: (-each.weight, each.first.id, each.second.id))
