@@ -41,6 +41,7 @@ LEAST_LIFT = 0.10  # [m], less is not lifted
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_ATTEMPTS = 3  # how often the hand closes for one thing
+MAX_PLANS = 3  # a plan begins at random points, so that another one may find more
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
 RECEIVER = (1.15, 0.0, 0.40)  # [m], the one who gets things sits across the table
@@ -222,10 +223,8 @@ class Body:
             sight = self._see(self._aim.name, self._aim.part)
             if sight is None or not len(sight.wanted):
                 break
-            plan = plan_grasps(sight.surroundings(TABLE_HEIGHT), self.robot.gripper, rng=self._rng)
-            reach = self._choose(plan, sight)
+            reason, reach = self._choose(sight)
             if reach is None:
-                reason = _why_not(plan)
                 break
             reason, touch = self._take(reach, sight)
             if not reason:
@@ -239,10 +238,17 @@ class Body:
             bumped=self._bumped(),
         )
 
-    def _choose(self, plan: GraspPlan, sight: Sight) -> Reach | None:
-        """The way to the best grasp that can be reached and has not failed before."""
-        fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
-        return next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
+    def _choose(self, sight: Sight) -> tuple[str, Reach | None]:
+        """The way to the best grasp that can be reached and has not failed before; or why not."""
+        reason = ""
+        for _ in range(MAX_PLANS):
+            plan = plan_grasps(sight.surroundings(TABLE_HEIGHT), self.robot.gripper, rng=self._rng)
+            fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
+            reach = next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
+            if reach is not None:
+                return "", reach
+            reason = _why_not(plan)
+        return reason, None
 
     def _has_failed(self, grasp: Grasp) -> bool:
         at = grasp.world_from_grip[:3, 3]
@@ -266,7 +272,7 @@ class Body:
             return "wrong_part", touch
         if not touch.holds(name):
             return "missed", touch
-        self._held = self.motion.grip_on(name, reach, sight.wanted, sight.rest, before)
+        self._held = self.motion.grip_on(name, reach, sight, before)
         return "", touch
 
     def _lift_once(self, height_m: float) -> MotionReport:

@@ -111,10 +111,11 @@ def self_clearance(chain: Chain, held: Spheres, arm: Spheres, joints: Array) -> 
     Args:
         chain: the arm.
         held: spheres on the hand.
-        arm: spheres on all links; those of the hand itself do not count.
+        arm: spheres on all links; those that move with the hand do not count.
         joints: postures (n, k) [rad].
     """
-    behind = arm.link < len(chain.links) - 1
+    last = max(i for i, joint in enumerate(chain.joints) if joint.kind != "fixed")
+    behind = arm.link < last
     frames = chain.frames(joints)
     at = held.placed(frames)[:, :, None] - arm.placed(frames)[:, None, behind]
     gaps = np.linalg.norm(at, axis=-1) - held.radius[:, None] - arm.radius[behind]

@@ -31,12 +31,14 @@ class Surroundings:
         labels: (n,) of `Label`.
         table: height of the table [m].
         balance: (3,), where the object's centre of mass is thought to be [m].
+        mass: of the object [kg].
     """
 
     points: Array
     labels: np.ndarray
     table: float
     balance: Array
+    mass: float
 
     @property
     def wanted(self) -> Array:
@@ -56,7 +58,9 @@ class Surroundings:
         index = self._spread(near, cell)
         if len(index) > most:
             index = self._spread(near, cell * float(np.sqrt(len(index) / most)))
-        return Surroundings(self.points[index], self.labels[index], self.table, self.balance)
+        return Surroundings(
+            self.points[index], self.labels[index], self.table, self.balance, self.mass
+        )
 
     def _spread(self, near: np.ndarray, cell: float) -> np.ndarray:
         groups = [near[self.labels[near] == label] for label in Label]
@@ -70,11 +74,12 @@ def surround(
     *,
     table: float,
     balance: Array,
+    mass: float,
 ) -> Surroundings:
     """The surroundings of a part: clouds (n, 3) of it, of the other parts and of neighbours."""
     groups = [wanted, np.vstack([_EMPTY, *others]), np.vstack([_EMPTY, *neighbours])]
     labels = np.repeat(np.array(list(Label)), [len(group) for group in groups])
-    return Surroundings(np.vstack(groups), labels, table, np.asarray(balance, float))
+    return Surroundings(np.vstack(groups), labels, table, np.asarray(balance, float), mass)
 
 
 def thin(points: Array, cell: float) -> np.ndarray:

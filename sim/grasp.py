@@ -32,7 +32,7 @@ SHUFFLE = 0.02  # [m], so that different directions come first at one place
 REFINED = 24  # of those, the best are turned and judged again
 TURNS_DEG = (-7.0, -3.5, 3.5, 7.0)  # about the approach direction
 LARGEST_MOVE = 0.03  # [m] towards the middle of something round
-DEEPER = 0.004  # [m], the best ones are also tried deeper
+DEEPER = (0.004, 0.008, 0.012)  # [m], the best ones are also tried deeper
 LEAST_POINTS = 12  # of a part, else nothing can be said about it
 APART = 0.012  # [m], grasps nearer than this and turned alike are one
 APART_ANGLE = 0.35  # [rad]
@@ -130,9 +130,9 @@ def _refine(holds: Holds, fine: Surroundings, gripper: Gripper) -> Holds:
     centred = hold.judge(best.world_from_grip @ _corrections(best), best.between, fine, gripper)
     holds = holds.joined(centred)
     best = holds[_distinct(holds, REFINED)]
-    turns = np.tile(np.eye(4), (len(TURNS_DEG) + 1, 1, 1))
-    turns[:-1, :3, :3] = poses.rotation_about((0, 0, 1), np.radians(TURNS_DEG))
-    turns[-1, 2, 3] = DEEPER
+    turns = np.tile(np.eye(4), (len(TURNS_DEG) + len(DEEPER), 1, 1))
+    turns[: len(TURNS_DEG), :3, :3] = poses.rotation_about((0, 0, 1), np.radians(TURNS_DEG))
+    turns[len(TURNS_DEG) :, 2, 3] = DEEPER
     changed = (best.world_from_grip[:, None] @ turns).reshape(-1, 4, 4)
     between = np.repeat(best.between, len(turns))
     return holds.joined(hold.judge(changed, between, fine, gripper))

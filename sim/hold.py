@@ -19,7 +19,7 @@ from .clouds import Label, Surroundings
 from .poses import Array
 from .robots import Gripper
 
-CELLS_X, CELLS_Z = 5, 3  # of a pad's face
+CELLS_X, CELLS_Z = 5, 6  # of a pad's face
 LEVEL = 0.0012  # [m], how far a cell may lie behind the outermost one and still be touched
 PART_CLEARANCE = 0.004  # [m] from the pads to any other part of the object
 RECESS = 0.003  # [m] that another part between the fingers stands back from the pads
@@ -28,15 +28,19 @@ SPARE = 0.008  # [m] the open hand is wider than the part, on each side
 SPARE_ABOVE = 0.004  # [m] the same for what is between the fingers above the pads
 BEYOND = 0.006  # [m] below the tips in which the part must not go on outwards
 OUTWARD = 0.003  # [m], more than this is outwards: a slope of 27 degrees
-LEVER_SCALE = 0.15  # [m], a lever arm that costs as much as the worst support
+GRAVITY = 9.81  # [m/s^2]
+TORQUE_SCALE = 0.3  # [N m], a weight that costs all of `_TORQUE`; more may turn in the hand
+REACH_SCALE = 0.5  # [m], the same for the distance to the centre of mass
 TABLE_CLEARANCE = 0.0008  # [m] from the hand to the table
 
 RULED_OUT = 10.0  # taken from the score of a pose that something is in the way of
 
+DEEP_ROWS = 3  # of cells, from the tips; a thing held by less pops out when it is moved
+
 # Weights of the score: 1 is a flat, vertical grasp at the centre of mass.
-_BASE, _AREA, _ACROSS, _ALONG = 0.35, 0.2, 0.3, 0.15
-_LEVER, _TILT, _WIDE, _WEDGE = 0.3, 0.1, 0.1, 1.0
-LEAST_CELLS = 1.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
+_BASE, _AREA, _ACROSS, _DEPTH = 0.35, 0.1, 0.3, 0.3
+_TORQUE, _REACH, _TILT, _WIDE, _WEDGE = 0.3, 0.3, 0.1, 0.1, 1.0
+LEAST_CELLS = 2.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
 
 
 @dataclass(frozen=True)
@@ -101,19 +105,23 @@ def judge(
     opening = np.minimum(opening, gripper.opening)
     profile = _Profile.between(local, wanted, width, gripper)
     touched = profile.touched(width)  # (c, 2, CELLS_X, CELLS_Z)
-    both = _between(touched).all(axis=1)  # (c, CELLS_X, CELLS_Z), cells that both pads rest on
+    both = np.logical_and(
+        *np.moveaxis(_between(touched), 1, 0)
+    )  # (c, CELLS_X, CELLS_Z), cells that both pads rest on
     overlap = both.mean(axis=(1, 2))
     obstacle = _obstacle(local, surroundings.labels, width, opening, gripper)
     obstacle[(obstacle == _NONE) & (overlap < LEAST_CELLS)] = _UNEVEN
     obstacle[hits_table(centred, opening, surroundings.table, gripper)] = _TABLE
     obstacle[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
     slope, twist = profile.slopes(gripper)
+    arm = surroundings.balance - centred[:, :3, 3]
     score = (
         _BASE
         + _AREA * overlap
-        + _ACROSS * both.any(axis=2).mean(axis=1)
-        + _ALONG * both.any(axis=1).mean(axis=1)
-        - _LEVER * _lever(centred, surroundings.balance) / LEVER_SCALE
+        + _ACROSS * both.max(axis=2).mean(axis=1)
+        + _DEPTH * np.minimum(_rows_from_tip(both) / DEEP_ROWS, 1.0)
+        - _TORQUE * surroundings.mass * GRAVITY * turning_arm(centred, arm) / TORQUE_SCALE
+        - _REACH * np.linalg.norm(arm, axis=1) / REACH_SCALE
         - _TILT * (1 + centred[:, 2, 2])
         - _WEDGE * np.abs(slope).max(axis=1)
         - _WIDE * width / gripper.opening
@@ -195,6 +203,12 @@ def _between(touched: np.ndarray) -> np.ndarray:
     return touched
 
 
+def _rows_from_tip(cells: np.ndarray) -> np.ndarray:
+    """How many rows (c,) up from the tips the pads rest on the part, the rows below included."""
+    rows = cells.max(axis=1)  # (c, CELLS_Z)
+    return np.max(rows * (CELLS_Z - np.arange(CELLS_Z)), axis=1)
+
+
 def _slopes(edges: Array, spacing: float) -> Array:
     """Slopes (c, 2) of edges (c, 2, n) by least squares, over the cells filled on both sides."""
     filled = np.isfinite(edges[:, 0]) & np.isfinite(edges[:, 1])
@@ -266,10 +280,12 @@ def _lowest(world_from_grip: Array, x: float, y: Array, z: float) -> Array:
     return up[:, 3] + z * up[:, 2] - x * np.abs(up[:, 0]) - y * np.abs(up[:, 1])
 
 
-def _lever(world_from_grip: Array, balance: Array) -> Array:
-    """Arm (c,) [m] on which the weight turns the part about the line between the pads."""
-    arm = balance - world_from_grip[:, :3, 3]
-    across = np.cross(arm, world_from_grip[:, :3, 1])
-    # Weight pulls down: of the moment arm x down, the share about the closing direction turns.
-    level = np.abs(across[:, 2])
-    return level + 0.3 * np.linalg.norm(arm, axis=1)
+def turning_arm(world_from_grip: Array, arm: Array) -> Array:
+    """Lever (c,) [m] on which the weight turns a thing about the line between the pads.
+
+    Args:
+        world_from_grip: (c, 4, 4).
+        arm: from there to the centre of mass (c, 3) [m].
+    """
+    # Weight pulls straight down: of arm x down, the share along the closing direction turns.
+    return np.abs(np.cross(arm, world_from_grip[:, :3, 1])[:, 2])

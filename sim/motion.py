@@ -17,14 +17,17 @@ from . import poses
 from .clearance import on_hand
 from .clouds import thin
 from .engine import TIME_STEP
+from .hold import GRAVITY
 from .poses import Array
 from .reach import Reach, Reacher
 from .robot import Robot
+from .sight import Sight
 
 TRANSIT_PACE = 0.7  # shares of the joints' speed limits
 APPROACH_PACE = 0.3
 LIFT_PACE = 0.2
-CARRY_PACE = 0.4
+CARRY_PACE = 0.5
+CAREFUL_TORQUE = 0.25  # [N m], a thing that turns so much in the hand is carried at half the pace
 FEEL_EVERY = 12  # steps between two looks at what the fingers feel
 LOST_LOOKS = 2
 HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for what is held
@@ -74,6 +77,7 @@ class Held:
         world_from_start: where it lay (4, 4).
         hand_from_thing: how it lies in the hand since the hand closed (4, 4).
         points: (n, 3), its cloud in the frame of the hand [m].
+        torque: with which its weight turns it in the hand when it lies level [N m].
         free: (3,), from the held part towards the rest of it, in the frame of the hand; zero
             when nothing of it is free.
     """
@@ -83,6 +87,7 @@ class Held:
     world_from_start: Array
     hand_from_thing: Array
     points: Array
+    torque: float
     free: Array
 
 
@@ -163,23 +168,30 @@ class Motion:
         now = self.robot.engine.pose(held.name)
         return float(now[2, 3] - held.world_from_start[2, 3])
 
-    def grip_on(self, name: str, reach: Reach, part: Array, rest: Array, before: Array) -> Held:
+    def grip_on(self, name: str, reach: Reach, sight: Sight, before: Array) -> Held:
         """What is known of a thing once the hand has closed on it.
 
         Args:
             name: of the body.
             reach: how it was taken.
-            part: cloud of the held part (n, 3) [m].
-            rest: cloud of the rest (m, 3) [m].
-            before: where the thing lay (4, 4).
+            sight: how it was seen.
+            before: where the thing lay then (4, 4).
         """
         hand_from_world = poses.inverse(self.robot.world_from_hand)
-        moved = self.robot.engine.pose(name) @ poses.inverse(before)
-        cloud = poses.transform(hand_from_world @ moved, np.vstack([part, rest]))
-        free = np.zeros(3)
-        if len(rest):
-            free = cloud[len(part) :].mean(axis=0) - self.robot.gripper.hand_from_grip[:3, 3]
-        return Held(name, reach, before, self._hand_from(name), cloud[thin(cloud, HELD_CELL)], free)
+        seen = hand_from_world @ self.robot.engine.pose(name) @ poses.inverse(before)
+        grip = self.robot.gripper.hand_from_grip[:3, 3]
+        rest = poses.transform(seen, sight.rest)
+        cloud = poses.transform(seen, sight.percept.cloud)
+        arm = poses.transform(seen, sight.balance[None])[0] - grip
+        return Held(
+            name,
+            reach,
+            before,
+            self._hand_from(name),
+            cloud[thin(cloud, HELD_CELL)],
+            GRAVITY * sight.kind.mass * float(np.hypot(arm[0], arm[2])),
+            rest.mean(axis=0) - grip if len(rest) else np.zeros(3),
+        )
 
     # --- carrying -----------------------------------------------------------------------------
 
@@ -189,8 +201,7 @@ class Motion:
             path = self._carry(held, goal, reacher)
             if path is None:
                 continue
-            kept = self.robot.follow(path, pace=CARRY_PACE, stop=self._loses(held.name))
-            return "" if kept else "dropped"
+            return "" if self._follow_with(held, path) else "dropped"
         return "unreachable"
 
     def put_back(self, held: Held, reacher: Reacher) -> str:
@@ -199,7 +210,7 @@ class Motion:
         above = self._carry(held, held.reach.lift[-1], reacher)
         if above is None:
             return "unreachable"
-        if not self.robot.follow(above, pace=CARRY_PACE, stop=self._loses(held.name)):
+        if not self._follow_with(held, above):
             return "dropped"
         self._follow_if(
             reacher.straight_to(poses.translation(0, 0, RELEASE_HEIGHT) @ at), APPROACH_PACE
@@ -251,6 +262,11 @@ class Motion:
         yield from answer.joints[answer.found]
 
     # --- helpers ------------------------------------------------------------------------------
+
+    def _follow_with(self, held: Held, path: Array) -> bool:
+        """Run through a path with what is held, the slower the more it would turn in the hand."""
+        pace = CARRY_PACE / (1 + held.torque / CAREFUL_TORQUE)
+        return self.robot.follow(path, pace=pace, stop=self._loses(held.name))
 
     def _follow_if(self, path: Array | None, pace: float) -> None:
         if path is not None:

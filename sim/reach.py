@@ -27,6 +27,7 @@ CHECK_STEP = 0.12  # [rad] between the postures that are checked
 TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
 APPROACH_GAP = -0.003  # [m] to the rest; the spheres are a little larger than the hand
 AT_ONCE = 4  # grasps whose ways are sought together: the first ones mostly do
+ROUNDING = 1e-4  # [m], so that standing near something does not forbid to leave it
 VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 
 
@@ -138,7 +139,7 @@ class Reacher:
             path = densified(np.vstack([start, *via, goal]), CHECK_STEP)
             # The start is where it is: something may be nearer to it than a path should be.
             least = min(gap, self._gap(spheres, path[:1], seen, held))
-            if self._gap(spheres, path[1:], seen, held) >= least:
+            if self._gap(spheres, path[1:], seen, held) >= least - ROUNDING:
                 return path
         return None
 

@@ -70,7 +70,12 @@ class Sight:
     def surroundings(self, table: float) -> Surroundings:
         """What a grasp reckons with, on a table of this height [m]."""
         return surround(
-            self.wanted, [self.rest], [self.neighbours], table=table, balance=self.balance
+            self.wanted,
+            [self.rest],
+            [self.neighbours],
+            table=table,
+            balance=self.balance,
+            mass=self.kind.mass,
         )
 
     def _clouds(self, *, inside: bool) -> Array:
