@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proofs are faithful, and explanations are made of them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.inference.affordance import Affordances, Settings
+from hilt.inference.evidence import Operators
+from hilt.inference.explanation import changes_of_mind, why, why_not
+from hilt.inference.goal import Goal, Inference, Observation, Target
+from hilt.kb.interval import Interval
+from hilt.kb.rule import Atom, Rule, functional
+from hilt.ontology.errors import UnknownNameError
+
+CUTTING = Goal("pass", Target(used_for="cutting"))
+NAMES = ("knife", "spoon", "screwdriver")
+levels = st.sampled_from([0.95, 0.75, 0.5, 0.25, 0.0])
+bounds = st.tuples(levels, st.sampled_from([1.0, 0.95, 0.3])).map(
+    lambda pair: Interval(min(pair), max(pair))
+)
+rules = st.lists(
+    st.builds(
+        lambda name, interval, speaker, trust: replace(
+            functional(name, "cutting", interval=interval, speaker=speaker), trust=trust
+        ),
+        st.sampled_from(NAMES),
+        bounds,
+        st.sampled_from(["sam", "kim"]),
+        st.sampled_from([1.0, 0.5]),
+    ),
+    max_size=8,
+    unique_by=lambda rule: rule.id,
+)
+operators = st.builds(
+    Operators,
+    conjunction=st.sampled_from(["product", "frechet", "min"]),
+    modus_ponens=st.sampled_from(["conditional", "published", "material"]),
+    fusion=st.sampled_from(["yager", "mean"]),
+)
+
+
+class Told:
+    """Rules in a list."""
+
+    sequence = 0
+
+    def __init__(self, rules: Sequence[Rule]) -> None:
+        self.rules = rules
+
+    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+        """The rules that hang on these nodes."""
+        return [rule for rule in self.rules if rule.node in nodes]
+
+
+def decided(
+    rules: Sequence[Rule], sure: float = 0.9, settings: Settings | None = None
+) -> Inference:
+    """What the find node concludes about all names, seen with one confidence."""
+    seen = [Observation(n, n, {Atom("object", n): Interval(sure, 1.0)}) for n in NAMES]
+    return Affordances(Told(rules), settings).infer("pass/findObject", CUTTING, seen)
+
+
+def rule(name: str, degree: float) -> Rule:
+    """A rule that something is used for cutting."""
+    return functional(name, "cutting", interval=Interval(degree, 1.0))
+
+
+@given(rules, st.floats(0.05, 1.0), operators, st.sampled_from(["rules", "conclusions"]))
+def test_proof_worked_out_again_gives_the_very_numbers(
+    told: list[Rule], sure: float, chosen: Operators, stage: str
+):
+    """Evaluating a proof from its leaves gives the interval of the decision, bit for bit."""
+    settings = Settings(operators=chosen, stage=stage)
+
+    for candidate in decided(told, sure, settings).candidates:
+        assert candidate.proof.evaluate(chosen) == candidate.interval
+
+
+@given(rules)
+def test_every_proof_rests_on_the_rules_that_apply(told: list[Rule]):
+    """No rule about a thing is left out of its proof, and none is in another's."""
+    for candidate in decided(told).candidates:
+        about = {each.id for each in told if each.object == candidate.name}
+        assert {each.id for each in candidate.rules} == about
+
+
+def test_why_prints_the_proof_from_the_conclusion_down():
+    """Each line has an interval, the step, and what it is about."""
+    text = why(decided([rule("knife", 0.95)]))
+
+    lines = [line.strip() for line in text.splitlines()]
+    assert lines[0] == "[0.85, 1.00]  modus ponens"
+    assert lines[1] == "[0.90, 1.00]  seen  object:knife seen on knife"
+    assert lines[2].startswith("[0.95, 1.00]  told  <Rule object:knife => usedFor(cutting)")
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("spoon", "it is less sure than knife"),
+        ("screwdriver", "nothing that was told says so"),
+    ],
+)
+def test_why_not_tells_what_was_concluded_of_the_other(name: str, reason: str):
+    """A rejected thing is explained by its own proof."""
+    inference = decided([rule("knife", 0.95), rule("spoon", 0.5)])
+
+    assert reason in why_not(inference, name)
+
+
+def test_why_not_of_something_not_considered_lists_what_was():
+    """A thing that was not seen has no proof."""
+    with pytest.raises(UnknownNameError, match="Known: cutting, knife, screwdriver, spoon"):
+        why_not(decided([rule("knife", 0.95)]), "hammer")
+
+
+def test_smallest_change_of_mind_is_where_the_rival_draws_level():
+    """A spoon at .5 wins as soon as its rule is believed like the knife's."""
+    inference = decided([rule("knife", 0.75), rule("spoon", 0.5)], sure=1.0)
+
+    change = changes_of_mind(inference, Settings())[0]
+
+    assert change.chosen == "spoon"
+    assert change.size == pytest.approx(0.25, abs=1e-6)
+
+
+@given(rules)
+def test_each_change_of_mind_turns_the_decision(told: list[Rule]):
+    """Deciding again with the changed evidence chooses what the change says."""
+    settings = Settings()
+    inference = decided(told)
+
+    for change in changes_of_mind(inference, settings):
+        instead = {change.evidence: change.after}
+        again = [
+            (c.proof.evaluate(settings.operators, instead), c.name) for c in inference.candidates
+        ]
+        best = inference.best
+        assert change.chosen != (best.name if best else None)
+        assert change.chosen is None or change.chosen in {name for _, name in again}
+
+
+def test_proof_as_json_names_rules_and_numbers():
+    """The JSON of a proof has the same tree."""
+    document = decided([rule("knife", 0.95)]).candidates[0].proof.as_json()
+
+    assert (document["step"], document["lower"]) == ("modus ponens", pytest.approx(0.855))
+    seen, told = document["inputs"]
+    assert seen["about"] == "object:knife seen on knife"
+    assert told["rule"].startswith("rule/")

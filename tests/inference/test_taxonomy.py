@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is told of a kind holds for its kinds, unless something nearer was told."""
+
+from collections.abc import Sequence
+
+import pytest
+
+from hilt.inference.affordance import Affordances
+from hilt.inference.goal import Goal, Observation, Target
+from hilt.inference.taxonomy import Taxonomy
+from hilt.kb.interval import CERTAIN, Interval
+from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.ontology.errors import DataError
+
+G, C = Interval(0.95, 1.0), Interval(0.25, 1.0)
+BREAD_KNIFE, KNIFE, TOOL = (Atom("object", n) for n in ("bread knife", "knife", "tool"))
+SERVE, PASS = Atom("action", "serve"), Atom("action", "pass")
+KINDS = Taxonomy([(BREAD_KNIFE, KNIFE), (KNIFE, TOOL), (SERVE, PASS)])
+CUTTING = Goal("pass", Target(used_for="cutting"))
+SEEN = Observation("bread knife", "bread knife", {BREAD_KNIFE: CERTAIN})
+
+
+class Told:
+    """Rules in a list."""
+
+    sequence = 0
+
+    def __init__(self, *rules: Rule) -> None:
+        self.rules = rules
+
+    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+        """The rules that hang on these nodes."""
+        return [rule for rule in self.rules if rule.node in nodes]
+
+
+def test_distances_count_steps_upwards():
+    """The thing itself is at distance 0."""
+    assert dict(KINDS.above(BREAD_KNIFE)) == {BREAD_KNIFE: 0, KNIFE: 1, TOOL: 2}
+    assert KINDS.below(TOOL) == (TOOL, KNIFE, BREAD_KNIFE)
+
+
+def test_nothing_can_be_a_kind_of_itself():
+    """A circle is an error when the taxonomy is made."""
+    with pytest.raises(DataError, match="would be a kind of itself"):
+        Taxonomy([(KNIFE, TOOL), (TOOL, KNIFE)])
+
+
+def test_bread_knife_inherits_what_was_told_of_knives():
+    """The conclusion says how far up its rule was found."""
+    affordances = Affordances(Told(functional("knife", "cutting", interval=G)), taxonomy=KINDS)
+
+    best = affordances.infer("pass/findObject", CUTTING, [SEEN]).best
+
+    assert best is not None
+    assert (best.interval, best.inherited) == (G, 1)
+    assert "which is a kind of knife" in "\n".join(best.proof.lines())
+
+
+def test_nearer_rule_goes_before_an_inherited_one():
+    """What was told of bread knives themselves counts alone."""
+    rules = (
+        functional("knife", "cutting", interval=G),
+        functional("bread knife", "cutting", interval=C),
+    )
+
+    best = Affordances(Told(*rules), taxonomy=KINDS).infer("pass/findObject", CUTTING, [SEEN]).best
+
+    assert best is not None
+    assert (best.interval, best.inherited) == (C, 0)
+
+
+def test_vision_is_asked_for_the_kinds_of_what_was_told():
+    """Looking for knives is looking for bread knives too."""
+    affordances = Affordances(Told(functional("knife", "cutting", interval=G)), taxonomy=KINDS)
+
+    assert affordances.features("pass/findObject", CUTTING) == (BREAD_KNIFE, KNIFE)
+
+
+def test_grasp_is_inherited_along_objects_and_contexts():
+    """To serve is a kind of passing, a bread knife a kind of knife."""
+    affordances = Affordances(Told(grasping("knife", "blade", "pass", interval=G)), taxonomy=KINDS)
+    goal = Goal("serve", Target(object="bread knife"))
+
+    best = affordances.infer("serve/graspObject", goal, [SEEN]).best
+
+    assert best is not None
+    assert best.argument == Atom("part", "blade")
+
+
+def test_what_is_told_of_a_kind_does_not_hold_above_it():
+    """A rule about bread knives says nothing about knives."""
+    affordances = Affordances(
+        Told(functional("bread knife", "cutting", interval=G)), taxonomy=KINDS
+    )
+    knife = Observation("knife", "knife", {KNIFE: CERTAIN})
+
+    assert affordances.infer("pass/findObject", CUTTING, [knife]).best is None

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The vectorised operators give what the scalar ones give."""
+
+import numpy as np
+import pytest
+
+from hilt.inference import evidence, vectorised
+from hilt.kb.interval import Interval
+
+ROWS = 500
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """The same random numbers every time."""
+    return np.random.default_rng(7)
+
+
+def random_intervals(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    """Intervals of which some are certain, vacuous, or have a bound at an end."""
+    pairs = np.sort(rng.random((*shape, 2)), axis=-1)
+    pairs[rng.random(shape) < 0.1] = (0.0, 1.0)
+    pairs[rng.random(shape) < 0.1] = (1.0, 1.0)
+    pairs[rng.random(shape) < 0.1, 1] = 1.0
+    return pairs
+
+
+def scalars(rows: np.ndarray) -> list[Interval]:
+    """The rows as intervals."""
+    return [Interval(float(lower), float(upper)) for lower, upper in rows]
+
+
+def bounds(intervals: list[Interval]) -> np.ndarray:
+    """Intervals as rows."""
+    return np.array([(each.lower, each.upper) for each in intervals])
+
+
+@pytest.mark.parametrize("name", vectorised.CONJUNCTIONS)
+def test_conjunction_agrees_with_the_scalar_one(name: str, rng: np.random.Generator):
+    """AND of four intervals, row by row."""
+    rows = random_intervals(rng, ROWS, 4)
+
+    expected = bounds([evidence.CONJUNCTIONS[name](scalars(row)) for row in rows])
+
+    assert vectorised.CONJUNCTIONS[name](rows) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", vectorised.MODUS_PONENS)
+def test_modus_ponens_agrees_with_the_scalar_one(name: str, rng: np.random.Generator):
+    """Every reading, row by row."""
+    antecedents, rules = random_intervals(rng, ROWS), random_intervals(rng, ROWS)
+    pairs = zip(scalars(antecedents), scalars(rules), strict=True)
+
+    expected = bounds([evidence.MODUS_PONENS[name](*pair) for pair in pairs])
+
+    found = vectorised.MODUS_PONENS[name](antecedents, rules)
+    assert found == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", vectorised.FUSIONS)
+def test_fusion_agrees_with_the_scalar_one(name: str, rng: np.random.Generator):
+    """Runs of one to five rows are fused each on their own."""
+    lengths = rng.integers(1, 6, ROWS)
+    starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
+    rows = np.sort(rng.random((lengths.sum(), 2)), axis=-1)
+
+    runs = [scalars(run) for run in np.split(rows, starts[1:])]
+    expected = bounds([evidence.FUSIONS[name](run) for run in runs])
+
+    assert vectorised.FUSIONS[name](rows, starts) == pytest.approx(expected, abs=1e-12)
+
+
+def test_full_conflict_is_told_by_nan():
+    """Dempster's rule is not defined there; a row cannot raise."""
+    fused = vectorised.fuse_dempster(np.array([[1.0, 1.0], [0.0, 0.0]]), np.array([0]))
+
+    assert np.isnan(fused).all()
+
+
+def test_measures_agree_with_the_scalar_ones(rng: np.random.Generator):
+    """Lambda, PlP, NOT and acceptance, row by row."""
+    rows = random_intervals(rng, ROWS)
+    intervals = scalars(rows)
+
+    assert vectorised.certainty(rows) == pytest.approx(
+        [evidence.certainty(each) for each in intervals], abs=1e-12
+    )
+    assert vectorised.relative_plausibility(rows) == pytest.approx(
+        [evidence.relative_plausibility(each) for each in intervals], abs=1e-12
+    )
+    assert vectorised.negation(rows) == pytest.approx(
+        bounds([evidence.negation(each) for each in intervals]), abs=1e-12
+    )
+    affirmed = [evidence.is_affirmed(each, 0.005) for each in intervals]
+    assert vectorised.is_affirmed(rows, 0.005).tolist() == affirmed
