@@ -109,8 +109,7 @@ class Chart:
     ) -> None:
         for start in range(self.length):
             found = list(lexicon.lookup(tokens, start))
-            if start in guesses:
-                found.append((start + 1, guesses[start]))
+            found += [(start + len(guess.words), (guess,)) for guess in guesses.get(start, ())]
             for end, entries in found:
                 cell = self._cells[start][end]
                 for entry in entries:

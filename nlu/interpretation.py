@@ -133,6 +133,8 @@ class Interpreter:
         place = form.arguments[1]
         if not isinstance(command, Command):
             raise RefusedError("one_thing_at_a_time")
+        if place.name == "graspObject":
+            place = place.arguments[1]
         if place.name != "partOf":
             return replace(command, part=name_of(place))
         part, target = self._place(place)

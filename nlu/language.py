@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 from ..ontology.errors import UnknownNameError
@@ -31,7 +32,7 @@ from .pragmatics import load_pragmatics
 from .reference import Discourse, RefusedError
 from .tokens import BREAK, MAX_CHARACTERS, MAX_TOKENS, Token, Tokens, tokenize
 from .understanding import Reading, Understanding
-from .unknown import MAX_NEW_WORDS, guesses, is_word, names_like, nearest
+from .unknown import MAX_NEW_WORDS, compounds, guesses, is_word, names_like, nearest
 from .vocabulary import Vocabulary, household_vocabulary
 from .words import WordBook
 
@@ -162,6 +163,12 @@ class Language:
         """Every single word that the lexicon has."""
         return frozenset(self.listener.lexicon.words())
 
+    @cached_property
+    def named_words(self) -> frozenset[str]:
+        """Every single word that is part of a name: of an object, a use, a property, ..."""
+        entries = self.listener.lexicon.entries()
+        return frozenset(word for entry in entries if entry.name for word in entry.words)
+
     def _problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""
         if len(text) > MAX_CHARACTERS:
@@ -180,10 +187,15 @@ class Language:
         """The question back when a new word is close to a known one of its kind."""
         lexicon = self.listener.lexicon
         for word in words:
-            if word.said not in insist:
-                close = nearest(word.said, names_like(word.role, lexicon))
+            if word.said in insist:
+                continue
+            close = nearest(word.said, names_like(word.role, lexicon))
+            if close is not None:
+                return self._did_you_mean(word.said, close)
+            for part in word.said.split(" ") if " " in word.said else ():
+                close = None if part in self.known_words else nearest(part, self.named_words)
                 if close is not None:
-                    return self._did_you_mean(word.said, close)
+                    return self._did_you_mean(part, close)
         return None
 
     def _slip_anywhere(self, unknown: list[Token], insist: Collection[str]) -> AskBack | None:
@@ -231,11 +243,20 @@ class Language:
         return replace(_without_reading(tokens, situation, meaning), readings=len(clear))
 
     def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
-        return {
+        found = {
             place: guesses(token, self.book, self.inflection)
             for place, token in enumerate(tokens.items)
             if token in unknown
         }
+        for place, pair in enumerate(pairwise(tokens.items)):
+            if all(token.word not in self.book.closed for token in pair):
+                first, second = (token.word for token in pair)
+                names = compounds(
+                    first, second, self.book, self.inflection, self.listener.lexicon
+                )
+                if names:
+                    found[place] = [*found.get(place, ()), *names]
+        return found
 
     def _several(self, readings: Sequence[Reading]) -> AskBack:
         choices = tuple(self._choice(reading.meaning) for reading in readings)

@@ -24,6 +24,7 @@ TWO_SLIPS = 9
 
 _VERB_COST = 0.5  # a name is likelier than an act: there are more things than things to do
 _PERSON_COST = 1.0
+_COMPOUND_COST = 0.75
 _SINGULAR_COST = 0.25  # what looks like a plural is one
 
 
@@ -95,6 +96,34 @@ def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]
         verb = Verb(bare, ("new_affordance",), None)
         found += book.verb_entries(verb, role="affordance")
     return [entry for entry in found if entry.words == (word,)]
+
+
+def compounds(
+    first: str, second: str, book: WordBook, inflection: Inflection, lexicon: Lexicon
+) -> list[Entry]:
+    """What two neighbours may be as one name: "bread knife", "frying pans".
+
+    The second word, which carries the plural, must be an object or unknown, and the first an
+    object, a stuff or unknown; of words that are both known the pair is a kind of the second.
+    """
+    if not _may_name(first, lexicon) or not _may_name(second, lexicon, last=True):
+        return []
+    singular = next(iter(inflection.origins(second, "plural")), second)
+    name = f"{first} {singular}"
+    found = [*book.noun("object", name, role="object", cost=_COMPOUND_COST)]
+    return [entry for entry in found if entry.words == (first, second)]
+
+
+def _may_name(word: str, lexicon: Lexicon, *, last: bool = False) -> bool:
+    if word not in lexicon:
+        return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
+    kinds = {"N", "NS"} if last else {"N", "MS", "K"}
+    return any(
+        entry.name and str(entry.category) in kinds
+        for end, entries in lexicon.lookup((word,), 0)
+        for entry in entries
+        if end == 1
+    )
 
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:

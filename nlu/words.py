@@ -210,8 +210,11 @@ class WordBook:
             self.entries += self._filled(template, word, {"DEG": degree}, role="", cost=0.0)
 
     def _word(self, field: Field) -> Iterator[Entry]:
-        parts = field.entries(required=("says", "is"), optional=())
-        frames = [Frame(*self._grammar.entry(line)) for line in parts["is"].items()]
+        parts = field.entries(required=("says",), optional=("is", "like"))
+        lines = parts["is"].items() if "is" in parts else ()
+        frames = [Frame(*self._grammar.entry(line)) for line in lines]
+        for name in parts["like"].items() if "like" in parts else ():
+            frames += self._template_named(name.text(), name).forms["base"]
         signs = [self._combinator.sign(frame.category) for frame in frames]
         values = [evaluate(frame.term) for frame in frames]
         for says in parts["says"].items():
