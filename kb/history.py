@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
+from decimal import Decimal
 from typing import TypeVar, cast
 
 from ..ontology.errors import ValidationError
@@ -20,13 +21,13 @@ from .rule import check_speaker
 from .stars import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
 from .terms import Quad, Term, lexical
 
-T = TypeVar("T", int, str, bool, Iri, datetime)
+T = TypeVar("T", int, str, bool, Iri, datetime, Decimal)
 
 HISTORY = iri("graph", "history")
 MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
 
 SEQUENCE, TEXT, PREDICATE, KIND = (term(n) for n in ("sequence", "text", "predicate", "kind"))
-ACCEPTED, ANSWER = term("accepted"), term("answer")
+ACCEPTED, ANSWER, HEARD = (term(n) for n in ("accepted", "answer", "heard"))
 ASSERTS, RETRACTS, SUPERSEDES = (term(n) for n in ("asserts", "retracts", "supersedes"))
 
 
@@ -46,6 +47,7 @@ class Utterance:
         asserts: ids of the rules it asserted.
         retracts: ids of the rules it took back.
         supersedes: ids of the rules that it replaced.
+        heard: how surely its words were recognised, in [0, 1]; 1 where it was typed.
     """
 
     sequence: int
@@ -59,6 +61,7 @@ class Utterance:
     asserts: tuple[str, ...] = ()
     retracts: tuple[str, ...] = ()
     supersedes: tuple[str, ...] = ()
+    heard: float = 1.0
 
     def __post_init__(self) -> None:
         check_speaker(self.speaker)
@@ -81,6 +84,7 @@ class Utterance:
             "asserts": list(self.asserts),
             "retracts": list(self.retracts),
             "supersedes": list(self.supersedes),
+            "heard": self.heard,
         }
 
 
@@ -105,7 +109,7 @@ def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
     found: dict[Iri, list[Term]] = defaultdict(list)
     for predicate, value in properties:
         found[predicate].append(value)
-    links = (
+    asserts, retracts, supersedes = (
         tuple(sorted(rule_id(cast(Iri, node)) for node in found[link]))
         for link in (ASSERTS, RETRACTS, SUPERSEDES)
     )
@@ -118,7 +122,10 @@ def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
         _one(found, KIND, str),
         _one(found, ACCEPTED, bool),
         _one(found, ANSWER, str, ""),
-        *links,
+        asserts,
+        retracts,
+        supersedes,
+        heard=float(_one(found, HEARD, Decimal, Decimal(1))),
     )
 
 
@@ -143,6 +150,8 @@ def _properties(utterance: Utterance) -> Iterator[tuple[Iri, Term]]:
     yield ACCEPTED, utterance.accepted
     if utterance.answer:
         yield ANSWER, utterance.answer
+    if utterance.heard < 1.0:
+        yield HEARD, Decimal(str(round(utterance.heard, 6)))
     yield ATTRIBUTED_TO, iri("speaker", utterance.speaker)
     yield GENERATED_AT, utterance.time
     for link, ids in (

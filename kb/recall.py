@@ -23,6 +23,7 @@ from .sparql import bind
 from .stars import BELIEFS
 from .store import Store
 from .terms import Term
+from .words import Word, read_words
 
 BASE_NODE = Iri("https://w3id.org/hilt/base")
 BASE_GRAPH = iri("graph", "base")
@@ -118,6 +119,10 @@ class Recall:
             found = self.store.properties(utterance_iri(number), HISTORY)
             if found:
                 yield read_utterance(found)
+
+    def words(self) -> list[Word]:
+        """The words that were learned and not revoked."""
+        return read_words(self.store)
 
     @property
     def sequence(self) -> int:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from decimal import Decimal
 
+from ..ontology.errors import UnknownNameError
 from ..ontology.vocabulary import Iri, iri, term
 from . import stars
 from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
@@ -22,6 +23,7 @@ from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
 from .stars import BELIEFS
 from .store import Store
 from .terms import Quad
+from .words import LEXICON, Word, read_words, word_iri, word_quads
 
 
 @dataclass
@@ -67,8 +69,10 @@ class Telling(Recall):
         *,
         retracts: Iterable[str] = (),
         supersedes: Iterable[str] = (),
+        words: Iterable[Word] = (),
         kind: str = "statement",
         answer: str = "",
+        heard: float = 1.0,
         time: datetime | None = None,
     ) -> Utterance:
         """Believe what was said; it is durable when this returns.
@@ -83,8 +87,10 @@ class Telling(Recall):
             rules: what to believe.
             retracts: ids of rules that are taken back.
             supersedes: ids of rules that are replaced by these.
+            words: new words that were learned from it.
             kind: statement or correction.
             answer: what was said back.
+            heard: how surely the words were recognised, in [0, 1]; already part of the rules.
             time: when it was said; now by default.
 
         Returns:
@@ -107,9 +113,13 @@ class Telling(Recall):
             tuple(sorted(told)),
             tuple(sorted(set(retracts) - set(told))),
             tuple(sorted(set(supersedes) - set(told))),
+            heard,
         )
         with self.store.writing():
-            return self._write(utterance, list(told.values()))
+            change = _Change()
+            for word in words:
+                change.insert += word_quads(word, self.sequence + 1)
+            return self._write(utterance, list(told.values()), change)
 
     def record(
         self,
@@ -187,6 +197,24 @@ class Telling(Recall):
             change.replace(before, trust_quads(speaker, trust))
             self._write(utterance, [], change)
         return trust
+
+    def forget_word(self, name: str, text: str, speaker: str) -> Word:
+        """Revoke a learned word because somebody said so; the graph keeps it as retracted.
+
+        Raises:
+            UnknownNameError: no word of that name was learned.
+        """
+        with self.store.writing():
+            known = {word.atom.name: word for word in read_words(self.store)}
+            if name not in known:
+                raise UnknownNameError("learned word", name, known)
+            change = _Change()
+            node, word = word_iri(known[name].atom), known[name]
+            kept = word_quads(word, word.utterance or 0, status="retracted")
+            change.replace(self.store.quads(node, None, None, LEXICON), kept)
+            moment = to_milliseconds(self.clock())
+            self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
+        return word
 
     # How it is written
 

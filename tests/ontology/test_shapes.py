@@ -103,6 +103,7 @@ BREAKS = [
     (SAID, 'hilt:text "Hello." ;', "", "one hilt:text"),
     (SAID, 'hilt:predicate "x"', "hilt:predicate 1", "at most one hilt:predicate"),
     (SAID, 'hilt:answer "y"', "hilt:answer 1", "at most one hilt:answer"),
+    (SAID, 'hilt:answer "y"', "hilt:heard 1.5", "at most one hilt:heard"),
     (SAID, 'hilt:kind "statement" ;', "", "one hilt:kind"),
     (SAID, "hilt:accepted true", 'hilt:accepted "yes"', "one hilt:accepted"),
     (SAID, "rule:0123456789abcdef", "object:x", "lead to a rule"),
