@@ -14,6 +14,9 @@ from .poses import Array
 _EMPTY = np.zeros((0, 3))
 
 
+LEAST_GROWTH = 1.1  # of the cubes, so that growing ends soon
+
+
 class Label(IntEnum):
     """What a point belongs to."""
 
@@ -51,13 +54,14 @@ class Surroundings:
         Args:
             cell: side of the cubes of which each keeps one point [m].
             reach: how far from the part points are kept [m].
-            most: about how many points there may be; the cubes grow until it is so.
+            most: how many points there may be; the cubes grow until it is so.
         """
         low, high = self.wanted.min(axis=0) - reach, self.wanted.max(axis=0) + reach
         near = np.flatnonzero(np.all((self.points >= low) & (self.points <= high), axis=1))
         index = self._spread(near, cell)
-        if len(index) > most:
-            index = self._spread(near, cell * float(np.sqrt(len(index) / most)))
+        while len(index) > most:
+            cell *= max(LEAST_GROWTH, float(np.sqrt(len(index) / most)))
+            index = self._spread(near, cell)
         return Surroundings(
             self.points[index], self.labels[index], self.table, self.balance, self.mass
         )

@@ -191,7 +191,7 @@ class _Profile:
         across = _slopes(self.heights.max(axis=3), gripper.pad_width / CELLS_X)
         along = _slopes(self.heights.max(axis=2), gripper.pad_length / CELLS_Z)
         slope = np.column_stack([across.mean(axis=1), along.mean(axis=1)])
-        return slope, np.arctan((across[:, 1] - across[:, 0]) / 2)
+        return slope, np.arctan((across[:, 0] - across[:, 1]) / 2)
 
 
 def _between(touched: np.ndarray) -> np.ndarray:
