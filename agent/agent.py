@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 from platformdirs import user_data_path
 
 from ..inference.affordance import Affordances, Settings
+from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
 from ..nlu.language import Language
 from ..ontology.actions import Actions, load_actions
@@ -92,7 +93,7 @@ class Agent:
         self.actions = actions
         self.scene = scene
         self.objects = _objects()
-        self.affordances = Affordances(base, settings)
+        self.affordances = Affordances(base, settings, Taxonomy.of(base))
         self.simulate = simulate
         self.gui = gui
         self.dialogue = Dialogue(base, language, lambda: self.goals, self.visible, seed=scene.seed)
@@ -133,15 +134,18 @@ class Agent:
             settings=settings,
         )
 
-    def hear(self, text: str, *, speaker: str = "sam", only: str | None = None) -> Reply:
+    def hear(
+        self, text: str, *, speaker: str = "sam", only: str | None = None, heard: float = 1.0
+    ) -> Reply:
         """Listen to one utterance, do what follows from it, and answer.
 
         Args:
             text: what is said.
             speaker: who says it.
             only: "tell", "do" or "ask" to take statements, commands or questions only.
+            heard: how surely a recogniser heard it, in [0, 1].
         """
-        return self.dialogue.hear(text, speaker=speaker, only=only)
+        return self.dialogue.hear(text, speaker=speaker, only=only, heard=heard)
 
     def visible(self) -> tuple[str, ...]:
         """The objects on the table, in the order of the scene."""

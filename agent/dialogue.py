@@ -3,14 +3,15 @@
 
 Paper, section 3.2: of an utterance that wants something believed it is checked whether the speaker
 is trusted; if so the rules are asserted, and only when they are stored is that acknowledged. One
-that wants something done becomes a goal. Everything that is heard is kept in the history, also
+that wants something done becomes a goal. What is not clear or not sure enough is asked back, and
+the "yes" or "no" that follows is understood. Everything that is heard is kept in the history, also
 what is refused or not understood.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..kb.beliefs import KnowledgeBase
@@ -21,22 +22,54 @@ from ..nlu.reference import Discourse
 from ..nlu.understanding import Understanding
 from ..ontology.errors import UnknownNameError
 from .episodes import episode_of
-from .goals import GoalManager
+from .goals import GoalManager, Request
 from .outcome import Achievement, Answer, World
 from .questions import Knowledge, answer
 from .reply import Reply
-from .translation import request_of, rule_of, said_of
+from .teaching import Lesson, known, learned, lesson, to_forget
+from .translation import request_of, said_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction"),
     "do": ("command",),
     "ask": ("question",),
 }
-UNCLEAR = ("error", "ask_back")
+ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
+
+
+@dataclass(frozen=True)
+class Turn:
+    """One utterance as it was understood.
+
+    Attributes:
+        understood: what the language part made of it.
+        heard: how surely it was heard, in [0, 1].
+    """
+
+    understood: Understanding
+    heard: float
+
+    @property
+    def speaker(self) -> str:
+        """Who said it."""
+        return self.understood.speaker
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A question of Hilt's own that waits for "yes" or "no".
+
+    Attributes:
+        yes: what to do then.
+        no: what to do then; None only acknowledges.
+    """
+
+    yes: Callable[[], Reply]
+    no: Callable[[], Reply] | None = None
 
 
 class Dialogue:
-    """One conversation.
+    """One conversation, with any number of speakers.
 
     Args:
         base: where beliefs and the history are kept.
@@ -44,6 +77,10 @@ class Dialogue:
         goals: gives the goal manager, which is made when the first command comes.
         visible: tells the objects in view.
         seed: of everything random, kept with each reply.
+
+    Attributes:
+        language: grows with every word that is learned.
+        last_done: the reply to the last command.
     """
 
     def __init__(
@@ -56,134 +93,178 @@ class Dialogue:
         seed: int = 0,
     ) -> None:
         self.base = base
-        self.language = language
+        self.language = language.with_words(known(word) for word in base.words())
         self.seed = seed
         self.last_done: Reply | None = None
         self._goals = goals
         self._visible = visible
         self._discourse = Discourse()
-        self._listeners: dict[type, Callable[[Understanding, Any], Reply]] = {
+        self._pending: Pending | None = None
+        self._listeners: dict[type, Callable[[Turn, Any], Reply]] = {
             meaning.Statement: self._believe,
             meaning.Retraction: self._forget,
             meaning.Command: self._obey,
             meaning.ToolCommand: self._obey,
             meaning.Question: self._answer,
             meaning.Acknowledgement: self._acknowledge,
-            meaning.AskBack: self._not_understood,
+            meaning.AskBack: self._ask_back,
             meaning.Misunderstanding: self._not_understood,
         }
 
-    def hear(self, text: str, *, speaker: str, only: str | None = None) -> Reply:
+    def hear(
+        self,
+        text: str,
+        *,
+        speaker: str,
+        only: str | None = None,
+        heard: float = 1.0,
+        insist: Collection[str] = (),
+    ) -> Reply:
         """Understand one utterance, act on it, and answer.
 
         Args:
             text: what was said.
             speaker: who said it.
             only: "tell", "do" or "ask" to listen to statements, commands or questions only.
+            heard: how surely a recogniser heard it, in [0, 1].
+            insist: words that are new although they are close to known ones.
 
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        understood = self.language.understand(text, speaker=speaker, discourse=self._discourse)
+        understood = self.language.understand(
+            text, speaker=speaker, discourse=self._discourse, insist=insist
+        )
         self._discourse = understood.discourse
-        if only and understood.kind not in (*KINDS[only], *UNCLEAR):
-            return self._answered(understood, Answer(f"only_{only}", {}, "not_understood"))
-        return self._listeners[type(understood.meaning)](understood, understood.meaning)
+        turn = Turn(understood, heard)
+        if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
+            return self._answered(turn, Answer(f"only_{only}", {}, "not_understood"))
+        if understood.kind != "acknowledgement":
+            self._pending = None
+        return self._listeners[type(understood.meaning)](turn, understood.meaning)
 
     # --- Being told --------------------------------------------------------------------------
 
-    def _believe(self, understood: Understanding, said: meaning.Statement) -> Reply:
-        speaker = understood.speaker
-        if not self._trusts(speaker):
-            return self._answered(
-                understood, Answer("not_trusted", {"speaker": speaker}, "refused")
-            )
-        rules = tuple(rule_of(rule, speaker) for rule in said.rules)
-        known = {rule.id for rule in self.base.rules(speaker=speaker)}
-        key = "known_already" if all(rule.id in known for rule in rules) else "learned"
-        spoken = self._echo(key, rules)
-        self.base.believe(understood.text, understood.content, speaker, rules, answer=spoken)
-        self.language = self.language.with_words(understood.new_words)
-        told = tuple(self.base.rule(rule.id) for rule in rules)
-        return replace(self._reply(understood, spoken), rules=told)
+    def _believe(self, turn: Turn, said: meaning.Statement) -> Reply:
+        if not self._trusts(turn.speaker):
+            return self._answered(turn, Answer("not_trusted", {"speaker": turn.speaker}, "refused"))
+        taught = lesson(self.base, said, turn.speaker, turn.heard)
+        spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
+        self.base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            taught.rules,
+            supersedes=[rule.id for rule in taught.supersedes],
+            words=[learned(word, turn.speaker) for word in turn.understood.new_words],
+            kind=turn.understood.kind,
+            answer=spoken,
+            heard=turn.heard,
+        )
+        self.language = self.language.with_words(turn.understood.new_words)
+        told = tuple(self.base.rule(rule.id) for rule in taught.rules)
+        return replace(self._reply(turn, spoken), rules=told)
 
-    def _echo(self, key: str, rules: Iterable[Rule]) -> str:
-        """Say back what was believed, a sentence a rule."""
-        answers = (
-            Answer(
-                key,
+    def _echo(self, turn: Turn, taught: Lesson) -> Iterator[Answer]:
+        """Say back what was believed, a sentence a rule and a word."""
+        trust = self.base.trust(turn.speaker)
+        weight = trust.lower if trust else 0.0
+        key = "revised" if taught.supersedes else "learned"
+        key = "learned_weighed" if min(weight, turn.heard) < 1.0 else key
+        for rule, said in zip(taught.rules, taught.said, strict=True):
+            counts = rule.interval.discounted(weight)
+            yield Answer(
+                "known_already" if taught.is_known else key,
                 {
                     "rule": self._in_words(rule),
-                    "confidence": (rule.interval.lower, rule.interval.upper),
-                    "speaker": rule.speaker,
+                    "confidence": (round(counts.lower, 4), round(counts.upper, 4)),
+                    "told": (said.lower, said.upper),
+                    "heard": (turn.heard, 1.0),
+                    "trust": (weight, 1.0),
+                    "speaker": turn.speaker,
                 },
             )
-            for rule in rules
-        )
-        return " ".join(self._say(each) for each in answers)
+        for word in turn.understood.new_words:
+            yield Answer("learned_word", {"word": word.word, "role": word.role})
 
     def _in_words(self, rule: Rule) -> str:
         said = said_of(rule)
         return self.language.phrase(said) if said else repr(rule)
 
-    def _forget(self, understood: Understanding, said: meaning.Retraction) -> Reply:
-        speaker = understood.speaker
-        told = sorted(self.base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
-        if said.rule is not None:
-            wanted = rule_of(said.rule, speaker)
-            told = [
-                rule
-                for rule in told
-                if rule.node == wanted.node and rule.features == wanted.features
-            ]
-        if not told:
-            return self._answered(understood, Answer("nothing_to_forget", {}, "failed"))
-        spoken = self.language.say("forgotten", rule=self._in_words(told[-1]))
-        self.base.retract(told[-1].id, understood.text, understood.content, speaker, answer=spoken)
-        return replace(self._reply(understood, spoken), rules=(told[-1],))
+    def _forget(self, turn: Turn, said: meaning.Retraction) -> Reply:
+        rule = to_forget(self.base, said, turn.speaker)
+        if rule is None:
+            return self._answered(turn, Answer("nothing_to_forget", {}, "failed"))
+        spoken = self._say(Answer("forgotten", {"rule": self._in_words(rule)}))
+        understood = turn.understood
+        self.base.retract(rule.id, understood.text, understood.content, turn.speaker, answer=spoken)
+        return replace(self._reply(turn, spoken), rules=(rule,))
 
     # --- Being asked to do something -----------------------------------------------------------
 
-    def _obey(
-        self, understood: Understanding, said: meaning.Command | meaning.ToolCommand
-    ) -> Reply:
-        speaker = understood.speaker
-        if not self._trusts(speaker):
-            return self._answered(understood, Answer("not_obeyed", {"speaker": speaker}, "refused"))
+    def _obey(self, turn: Turn, said: meaning.Command | meaning.ToolCommand) -> Reply:
+        if not self._trusts(turn.speaker):
+            return self._answered(turn, Answer("not_obeyed", {"speaker": turn.speaker}, "refused"))
         if said.negated:
-            return self._answered(understood, _declined(said))
+            return self._answered(turn, _declined(said))
+        return self._carry_out(turn, request_of(said, turn.speaker))
+
+    def _carry_out(self, turn: Turn, request: Request) -> Reply:
         try:
-            came = self._goals().achieve(request_of(said, speaker))
+            came = self._goals().achieve(request)
         except UnknownNameError:
-            came = Achievement(Answer("cannot", {"goal": said.goal}, "failed"), None, (), World())
+            answered = Answer("cannot", {"goal": request.action}, "failed")
+            came = Achievement(answered, None, (), World())
         spoken = self._say(came.answer)
-        reply = replace(
-            self._reply(understood, spoken), ending=came.answer.ending, achievement=came
-        )
+        reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
         self._record(reply)
         self.base.record_episode(episode_of(reply))
         self.last_done = reply
+        settled = request.settled_on(came)
+        if reply.ending == "asked" and settled:
+            self._pending = Pending(yes=lambda: self._carry_out(turn, settled))
         return reply
 
-    # --- Being asked -------------------------------------------------------------------------
+    # --- Being asked, and talking -------------------------------------------------------------
 
-    def _answer(self, understood: Understanding, said: meaning.Question) -> Reply:
-        known = Knowledge(self.base, self._in_words, self._visible, self.last_done)
-        found, rules = answer(said, known)
-        return replace(self._answered(understood, found), rules=rules)
+    def _answer(self, turn: Turn, said: meaning.Question) -> Reply:
+        knowledge = Knowledge(self.base, self._in_words, self._visible, self.last_done)
+        found, rules = answer(said, knowledge)
+        return replace(self._answered(turn, found), rules=rules)
 
-    def _acknowledge(self, understood: Understanding, said: meaning.Acknowledgement) -> Reply:
+    def _acknowledge(self, turn: Turn, said: meaning.Acknowledgement) -> Reply:
+        pending, self._pending = self._pending, None
+        if pending and said.ack in {"yes", "okay"}:
+            return pending.yes()
+        if pending and said.ack == "no" and pending.no:
+            return pending.no()
         key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
-        return self._answered(understood, Answer(key))
+        return self._answered(turn, Answer(key))
 
-    def _not_understood(
-        self, understood: Understanding, said: meaning.AskBack | meaning.Misunderstanding
-    ) -> Reply:
-        asks = isinstance(said, meaning.AskBack)
-        reply = replace(
-            self._reply(understood, said.question if asks else said.message),
-            ending="asked" if asks else "not_understood",
-        )
+    def _ask_back(self, turn: Turn, said: meaning.AskBack) -> Reply:
+        reply = replace(self._reply(turn, said.question), ending="asked")
+        self._record(reply)
+        meant = self._corrected(turn, said)
+        if meant:
+            again, word = meant
+            self._pending = Pending(
+                yes=lambda: self.hear(again, speaker=turn.speaker, heard=turn.heard),
+                no=lambda: self.hear(
+                    turn.understood.text, speaker=turn.speaker, heard=turn.heard, insist=[word]
+                ),
+            )
+        return reply
+
+    def _corrected(self, turn: Turn, said: meaning.AskBack) -> tuple[str, str] | None:
+        """The utterance with the suggested word in place of the unknown one, and that one."""
+        words = turn.understood.words
+        unknown = [word for word in words if word not in self.language.known_words]
+        if len(said.choices) != 1 or not unknown:
+            return None
+        return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]
+
+    def _not_understood(self, turn: Turn, said: meaning.Misunderstanding) -> Reply:
+        reply = replace(self._reply(turn, said.message), ending="not_understood")
         self._record(reply)
         return reply
 
@@ -193,10 +274,9 @@ class Dialogue:
         trust = self.base.trust(speaker)
         return trust is not None and trust.upper > 0
 
-    def _answered(self, understood: Understanding, answered: Answer) -> Reply:
+    def _answered(self, turn: Turn, answered: Answer) -> Reply:
         """Put an answer into words, and keep what was heard in the history."""
-        spoken = self._say(answered)
-        reply = replace(self._reply(understood, spoken), ending=answered.ending)
+        reply = replace(self._reply(turn, self._say(answered)), ending=answered.ending)
         self._record(reply)
         return reply
 
@@ -206,20 +286,18 @@ class Dialogue:
         return self.language.say(answered.key, **{name: answered.slots[name] for name in wanted})
 
     def _record(self, reply: Reply) -> None:
-        understood = reply.understanding
         self.base.record(
             reply.text,
-            understood.content,
+            reply.understanding.content,
             reply.speaker,
-            understood.kind,
+            reply.understanding.kind,
             accepted=reply.is_done,
             answer=reply.said,
         )
 
-    def _reply(self, understood: Understanding, spoken: str) -> Reply:
-        return Reply(
-            understood.text, understood.speaker, understood, spoken, "done", seed=self.seed
-        )
+    def _reply(self, turn: Turn, spoken: str) -> Reply:
+        understood = turn.understood
+        return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)
 
 
 def _declined(said: meaning.Command | meaning.ToolCommand) -> Answer:

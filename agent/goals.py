@@ -48,6 +48,14 @@ class Request:
     part: str | None = None
     contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
 
+    def settled_on(self, came: Achievement) -> Request | None:
+        """This request about the likeliest thing, once its speaker has said yes to it."""
+        if came.decision is None or not came.decision.object.candidates:
+            return None
+        likeliest = Target(object=came.decision.object.candidates[0].object, is_confirmed=True)
+        parameter = "tool" if "tool" in self.arguments or "patient" in self.arguments else "object"
+        return replace(self, arguments={**self.arguments, parameter: likeliest})
+
 
 class GoalManager:
     """Carries out goals by walking their action trees.

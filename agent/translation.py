@@ -13,9 +13,15 @@ from ..nlu import meaning
 from .goals import Argument, Request
 
 
-def rule_of(said: meaning.Rule, speaker: str) -> Rule:
-    """The rule that a statement asserts, as its speaker tells it."""
-    interval = Interval(*said.confidence)
+def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
+    """The rule that a statement asserts, as far as it was heard.
+
+    Args:
+        said: what was meant.
+        speaker: who said it.
+        heard: how surely a recogniser heard it, in [0, 1].
+    """
+    interval = Interval(*said.confidence).discounted(heard)
     if isinstance(said, meaning.FunctionalRule):
         return functional(
             said.object, said.affordance, interval=interval, properties=said.props, speaker=speaker

@@ -199,6 +199,8 @@ class Affordances:
                 proof = self._concluded(rules, goal, seen, shown)
                 operators = self.settings.operators
                 steps.append(derived("not", [proof], operators) if is_negated else proof)
+        if target.is_confirmed:
+            steps = [Proof("given", CERTAIN, f"{seen.name} was confirmed by the speaker")]
         return judge.candidate(seen, argument, steps, inherited)
 
     def _bound(self, node: str, goal: Goal, seen: Observation, judge: Judge) -> Iterator[Candidate]:

@@ -29,12 +29,14 @@ class Target:
         used_for: an affordance it must have.
         not_used_for: an affordance it must not have.
         properties: adjectives it must satisfy ("red").
+        is_confirmed: whether the speaker said yes to it, when asked: then it need only be seen.
     """
 
     object: str | None = None
     used_for: str | None = None
     not_used_for: str | None = None
     properties: frozenset[str] = frozenset()
+    is_confirmed: bool = False
 
 
 @dataclass(frozen=True)

@@ -74,8 +74,9 @@ def _reached(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, in
 
 
 def _atom(node: object) -> Atom | None:
+    """The atom of a node; None for what no rule speaks of, as the blade of one kind of knife."""
     kind, name = split(node) if isinstance(node, Iri) else ("", "")
-    return Atom(kind, name) if kind in _KINDS else None
+    return Atom(kind, name) if kind in _KINDS and "." not in name else None
 
 
 FLAT = Taxonomy()  # nothing is a kind of anything
