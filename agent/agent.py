@@ -135,7 +135,13 @@ class Agent:
         )
 
     def hear(
-        self, text: str, *, speaker: str = "sam", only: str | None = None, heard: float = 1.0
+        self,
+        text: str,
+        *,
+        speaker: str = "sam",
+        only: str | None = None,
+        heard: float = 1.0,
+        keep: bool = True,
     ) -> Reply:
         """Listen to one utterance, do what follows from it, and answer.
 
@@ -144,8 +150,9 @@ class Agent:
             speaker: who says it.
             only: "tell", "do" or "ask" to take statements, commands or questions only.
             heard: how surely a recogniser heard it, in [0, 1].
+            keep: whether a command goes into the history and leaves an episode.
         """
-        return self.dialogue.hear(text, speaker=speaker, only=only, heard=heard)
+        return self.dialogue.hear(text, speaker=speaker, only=only, heard=heard, keep=keep)
 
     def visible(self) -> tuple[str, ...]:
         """The objects on the table, in the order of the scene."""

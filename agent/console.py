@@ -16,11 +16,16 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
+from ..inference.abduction import Hypothesis
+from ..inference.conflicts import Conflict
+from ..inference.explanation import Change
 from ..inference.goal import Candidate
+from ..inference.induction import Induced
 from ..kb.results import Answer as Truth
 from ..kb.results import Solutions
 from ..kb.rule import Rule
 from ..kb.terms import Iri, Term
+from ..kb.words import Word
 from ..nlu.understanding import Understanding
 from ..ontology.vocabulary import prefixed
 from .outcome import Achievement, Decision, Step, World
@@ -142,6 +147,77 @@ def achievement(came: Achievement, quote: Quote) -> RenderableType:
         parts.append(decision(came.decision, quote))
     parts.append(world(came.world))
     return Group(*parts)
+
+
+def explanation(reply: Reply, changes: Sequence[Change]) -> RenderableType:
+    """A decision with its proofs, and what would change it."""
+    decision = reply.achievement.decision if reply.achievement else None
+    parts: list[RenderableType] = [turn(reply)]
+    for inference in (decision.object, decision.part) if decision else ():
+        for candidate in inference.candidates if inference else ():
+            about = f"{candidate.name} {candidate.argument or ''}: {candidate.verdict}"
+            parts.append(Text(f"{about.strip()}, {candidate.reason}", "bold"))
+            parts.append(Text("\n".join(f"  {line}" for line in candidate.proof.lines())))
+    if changes:
+        table = Table(
+            "if instead of", "it were", "about", "I would choose",
+            title="What would change my mind", title_justify="left",
+        )  # fmt: skip
+        for change in changes:
+            before, after = str(change.evidence.interval), str(change.after)
+            row = (before, after, change.evidence.about, change.chosen or "nothing")
+            table.add_row(*map(escape, row))
+        parts.append(table)
+    return Group(*parts)
+
+
+def conflicts(found: Sequence[Conflict]) -> RenderableType:
+    """Rules that contradict each other, a pair a row."""
+    table = Table("conflict", "one says", "another says", caption=f"{len(found)} conflicts")
+    for each in found:
+        told = (_told(each.first), _told(each.second))
+        table.add_row(f"{each.weight:.4f}", *map(escape, told))
+    return table
+
+
+def _told(rule: Rule) -> str:
+    return f"{rule_text(rule)} {rule.interval} ({rule.speaker}, utterance {rule.utterance})"
+
+
+def induced(found: Sequence[Induced]) -> RenderableType:
+    """Rules that follow by likeness, with their reasons."""
+    table = Table("rule", "interval", "from", "alike", "both have", caption=f"{len(found)} rules")
+    for each in found:
+        row = (
+            rule_text(each.rule),
+            str(each.rule.interval),
+            rule_text(each.source),
+            f"{each.similarity:.2f}",
+            ", ".join(each.shared),
+        )
+        table.add_row(*map(escape, row))
+    return table
+
+
+def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
+    """What would bring a conclusion about, the likeliest first."""
+    table = Table("if it were", "while", "then", "told by", caption=f"{len(found)} hypotheses")
+    for each in found:
+        features, contexts = (
+            ", ".join(sorted(map(str, s))) for s in (each.features, each.contexts)
+        )
+        speakers = ", ".join(sorted({rule.speaker for rule in each.rules}))
+        table.add_row(features, contexts, escape(str(each.interval)), speakers)
+    return table
+
+
+def words(found: Sequence[Word]) -> Table:
+    """Learned words with their teachers."""
+    table = Table("word", "is", "said as", "speaker", "utterance", caption=f"{len(found)} words")
+    for word in found:
+        row = (word.atom.name, word.atom.kind, word.said, word.speaker, str(word.utterance))
+        table.add_row(*map(escape, row))
+    return table
 
 
 def results(found: Solutions | Truth) -> RenderableType:

@@ -44,10 +44,12 @@ class Turn:
     Attributes:
         understood: what the language part made of it.
         heard: how surely it was heard, in [0, 1].
+        keep: whether it goes into the history when it teaches nothing.
     """
 
     understood: Understanding
     heard: float
+    keep: bool
 
     @property
     def speaker(self) -> str:
@@ -118,6 +120,7 @@ class Dialogue:
         speaker: str,
         only: str | None = None,
         heard: float = 1.0,
+        keep: bool = True,
         insist: Collection[str] = (),
     ) -> Reply:
         """Understand one utterance, act on it, and answer.
@@ -127,6 +130,7 @@ class Dialogue:
             speaker: who said it.
             only: "tell", "do" or "ask" to listen to statements, commands or questions only.
             heard: how surely a recogniser heard it, in [0, 1].
+            keep: whether a command goes into the history and leaves an episode.
             insist: words that are new although they are close to known ones.
 
         Raises:
@@ -136,7 +140,7 @@ class Dialogue:
             text, speaker=speaker, discourse=self._discourse, insist=insist
         )
         self._discourse = understood.discourse
-        turn = Turn(understood, heard)
+        turn = Turn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
             return self._answered(turn, Answer(f"only_{only}", {}, "not_understood"))
         if understood.kind != "acknowledgement":
@@ -217,8 +221,9 @@ class Dialogue:
             came = Achievement(answered, None, (), World())
         spoken = self._say(came.answer)
         reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
-        self._record(reply)
-        self.base.record_episode(episode_of(reply))
+        self._record(reply, turn)
+        if turn.keep:
+            self.base.record_episode(episode_of(reply))
         self.last_done = reply
         settled = request.settled_on(came)
         if reply.ending == "asked" and settled:
@@ -243,7 +248,7 @@ class Dialogue:
 
     def _ask_back(self, turn: Turn, said: meaning.AskBack) -> Reply:
         reply = replace(self._reply(turn, said.question), ending="asked")
-        self._record(reply)
+        self._record(reply, turn)
         meant = self._corrected(turn, said)
         if meant:
             again, word = meant
@@ -265,7 +270,7 @@ class Dialogue:
 
     def _not_understood(self, turn: Turn, said: meaning.Misunderstanding) -> Reply:
         reply = replace(self._reply(turn, said.message), ending="not_understood")
-        self._record(reply)
+        self._record(reply, turn)
         return reply
 
     # --- Helpers -----------------------------------------------------------------------------
@@ -277,7 +282,7 @@ class Dialogue:
     def _answered(self, turn: Turn, answered: Answer) -> Reply:
         """Put an answer into words, and keep what was heard in the history."""
         reply = replace(self._reply(turn, self._say(answered)), ending=answered.ending)
-        self._record(reply)
+        self._record(reply, turn)
         return reply
 
     def _say(self, answered: Answer) -> str:
@@ -285,7 +290,9 @@ class Dialogue:
         wanted = self.language.speech.answers[answered.key].slots
         return self.language.say(answered.key, **{name: answered.slots[name] for name in wanted})
 
-    def _record(self, reply: Reply) -> None:
+    def _record(self, reply: Reply, turn: Turn) -> None:
+        if not turn.keep:
+            return
         self.base.record(
             reply.text,
             reply.understanding.content,

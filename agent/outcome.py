@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..inference.goal import Candidate, Inference
+from ..inference.proof import Proof
 from ..kb.rule import Rule
 
 Json = dict[str, object]
@@ -118,6 +119,20 @@ class Decision:
         chosen = [candidate for candidate in (self.object.best, part) if candidate]
         return tuple(dict.fromkeys(rule for candidate in chosen for rule in candidate.rules))
 
+    def proofs(self) -> tuple[Proof, ...]:
+        """The proofs of the object and of the part; of the likeliest ones when none is sure."""
+        found = [each for each in (self.object, self.part) if each and each.candidates]
+        return tuple(each.candidates[0].proof for each in found)
+
+    def proofs_as_json(self) -> list[Json]:
+        """Every candidate of every node with its proof."""
+        nodes = [each for each in (self.object, self.part) if each]
+        return [
+            _candidate(candidate) | {"node": node.node, "proof": candidate.proof.as_json()}
+            for node in nodes
+            for candidate in node.candidates
+        ]
+
     def as_json(self) -> Json:
         """The `decision` of `hilt do --json`."""
         best = self.object.best
@@ -144,6 +159,7 @@ def _candidate(candidate: Candidate) -> Json:
         "upper": round(candidate.interval.upper, 6),
         "lambda": round(candidate.certainty, 6),
         "accepted": candidate.accepted,
+        "verdict": candidate.verdict,
         "reason": candidate.reason,
     }
 

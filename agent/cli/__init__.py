@@ -16,14 +16,20 @@ import typer
 
 from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
 
-from . import talking, parsing, knowledge, measuring  # isort: skip - the order in which help lists them
+from . import talking, parsing, knowledge, reasoning, measuring  # isort: skip - the order in which help lists them
 from .options import app
 from .terminal import FAILED, complain
 
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
-COMMANDS = (talking, parsing, knowledge, measuring)  # imported for what they add to `app`
+COMMANDS = (
+    talking,
+    parsing,
+    knowledge,
+    reasoning,
+    measuring,
+)  # imported for what they add to `app`
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

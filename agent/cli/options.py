@@ -36,6 +36,9 @@ SceneSpec = Annotated[
 ]
 Seed = Annotated[int, typer.Option("--seed", help="The seed of everything random.")]
 Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
+Heard = Annotated[
+    float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Gui = Annotated[bool, typer.Option("--gui", help="Show the simulator's window.")]
 NoSim = Annotated[bool, typer.Option("--no-sim", help="Decide, but do not move a robot.")]

@@ -6,8 +6,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from .options import AsJson, Gui, Kb, NoSim, Out, SceneSpec, Seed, Speaker, Utterance, app
-from .terminal import converse, finish, open_agent, terminal
+from .options import AsJson, Gui, Heard, Kb, NoSim, Out, SceneSpec, Seed, Speaker, Utterance, app
+from .terminal import converse, finish, open_agent, open_base, show, terminal
 
 
 @app.command()
@@ -28,14 +28,19 @@ def demo(
 
 @app.command()
 def tell(
-    text: Utterance, *, kb: Kb = None, speaker: Speaker = "sam", as_json: AsJson = False
+    text: Utterance,
+    *,
+    kb: Kb = None,
+    speaker: Speaker = "sam",
+    heard: Heard = 1.0,
+    as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
     with open_agent(kb) as agent:
         converse(
             agent,
             text,
-            lambda said: agent.hear(said, speaker=speaker, only="tell"),
+            lambda said: agent.hear(said, speaker=speaker, only="tell", heard=heard),
             (lambda reply: reply.as_tell_json()) if as_json else None,
         )
 
@@ -97,3 +102,16 @@ def chat(
 
     with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
         run(agent, terminal(), sys.stdin, speaker)
+
+
+@app.command()
+def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
+    """List the words that were learned, with their teachers."""
+    from .. import console
+
+    with open_base(kb) as base:
+        found = base.words()
+    if as_json:
+        show([word.as_json() for word in found])
+    else:
+        terminal().print(console.words(found))

@@ -247,3 +247,66 @@ def test_command_leaves_an_episode_with_its_reasons(taught: Agent):
     assert (episode.object, episode.part, episode.outcome) == ("knife", "blade", "done")
     assert reply.achievement is not None and reply.achievement.decision is not None
     assert set(episode.rules) == {rule.id for rule in reply.achievement.decision.rules}
+
+
+# --- Corrections, confirmations, words ------------------------------------------------------
+
+
+def test_correction_supersedes_what_was_told(agent: Agent):
+    """No, by the blade: takes the place of the handle."""
+    agent.hear("To pass a knife grab it by the handle")
+    reply = agent.hear("no, by the blade")
+
+    assert reply.said.startswith("I changed my mind: to pass a knife, grab it by the blade")
+    assert [rule.part for rule in agent.base.rules()] == ["blade"]
+    assert [rule.part for rule in agent.base.rules(status="superseded")] == ["handle"]
+
+
+def test_what_is_not_sure_enough_is_asked_and_done_on_yes(agent: Agent):
+    """A hardly trusted speaker's rule is asked about; "yes" settles it."""
+    agent.base.set_trust("kim", 0.05)
+    agent.hear("A mug is used for pounding", speaker="kim")
+
+    asked = agent.hear("pass me something used for pounding")
+    done = agent.hear("yes")
+
+    assert (asked.ending, asked.said[-16:]) == ("asked", "Shall I take it?")
+    assert (done.ending, done.said) == ("done", "I would pass the mug.")
+
+
+@pytest.mark.parametrize("between", ["no", "what do you see?"])
+def test_yes_counts_only_right_after_the_question(agent: Agent, between: str):
+    """A "no" or another utterance ends the question."""
+    agent.base.set_trust("kim", 0.05)
+    agent.hear("A mug is used for pounding", speaker="kim")
+    agent.hear("pass me something used for pounding")
+    agent.hear(between)
+
+    assert agent.hear("yes").achievement is None
+
+
+def test_recognition_score_discounts_what_is_learned(agent: Agent):
+    """Heard to .8, generally counts as .76, and the answer says so."""
+    reply = agent.hear("A spoon is used for poking", heard=0.8)
+
+    (rule,) = agent.base.rules()
+    assert rule.interval.lower == pytest.approx(0.76)
+    assert "0.76: you say 0.95, I heard it to 0.8" in reply.said
+    assert agent.base.utterance(1).heard == 0.8
+
+
+def test_new_words_are_usable_at_once(agent: Agent):
+    """Object and affordance learned from one sentence are understood in the next."""
+    reply = agent.hear("A saw is used for slicing")
+
+    assert [word.as_json()["word"] for word in reply.understanding.new_words] == ["saw", "slicing"]
+    assert agent.hear("what are saws used for?").said == "A saw is used for slicing."
+    assert [word.atom.name for word in agent.base.words()] == ["slicing", "saw"]
+
+
+def test_untrusted_speaker_teaches_no_words(agent: Agent):
+    """What is not believed is not learned."""
+    agent.hear("A saw is used for slicing", speaker="mallory")
+
+    assert agent.base.words() == []
+    assert agent.hear("what are saws used for?").ending != "done"
