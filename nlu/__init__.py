@@ -39,6 +39,7 @@ from .meaning import (
     ToolCommand,
 )
 from .reference import Discourse
+from .session import Session
 from .understanding import Reading, Understanding
 from .vocabulary import Vocabulary
 
@@ -58,6 +59,7 @@ __all__ = [
     "Reading",
     "Retraction",
     "Rule",
+    "Session",
     "Statement",
     "Target",
     "ToolCommand",

@@ -9,7 +9,7 @@ with file, line and column.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -52,6 +52,7 @@ class Grammar:
         signature: the types of the names that meanings are made of.
         unary: the changes of category.
         roots: the speech act of each category that is a whole utterance.
+        topic: the category of what is only named, for "it" to stand for.
     """
 
     types: Mapping[str, Type]
@@ -59,6 +60,7 @@ class Grammar:
     signature: Signature
     unary: tuple[Unary, ...]
     roots: Mapping[Category, str]
+    topic: Category
 
     def entry(self, field: Field, extra: Signature | None = None) -> tuple[Category, Term, float]:
         """Read and check one line `category : term @cost` of a word.
@@ -104,7 +106,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         DataError: the file is not as expected; says where.
     """
     entries = read_yaml(path).entries(
-        required=("categories", "predicates", "unary", "roots"), optional=()
+        required=("categories", "predicates", "unary", "roots", "topic"), optional=()
     )
     atoms = entries["categories"].entries()
     parts = {
@@ -121,10 +123,11 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         signature=MappingProxyType(signature),
         unary=(),
         roots=_roots(entries["roots"], types),
+        topic=Atom(entries["topic"].text(choices=tuple(types))),
     )
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])
-    return Grammar(grammar.types, grammar.descriptions, signature, unary, grammar.roots)
+    return replace(grammar, unary=unary)
 
 
 def _roots(field: Field, types: Mapping[str, Type]) -> Mapping[Category, str]:

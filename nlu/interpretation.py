@@ -77,7 +77,21 @@ class Interpreter:
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
             rules = self.rules(form.arguments[0])
             return Statement(tuple(replace(rule, revises=True) for rule in rules))
+        if form.name == "correctDegree":
+            return Statement((self._other_degree(form, discourse),))
         return Statement((_other_part(form, discourse),))
+
+    def likewise(self, form: Form, discourse: Discourse) -> Statement:
+        """The last rule, of another object or use: "the same goes for spoons"."""
+        rule = discourse.rule
+        if rule is None:
+            raise RefusedError("nothing_to_correct", asks=True)
+        if form.name == "alsoFor":
+            if not isinstance(rule, FunctionalRule):
+                raise RefusedError("not_a_rule")
+            return Statement((replace(rule, affordance=self.affordance(form.arguments[0])),))
+        name, props = object_of(form.arguments[0])
+        return Statement((replace(rule, object=name, props=props, revises=False),))
 
     def command(self, form: Form) -> Command | ToolCommand:
         """The act that a form asks for, or forbids."""
@@ -154,6 +168,13 @@ class Interpreter:
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
             return ToolCommand(form.name, patient, Target(used_for=self.tool_acts[form.name]))
         return ToolCommand(form.name, patient, self.target(form.arguments[2]))
+
+    def _other_degree(self, form: Form, discourse: Discourse) -> Rule:
+        """The last rule with another confidence: "no, only sometimes"."""
+        if discourse.rule is None:
+            raise RefusedError("nothing_to_correct", asks=True)
+        degree = self.intervals[form.arguments[0].name]
+        return replace(discourse.rule, confidence=degree, revises=True)
 
     def _one_rule(self, form: Form) -> Rule:
         rules = list(self.rules(form))

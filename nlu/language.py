@@ -28,7 +28,9 @@ from .interpretation import Interpreter
 from .lexicon import Entry, Lexicon
 from .listening import Listener, Situation, after, decide
 from .meaning import AskBack, Meaning, Misunderstanding, NewWord, Rule, Statement
+from .moves import cuts, main_move
 from .pragmatics import load_pragmatics
+from .predicates import Form
 from .reference import Discourse, RefusedError
 from .tokens import BREAK, MAX_CHARACTERS, MAX_TOKENS, Token, Tokens, tokenize
 from .understanding import Reading, Understanding
@@ -148,6 +150,8 @@ class Language:
         if found.reading is None and BREAK in tokens.words:
             again = self._taken(tokens.without_breaks(), situation, insist)
             found = again if again.reading is not None else found
+        if isinstance(found.meaning, Misunderstanding):
+            return self._in_turn(tokens, situation, insist) or found
         return found
 
     def say(self, key: str, **slots: Slot) -> str:
@@ -182,6 +186,47 @@ class Language:
         if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
             return self._not_known(tokens, strange or unknown)
         return None
+
+    def _in_turn(
+        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+    ) -> Understanding | None:
+        """An utterance as several moves that come to one meaning; None when they do not."""
+        for moves in cuts(tokens):
+            taken = self._moves(moves, situation, insist)
+            main = main_move([move.meaning for move in taken]) if taken else None
+            if main is not None:
+                place, meaning = main
+                words = tuple(word for move in taken for word in move.new_words)
+                return replace(taken[place], meaning=meaning, new_words=words)
+        return None
+
+    def _moves(
+        self, moves: Sequence[Tokens], situation: Situation, insist: Collection[str]
+    ) -> list[Understanding]:
+        """Each move understood after those before it; none when one of them is not."""
+        taken: list[Understanding] = []
+        topic: Form | None = None
+        for move in moves:
+            found = self._taken(move, situation, insist)
+            if found.reading is None:
+                if topic is not None:
+                    return []
+                topic = self.listener.topic(self.listener.chart(move, {}), situation)
+                if topic is None:
+                    return []
+                situation = replace(situation, discourse=replace(situation.discourse, object=topic))
+                continue
+            if topic is not None and not self._needs(move, situation, insist):
+                return []
+            topic = None
+            taken.append(found)
+            situation = replace(situation, discourse=found.discourse)
+        return taken if topic is None else []
+
+    def _needs(self, move: Tokens, situation: Situation, insist: Collection[str]) -> bool:
+        """Whether a move cannot be understood without what was spoken of."""
+        alone = replace(situation, discourse=replace(situation.discourse, object=None))
+        return self._taken(move, alone, insist).reading is None
 
     def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
         """The question back when a new word is close to a known one of its kind."""

@@ -21,7 +21,7 @@ from .meaning import AskBack, Meaning, Misunderstanding, Statement
 from .pragmatics import PragmaticRule, intentions
 from .predicates import Form, form_of
 from .questions import question
-from .reference import Discourse, RefusedError, resolved
+from .reference import IT, Discourse, RefusedError, resolved
 from .tokens import Tokens
 from .understanding import Reading
 from .unknown import new_words
@@ -90,6 +90,14 @@ class Listener:
             if known is None or reading.cost < known.cost:
                 best[reading.meaning] = reading
         return sorted(best.values(), key=lambda reading: reading.cost), refusal
+
+    def topic(self, chart: Chart, situation: Situation) -> Form | None:
+        """The thing that an utterance only names, None when it does not."""
+        for derivation in chart.derivations(self.grammar.topic):
+            form = _named(form_of(derivation.value), situation)
+            if IT not in form and not new_words(entries_of(derivation)):
+                return form
+        return None
 
     def failure(self, chart: Chart, tokens: Tokens) -> tuple[str, tuple[str, ...]]:
         """The longest span that was understood, and what was expected after it."""
@@ -165,6 +173,8 @@ def after(meaning: Meaning, act: Form, before: Discourse) -> Discourse:
 def _meaning(intention: Form, interpreter: Interpreter, discourse: Discourse) -> Meaning:
     content = intention.arguments[-1]
     match intention.name:
+        case "wantBelieve" if content.name in {"alsoOf", "alsoFor"}:
+            return interpreter.likewise(content, discourse)
         case "wantBelieve":
             return interpreter.statement(content)
         case "want":

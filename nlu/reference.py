@@ -78,10 +78,20 @@ def _in_rules(form: Form, discourse: Discourse) -> Form:
             return _in_rule(form, discourse)
         case "holding", (Form(arguments=(_, held, *_)) as act, place):
             return Form("holding", (act, _replaced(place, held)))
+        case "within", (occasion, rule):
+            return _in_rule(_on_occasion(occasion, rule), discourse)
         case "how", (act, held):
             return Form("how", (_replaced(act, held),))
         case _:
             return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+
+
+def _on_occasion(occasion: Form, rule: Form) -> Form:
+    """A rule that is said with its occasion: "if I want a mug, pass it by the rim"."""
+    context, act, degree = rule.arguments
+    if context.name != occasion.name or len(occasion.arguments) < 2:
+        raise RefusedError("one_thing_at_a_time")
+    return _replaced(Form("implies", (context, act, degree)), occasion.arguments[1])
 
 
 def _in_rule(form: Form, discourse: Discourse) -> Form:

@@ -19,6 +19,7 @@ MAX_TOKENS = 40
 BREAK = ";"
 
 _APOSTROPHES = str.maketrans(dict.fromkeys("‘’‚‛ʼ`´′＇", "'"))
+_PAUSES = frozenset(",:–—")
 _TOKEN = re.compile(
     r"(?P<word>[^\W\d_]+(?:'[^\W\d_]+)*)"
     r"|(?P<silent>[,:\"“”„«»'\-–—‐‑]+)"
@@ -52,11 +53,13 @@ class Tokens:
         text: what was said, as it was said.
         items: the tokens.
         asks: whether the text ends with a question mark.
+        pauses: places of the tokens that a comma or dash goes before.
     """
 
     text: str
     items: tuple[Token, ...]
     asks: bool
+    pauses: tuple[int, ...] = ()
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -74,6 +77,14 @@ class Tokens:
         kept = tuple(token for token in self.items if token.word != BREAK)
         return Tokens(self.text, kept, self.asks)
 
+    def part(self, start: int, end: int) -> Tokens:
+        """Some of the tokens as an utterance of their own, without marks at its end."""
+        asks = self.asks if end == len(self.items) else False
+        while end > start and self.items[end - 1].word == BREAK:
+            end -= 1
+            asks = "?" in self.span(end, end + 1)
+        return Tokens(self.text, self.items[start:end], asks)
+
 
 def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
     """Take a text apart.
@@ -84,9 +95,12 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
     """
     text = unicodedata.normalize("NFC", text[:MAX_CHARACTERS]).translate(_APOSTROPHES)
     items: list[Token] = []
+    pauses: list[int] = []
     last = ""
     for found in _TOKEN.finditer(text):
         if found["silent"]:
+            if any(mark in _PAUSES for mark in found.group()):
+                pauses.append(len(items))
             continue
         if found["stop"]:
             last = found["stop"]
@@ -97,7 +111,7 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
         items += _words(found, contractions)
     while items and items[-1].word == BREAK:
         items.pop()
-    return Tokens(text, tuple(items), asks="?" in last)
+    return Tokens(text, tuple(items), "?" in last, tuple(pauses))
 
 
 def _words(found: re.Match[str], contractions: Mapping[str, tuple[str, ...]]) -> Iterator[Token]:

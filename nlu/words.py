@@ -211,6 +211,8 @@ class WordBook:
 
     def _word(self, field: Field) -> Iterator[Entry]:
         parts = field.entries(required=("says",), optional=("is", "like"))
+        if not parts.keys() & {"is", "like"}:
+            raise field.fail('expected the key "is" or "like" beside "says".')
         lines = parts["is"].items() if "is" in parts else ()
         frames = [Frame(*self._grammar.entry(line)) for line in lines]
         for name in parts["like"].items() if "like" in parts else ():

@@ -20,6 +20,7 @@ predicates:
 unary:
   - '%s'
 roots: {%s: STATEMENT}
+topic: NP
 """
 
 
@@ -63,7 +64,7 @@ def test_only_what_can_be_so_is_an_utterance(tmp_path: Path) -> None:
         ("words: [{says: [zap], is: ['C/NP : λx.x']}]", "C/NP : λx.x does not fit its category"),
         ("words: [{says: [zap], is: ['C/XP : λx.x']}]", 'the category "XP" is not declared'),
         ("words: [{says: ['(zap'], is: ['C : okay']}]", 'expected ")"'),
-        ("words: [{says: [zap]}]", 'the key "is" is missing'),
+        ("words: [{says: [zap]}]", 'expected the key "is" or "like"'),
         ("verbs: [{verb: zap, templates: [zapping]}]", 'there is no template "zapping"'),
         ("nouns: {vegetable: [leek]}", 'there is no template "vegetable"'),
         ("qualifiers: {huge: [hugely]}", '"huge" is no degree of confidence'),

@@ -26,7 +26,7 @@ def form(text: str) -> Form:
         ("QUESTION(sam,self,why)", "wantKnow(sam,self,why)"),
         ("QUESTION(sam,self,can(self,pass(self,knife)))", "want(sam,pass(self,knife))"),
         ("STATEMENT(sam,self,need(sam,knife))", "want(sam,pass(self,knife))"),
-        ("STATEMENT(sam,self,need(evan,knife))", "wantBelieve(sam,self,need(evan,knife))"),
+        ("STATEMENT(sam,self,need(evan,knife))", "want(sam,pass(self,knife,evan))"),
     ],
 )
 def test_the_most_detailed_rule_decides(act: str, intention: str) -> None:

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An utterance of several moves: "Hello. That hammer, could I have it?"
+
+Where an utterance is no whole, it may be a row of wholes, cut at its commas and full stops. Each
+must be understood, so that still nothing is left out; and together they must come to one meaning.
+What may go before or after another move is little: a reply, the thing that "it" then stands for,
+a question whether it is seen, or the same once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+from .meaning import (
+    Acknowledgement,
+    Command,
+    Meaning,
+    Question,
+    Retraction,
+    Statement,
+)
+from .tokens import BREAK, Tokens
+
+MAX_MOVES = 4
+
+_DECISIVE = frozenset({"yes", "no"})  # what a reply says, whatever politeness is around it
+_CLOSING = frozenset({"thanks", "okay"})
+
+
+def cuts(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:
+    """All ways to cut an utterance into moves, those with fewer moves first."""
+    places = sorted({*tokens.pauses, *_after_breaks(tokens)} - {0, len(tokens.items)})
+    if len(places) >= MAX_MOVES:
+        return
+    for count in range(1, len(places) + 1):
+        for chosen in combinations(places, count):
+            starts, ends = (0, *chosen), (*chosen, len(tokens.items))
+            moves = tuple(tokens.part(*ends_of) for ends_of in zip(starts, ends, strict=True))
+            if all(move.items for move in moves):
+                yield moves
+
+
+def main_move(meanings: Sequence[Meaning]) -> tuple[int, Meaning] | None:
+    """Which move an utterance is about, and what it then means; None when it is about several."""
+    replies = [each for each in meanings if isinstance(each, Acknowledgement)]
+    if len(replies) == len(meanings):
+        return _one_reply(meanings, replies)
+    places = [i for i, each in enumerate(meanings) if not isinstance(each, Acknowledgement)]
+    after = meanings[places[-1] + 1 :]
+    if any(isinstance(each, Acknowledgement) and each.ack not in _CLOSING for each in after):
+        return None
+    meaning = _together([meanings[place] for place in places])
+    return (places[-1], meaning) if meaning is not None else None
+
+
+def _one_reply(
+    meanings: Sequence[Meaning], replies: Sequence[Acknowledgement]
+) -> tuple[int, Meaning] | None:
+    decisive = {reply for reply in replies if reply.ack in _DECISIVE}
+    if len(decisive) > 1:
+        return None
+    chosen = next(iter(decisive), replies[-1])
+    return meanings.index(chosen), chosen
+
+
+def _together(meanings: Sequence[Meaning]) -> Meaning | None:
+    """The one meaning of several moves, None when they have none."""
+    first, last = meanings[0], meanings[-1]
+    if all(each == last for each in meanings):
+        return last
+    statements = [each for each in meanings if isinstance(each, Statement)]
+    if len(statements) == len(meanings):
+        return Statement(tuple(rule for each in statements for rule in each.rules))
+    if len(meanings) != 2:
+        return None
+    if first == Retraction() and isinstance(last, Statement):
+        return Statement(tuple(replace(rule, revises=True) for rule in last.rules))
+    if _sees_target(first, last):
+        return last
+    return None
+
+
+def _sees_target(first: Meaning, last: Meaning) -> bool:
+    """Whether the first move asks for the very thing that the second one is to act on."""
+    if not isinstance(first, Question) or first.ask != "see" or not isinstance(last, Command):
+        return False
+    seen = (first.object, first.affordance)
+    return seen in {(last.target.object, None), (None, last.target.used_for)}
+
+
+def _after_breaks(tokens: Tokens) -> Iterator[int]:
+    return (place + 1 for place, token in enumerate(tokens.items) if token.word == BREAK)
