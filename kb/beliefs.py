@@ -19,9 +19,10 @@ from ..ontology.errors import QueryError, StoreError
 from ..ontology.vocabulary import HILT, Iri, term
 from .episodes import Episode, episode_quads, read_episodes
 from .interval import CERTAIN
+from .limits import Limits
 from .query import named_query
 from .recall import BASE_GRAPH, BASE_NODE
-from .results import Answer, Solutions
+from .results import Answer, Found, Solutions, Statements
 from .rule import DEFAULT_SPEAKER
 from .sparql import bind, form, refuse_outside
 from .stars import TYPE
@@ -97,27 +98,35 @@ class KnowledgeBase(Telling):
 
     # Questions in SPARQL
 
-    def query(self, text: str, bindings: Bindings | None = None) -> Solutions | Answer:
+    def query(
+        self, text: str, bindings: Bindings | None = None, *, limits: Limits | None = None
+    ) -> Found:
         """Ask anything in SPARQL; the prefixes of the vocabulary are declared already.
+
+        Outside `GRAPH` a query sees all graphs as one.
 
         Args:
             text: a SELECT, ASK, CONSTRUCT or DESCRIBE query. It reads this base only.
             bindings: values for its variables.
+            limits: time and memory, after which it is stopped; none by default, for queries
+                that are known to end.
 
         Returns:
-            The rows; of a CONSTRUCT or DESCRIBE one row a statement.
+            The rows, the answer of an ASK, or the statements of a CONSTRUCT or DESCRIBE.
 
         Raises:
-            QueryError: the query is wrong or reaches outside.
+            QueryError: the query is wrong, reaches outside, or was stopped.
         """
         bound = self._prepared(text, bindings)
+        if limits and form(bound):
+            return self.store.run(bound, limits)
         match form(bound):
             case "SELECT":
                 return self.store.select(bound)
             case "ASK":
                 return Answer(self.store.ask(bound))
             case "CONSTRUCT" | "DESCRIBE":
-                return Solutions.of_statements(self.store.construct(bound))
+                return Statements.of(self.store.construct(bound))
             case _:
                 raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
 
@@ -133,7 +142,7 @@ class KnowledgeBase(Telling):
         """The statements of a CONSTRUCT or DESCRIBE query; as `query` otherwise."""
         return self.store.construct(self._prepared(text, bindings))
 
-    def answer(self, name: str, **arguments: str) -> Solutions:
+    def answer(self, name: str, /, *, limits: Limits | None = None, **arguments: str) -> Solutions:
         """The answer to a named question.
 
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables
@@ -141,6 +150,7 @@ class KnowledgeBase(Telling):
 
         Args:
             name: of the query, as "best-for".
+            limits: as for `query`.
             arguments: values for its parameters, as texts.
 
         Raises:
@@ -148,7 +158,7 @@ class KnowledgeBase(Telling):
             QueryError: an argument is no value of its kind.
         """
         query = named_query(name)
-        return self.store.select(bind(query.text, query.bindings(arguments)))
+        return cast(Solutions, self.query(query.text, query.bindings(arguments), limits=limits))
 
     def count(self) -> dict[str, int]:
         """How many things of each class there are, as {"ActionRule": 2, "Utterance": 3}."""

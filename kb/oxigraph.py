@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
+import tempfile
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -22,7 +24,10 @@ import pyoxigraph as engine
 
 from ..ontology.errors import DataError, QueryError, StoreError
 from ..ontology.vocabulary import PREFIXES, Iri
-from .results import Solutions
+from . import snapshots, worker
+from .bounded import Worker
+from .limits import Limits
+from .results import RDF_12, Found, Solutions
 from .sparql import delete_insert, syntax_problem
 from .store import MEMORY
 from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
@@ -44,10 +49,23 @@ class OxigraphStore:
 
     has_cheap_patterns = True
 
-    def __init__(self, inner: engine.Store, location: str, *, read_only: bool) -> None:
+    def __init__(
+        self,
+        inner: engine.Store,
+        location: str,
+        *,
+        read_only: bool,
+        snapshot: Path | None = None,
+    ) -> None:
+        """Use an open engine; a snapshot that it reads is removed with it."""
         self._inner: engine.Store | None = inner
         self._lock = threading.RLock()
         self._process = os.getpid()
+        self._worker = Worker()
+        self._frozen: Path | None = None  # what the worker reads, while it is as the store is
+        self._discarded: list[Path] = []  # what it may still be reading
+        self._running = threading.Lock()
+        self._snapshot = snapshot
         self.location = location
         self.read_only = read_only
 
@@ -75,6 +93,25 @@ class OxigraphStore:
             raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
         with _reported(self.location):
             return [Quad(*(_term(part) for part in triple)) for triple in found]  # pyright: ignore[reportArgumentType]
+
+    def run(self, query: str, limits: Limits) -> Found:
+        """Any query, in a process of its own, over the store as it is now."""
+        with self._running:
+            with self._lock:
+                self._discard()
+                source = self._freeze()
+            return self._worker.run(source, query, limits)
+
+    def serialized(self, query: str) -> tuple[str, bytes]:
+        """The answer of any query as a document, and which kind it is (see `worker`)."""
+        found = self._run(query)
+        with _reported(self.location, query):
+            if isinstance(found, engine.QueryTriples):
+                written = found.serialize(format=engine.RdfFormat.N_TRIPLES)
+                return worker.TRIPLES, cast(bytes, written)
+            kind = worker.ANSWER if isinstance(found, engine.QueryBoolean) else worker.ROWS
+            answer = cast("engine.QuerySolutions | engine.QueryBoolean", found)
+            return kind, cast(bytes, answer.serialize(format=engine.QueryResultsFormat.JSON))
 
     def quads(
         self,
@@ -126,11 +163,60 @@ class OxigraphStore:
     def close(self) -> None:
         """Let go of the folder."""
         with self._lock:
+            self._worker.close()
             self._inner = None
+            self._thaw()
+            self._discard()
+            if self._snapshot:
+                snapshots.remove(self._snapshot)
+                self._snapshot = None
+
+    def save(self, target: Path) -> None:
+        """Write a copy of the store as it is now into a new folder, which can be opened.
+
+        Raises:
+            StoreError: it cannot be written.
+        """
+        with self._lock, _reported(self.location):
+            store = self._engine()
+            if self._snapshot:
+                shutil.copytree(self._snapshot, target)
+            elif self.location == MEMORY:
+                copy = engine.Store(str(target))
+                copy.bulk_extend(store)
+                copy.flush()
+            else:
+                store.backup(target)
+
+    def _freeze(self) -> Path:
+        """What a worker can read: a snapshot of a folder, or all statements in a file."""
+        store = self._engine()
+        if self._snapshot:
+            return self._snapshot
+        if self._frozen is None:
+            with _reported(self.location):
+                if self.location == MEMORY:
+                    self._frozen = Path(tempfile.mkdtemp(prefix="hilt-")) / "base.nq"
+                    store.dump(str(self._frozen), format=engine.RdfFormat.N_QUADS)
+                else:
+                    # The engine wants to make the last folder itself.
+                    self._frozen = snapshots.place(Path(self.location)) / "base"
+                    store.backup(self._frozen)
+        return self._frozen
+
+    def _thaw(self) -> None:
+        """Forget what the worker was given, because the store is not like that any more."""
+        if self._frozen is not None:
+            self._discarded.append(self._frozen.parent)
+            self._frozen = None
+
+    def _discard(self) -> None:
+        while self._discarded:
+            snapshots.remove(self._discarded.pop())
 
     def _run(self, query: str) -> object:
         with _reported(self.location, query):
-            return self._engine().query(query, prefixes=_PREFIXES)
+            return self._engine().query(query, prefixes=_PREFIXES, use_default_graph_as_union=True)
 
     def _engine(self) -> engine.Store:
         if self._inner is None:
@@ -148,6 +234,7 @@ class OxigraphStore:
             store = self._engine()
             if self.read_only:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
+            self._thaw()
             yield store
 
 
@@ -167,11 +254,36 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         if read_only:
             if not is_base:
                 raise StoreError(f'There is no knowledge base "{folder}" to read.')
-            return OxigraphStore(engine.Store.read_only(str(folder)), str(folder), read_only=True)
+            return _open_snapshot(snapshots.take(folder), str(folder))
         folder.mkdir(parents=True, exist_ok=True)
+        snapshots.remove_stale(folder)
         return OxigraphStore(engine.Store(str(folder)), str(folder), read_only=False)
     except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
         raise _open_error(folder, error) from error
+
+
+def open_snapshot(snapshot: Path) -> OxigraphStore:
+    """A store over a snapshot that somebody else removes.
+
+    Raises:
+        StoreError: it cannot be read.
+    """
+    try:
+        return OxigraphStore(engine.Store.read_only(str(snapshot)), str(snapshot), read_only=True)
+    except (OSError, RuntimeError) as error:
+        raise _open_error(snapshot, error) from error
+
+
+def load_file(file: Path) -> OxigraphStore:
+    """A store in memory with the statements of a file of N-Quads that Hilt wrote.
+
+    Raises:
+        StoreError: it cannot be read.
+    """
+    store = engine.Store()
+    with _reported(str(file)):
+        store.bulk_load(path=file, format=engine.RdfFormat.N_QUADS)
+    return OxigraphStore(store, str(file), read_only=True)
 
 
 def load_rdf(data: bytes, *, format: str, source: str, default: Iri) -> OxigraphStore:  # noqa: A002
@@ -194,6 +306,16 @@ def load_rdf(data: bytes, *, format: str, source: str, default: Iri) -> Oxigraph
     except (ValueError, OSError) as error:
         raise DataError(_short(error), source=source) from error
     return OxigraphStore(store, source, read_only=False)
+
+
+def read_triples(data: bytes, *, source: str) -> list[Quad]:
+    """The statements of an N-Triples text, in no graph.
+
+    Raises:
+        QueryError: it is wrong or holds what RDF 1.1 has not; `source` sent it.
+    """
+    with _reported(source):
+        return [_quad(quad) for quad in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
 
 
 def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
@@ -224,6 +346,16 @@ def _with_sorted_prefixes(written: bytes) -> bytes:
         if prefix.encode() in used
     ]
     return "".join([*head, "\n"]).encode() + body
+
+
+def _open_snapshot(snapshot: Path, location: str) -> OxigraphStore:
+    """A store over a snapshot of its own."""
+    try:
+        inner = engine.Store.read_only(str(snapshot))
+    except BaseException:
+        snapshots.remove(snapshot)
+        raise
+    return OxigraphStore(inner, location, read_only=True, snapshot=snapshot)
 
 
 def _check_folder(folder: Path) -> bool:
@@ -292,7 +424,7 @@ def _term(term: Any) -> Term:
         return literal(term.value, term.datatype.value, term.language or "")
     if kind is engine.BlankNode:
         return Iri(str(term))
-    raise QueryError("A statement about a statement (RDF 1.2) cannot be read as RDF 1.1.")
+    raise QueryError(RDF_12)
 
 
 def _quad(quad: engine.Quad) -> Quad:

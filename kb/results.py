@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a query found, and how it is printed: SPARQL 1.1 Query Results JSON."""
+"""What a query found: rows, yes or no, or statements; and SPARQL 1.1 Query Results JSON.
+
+Endpoints take liberties with that format; it is read by value and leniently.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any, TypeAlias, cast
 
-from .terms import STRING, Iri, Quad, Term, lexical
+from ..ontology.errors import QueryError
+from .terms import STRING, Iri, Quad, Term, lexical, literal
 
 BLANK = "_:"  # how the name of a blank node begins
+STATEMENT = ("subject", "predicate", "object")  # the columns of statements as rows
+RDF_12 = "A statement about a statement (RDF 1.2) cannot be read as RDF 1.1."
+_ASK_COLUMN = "__ASK_RETVAL"  # Virtuoso answers ASK with a row
 
 
 @dataclass(frozen=True)
@@ -22,11 +31,6 @@ class Solutions:
 
     variables: tuple[str, ...]
     rows: tuple[tuple[Term | None, ...], ...]
-
-    @classmethod
-    def of_statements(cls, quads: Iterable[Quad]) -> Solutions:
-        """The rows of a CONSTRUCT: one a statement."""
-        return cls(("subject", "predicate", "object"), tuple(quad[:3] for quad in quads))
 
     def __iter__(self) -> Iterator[tuple[Term | None, ...]]:
         return iter(self.rows)
@@ -47,6 +51,21 @@ class Solutions:
 
 
 @dataclass(frozen=True)
+class Statements(Solutions):
+    """The statements that a CONSTRUCT or DESCRIBE query made; also rows, one a statement."""
+
+    @classmethod
+    def of(cls, quads: Iterable[Quad]) -> Statements:
+        """The statements, without their graphs."""
+        return cls(STATEMENT, tuple(quad[:3] for quad in quads))
+
+    @property
+    def quads(self) -> list[Quad]:
+        """The statements, in no graph."""
+        return [Quad(*cast("tuple[Iri, Iri, Term]", row)) for row in self.rows]
+
+
+@dataclass(frozen=True)
 class Answer:
     """What an ASK query found."""
 
@@ -55,6 +74,64 @@ class Answer:
     def as_json(self) -> dict[str, object]:
         """The document of the W3C recommendation."""
         return {"head": {}, "boolean": self.value}
+
+
+Found: TypeAlias = "Solutions | Statements | Answer"
+
+
+def read_solutions(body: bytes) -> Solutions:
+    """The rows of a results document.
+
+    Raises:
+        QueryError: it is incomplete, or holds what RDF 1.1 has not.
+    """
+    document = _parsed(body)
+    try:
+        names = tuple(cast("list[str]", document["head"].get("vars", [])))
+        found = document["results"]["bindings"]
+        rows = tuple(
+            tuple(_term(row[name]) if name in row else None for name in names) for row in found
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise QueryError("The endpoint sent no rows where some were expected.") from error
+    return Solutions(names, rows)
+
+
+def read_answer(body: bytes) -> bool:
+    """Yes or no, of a results document; errors as for `read_solutions`."""
+    document = _parsed(body)
+    if isinstance(document.get("boolean"), bool):
+        return document["boolean"]
+    found = read_solutions(body)
+    if found.variables == (_ASK_COLUMN,) and len(found) == 1:
+        return bool(found.rows[0][0])
+    raise QueryError("The endpoint answered neither yes nor no.")
+
+
+def _parsed(body: bytes) -> dict[str, Any]:
+    try:
+        document = json.loads(body)
+    except ValueError as error:
+        raise QueryError(
+            "The endpoint sent an incomplete answer; the query may have been cut off there. "
+            "Narrow it, or give it more time."
+        ) from error
+    if not isinstance(document, dict):
+        raise QueryError("The endpoint sent no SPARQL results.")
+    return cast("dict[str, Any]", document)
+
+
+def _term(value: Mapping[str, Any]) -> Term:
+    match value["type"]:
+        case "uri":
+            return Iri(value["value"])
+        case "bnode":
+            return Iri(BLANK + value["value"].removeprefix(BLANK))
+        case "literal" | "typed-literal":
+            datatype = value.get("datatype", STRING)
+            return literal(value["value"], datatype, value.get("xml:lang", ""))
+        case _:
+            raise QueryError(RDF_12)
 
 
 def _value(term: Term) -> dict[str, str]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import cast
 
 from ..ontology.errors import QueryError
@@ -22,6 +22,7 @@ from .terms import Quad, Term, as_sparql
 
 # What makes the engine fetch something from elsewhere.
 REACHING_OUT = frozenset({"SERVICE", "LOAD"})
+CHANCE = frozenset({"RAND", "UUID", "STRUUID", "NOW", "BNODE"})
 FORMS = ("SELECT", "ASK", "CONSTRUCT", "DESCRIBE")
 
 _TOKEN = re.compile(
@@ -62,18 +63,83 @@ def refuse_outside(text: str) -> None:
         QueryError: it says SERVICE or LOAD, in any spelling.
     """
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
-        for token in _tokens(version):
-            if token.lastgroup == "word" and token.group().upper() in REACHING_OUT:
-                raise QueryError(
-                    f"{token.group().upper()} is refused: a query reads this knowledge base and "
-                    "nothing else. Import the data first."
-                )
+        found = next((word for word in words(version) if word in REACHING_OUT), None)
+        if found:
+            raise QueryError(
+                f"{found} is refused: a query reads this knowledge base and nothing else. "
+                "Import the data first."
+            )
+
+
+def refuse_chance(update: str) -> None:
+    """Refuse an update that would not do the same a second time.
+
+    It is tried out on a copy before it is applied, and both must come to the same.
+
+    Raises:
+        QueryError: it calls RAND, UUID, NOW or the like.
+    """
+    found = next((word for word in words(update) if word in CHANCE), None)
+    if found:
+        raise QueryError(
+            f"{found} is refused in an update: it must do the same each time. "
+            "Write the value itself."
+        )
 
 
 def form(query: str) -> str:
     """SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
-    words = (token.group().upper() for token in _tokens(query) if token.lastgroup == "word")
-    return next((word for word in words if word in FORMS), "")
+    return next((word for word in words(query) if word in FORMS), "")
+
+
+def words(text: str) -> tuple[str, ...]:
+    """The keywords, in capitals: what is no name, variable, text, IRI or comment."""
+    return tuple(token.group().upper() for token in _tokens(text) if token.lastgroup == "word")
+
+
+def declared(text: str) -> str:
+    """The text with the prefixes of the vocabulary that it uses and does not declare itself.
+
+    They stand on its first line, so that the line numbers of messages stay right.
+    """
+    used = {t.group().partition(":")[0] for t in _tokens(text) if t.lastgroup == "pname"}
+    missing = [prefix for prefix in PREFIXES if prefix in used - _declared_prefixes(text)]
+    return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
+
+
+def own_limit(query: str) -> int | None:
+    """The LIMIT that a query sets for its result; None when it sets none."""
+    tokens = [token.group().upper() for token in _modifiers(query)]
+    return next((int(n) for word, n in pairwise(tokens) if word == "LIMIT" and n.isdigit()), None)
+
+
+def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
+    """A query for some of the solutions of another one, in an order that stays.
+
+    Args:
+        query: a SELECT or CONSTRUCT query.
+        variables: the columns of a SELECT; none for a CONSTRUCT.
+        size: how many solutions.
+        offset: how many to leave out.
+
+    Raises:
+        QueryError: the query cannot be read in parts.
+    """
+    modifiers = {token.group().upper() for token in _modifiers(query)}
+    if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in words(query):
+        raise QueryError(
+            f"The endpoint gives at most {size} rows at once, and a query with LIMIT, OFFSET, "
+            f"FROM or VALUES at its end cannot be read in parts. Use a LIMIT of at most {size}."
+        )
+    page = f"LIMIT {size} OFFSET {offset}"
+    if not variables:
+        return f"{query}\n{page}"
+    start = next(t.start() for t in _tokens(query) if t.group().upper() == "SELECT")
+    by = " ".join(f"?{name}" for name in variables)
+    order = by if "ORDER" in modifiers else f"ORDER BY {by}"
+    # A subquery, because some engines sort only so many rows for a page of their own.
+    head, body = query[:start], query[start:]
+    return f"{head}SELECT {by} WHERE {{ {{ {body}\n{order} }} }} {page}"
 
 
 def syntax_problem(message: str, text: str) -> str:
@@ -149,21 +215,33 @@ def _where_group(query: str) -> int:
     raise QueryError("The query has no WHERE group, so its variables cannot be given values.")
 
 
-def _tokens(text: str) -> Iterator[re.Match[str]]:
-    return (match for match in _TOKEN.finditer(text) if match.lastgroup != "comment")
+def _tokens(text: str, start: int = 0) -> Iterator[re.Match[str]]:
+    return (match for match in _TOKEN.finditer(text, start) if match.lastgroup != "comment")
+
+
+def _modifiers(query: str) -> list[re.Match[str]]:
+    """What stands behind the outermost WHERE group."""
+    depth, found = 1, list[re.Match[str]]()
+    for token in _tokens(query, _where_group(query)):
+        depth += (token.group() == "{") - (token.group() == "}")
+        if depth == 0:
+            found.append(token)
+    return found[1:]  # the first one is the brace that closes the group
+
+
+def _declared_prefixes(text: str) -> set[str]:
+    tokens = list(_tokens(text))
+    return {
+        name.group().partition(":")[0]
+        for word, name in pairwise(tokens)
+        if word.group().upper() == "PREFIX" and name.lastgroup == "pname"
+    }
 
 
 def _undeclared_prefix(text: str) -> str | None:
-    known, declares = set(PREFIXES), False
-    for token in _tokens(text):
-        if token.lastgroup == "pname":
-            prefix = token.group().partition(":")[0]
-            if declares:
-                known.add(prefix)
-            elif prefix not in known:
-                return prefix
-        declares = token.lastgroup == "word" and token.group().upper() == "PREFIX"
-    return None
+    known = {*PREFIXES, *_declared_prefixes(text)}
+    used = (t.group().partition(":")[0] for t in _tokens(text) if t.lastgroup == "pname")
+    return next((prefix for prefix in used if prefix not in known), None)
 
 
 def _decoded(match: re.Match[str]) -> str:

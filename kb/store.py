@@ -4,6 +4,7 @@
 A store holds RDF 1.1 quads and knows nothing of rules. Its laws, tested for every backend:
 
 - `apply` and `update` are one atomic unit each, and durable when they return;
+- outside `GRAPH` a query sees the union of all graphs;
 - nothing is lost between threads that hold `writing()` while they read and then write;
 - the results of a query are complete when it returns, nothing stays open.
 """
@@ -15,9 +16,9 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
-from ..ontology.errors import StoreError
 from ..ontology.vocabulary import Iri
-from .results import Solutions
+from .limits import Limits
+from .results import Found, Solutions
 from .terms import Quad, Term
 
 MEMORY = "memory:"
@@ -57,6 +58,15 @@ class Store(Protocol):
 
     def construct(self, query: str) -> list[Quad]:
         """The statements of a CONSTRUCT or DESCRIBE query; errors as for `select`."""
+        ...
+
+    def run(self, query: str, limits: Limits) -> Found:
+        """The answer of any query, which is stopped when it goes beyond its limits.
+
+        Raises:
+            QueryError: the query is wrong, or took too long or too much memory.
+            StoreError: the store cannot be read.
+        """
         ...
 
     def quads(
@@ -103,15 +113,18 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
     """Open or create a store.
 
     Args:
-        location: `memory:` or a folder.
-        read_only: refuse writes; the folder must exist.
+        location: `memory:`, a folder, or the address of an endpoint (`hilt.kb.addresses`).
+        read_only: refuse writes; what it names must exist. A folder that another process
+            writes to is read as it is now.
 
     Raises:
         StoreError: it cannot be opened; says why and what to do.
     """
     text = str(location)
     if text.startswith(("http://", "https://")):
-        raise StoreError(f'"{text}": endpoints are not supported yet; give a folder.')
+        from .remote import open_remote
+
+        return open_remote(text, read_only=read_only)
     from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
 
     if text == MEMORY:
