@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS, Interval
@@ -22,7 +22,7 @@ from ..kb.rule import Atom, Rule
 from ..ontology.errors import UnknownNameError
 from .evidence import EPSILON, Operators, certainty, is_affirmed, is_denied
 from .goal import Candidate, Goal, Inference, Observation, Verdict
-from .proof import UNKNOWN, Proof, derived, told
+from .proof import LEAVES, UNKNOWN, Proof, derived, told
 from .taxonomy import FLAT, Taxonomy
 
 FIND = "findObject"  # the action whose rules are functional: usedFor(object, affordance)
@@ -273,6 +273,8 @@ class Judge:
     ) -> Candidate:
         """What all steps together come to for one thing."""
         proof = derived("and", steps, self.operators)
+        if argument is not None and proof.step not in LEAVES:
+            proof = replace(proof, label=f"{seen.name} affords {argument}")
         sure = certainty(proof.interval)
         verdict = self.verdict(proof, UNKNOWN in steps)
         reason = _REASONS[verdict].format(proof.interval, sure, self.threshold)

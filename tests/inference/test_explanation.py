@@ -93,7 +93,7 @@ def test_why_prints_the_proof_from_the_conclusion_down():
     text = why(decided([rule("knife", 0.95)]))
 
     lines = [line.strip() for line in text.splitlines()]
-    assert lines[0] == "[0.85, 1.00]  modus ponens"
+    assert lines[0] == "[0.85, 1.00]  modus ponens  knife affords affordance:cutting"
     assert lines[1] == "[0.90, 1.00]  seen  object:knife seen on knife"
     assert lines[2].startswith("[0.95, 1.00]  told  <Rule object:knife => usedFor(cutting)")
 
