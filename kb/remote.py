@@ -186,6 +186,8 @@ class RemoteStore:
         fields: dict[str, str | Sequence[str]] = {"query": declared(query)}
         if "FROM" not in words(query):  # a query may name its own dataset
             fields |= self._dataset
+        if self._server.startswith(VIRTUOSO):  # else it works on when nobody waits any more
+            fields["timeout"] = str(max(1_000, int(limits.seconds * 1_000)))
         return self._transport.post(self._address.query, form=fields, accept=accept, limits=limits)
 
     # Writing

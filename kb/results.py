@@ -103,8 +103,8 @@ def read_answer(body: bytes) -> bool:
     if isinstance(document.get("boolean"), bool):
         return document["boolean"]
     found = read_solutions(body)
-    if found.variables == (_ASK_COLUMN,) and len(found) == 1:
-        return bool(found.rows[0][0])
+    if found.variables == (_ASK_COLUMN,):
+        return any(row[0] for row in found)
     raise QueryError("The endpoint answered neither yes nor no.")
 
 

@@ -29,6 +29,7 @@ NOT_THERE = frozenset({404, 405})
 BUSY = frozenset({429, 502, 503, 504})
 LOGIN = frozenset({401, 403, 407})
 NO_PERMISSION = re.compile(r"\bSR186\b|permission|not authori[sz]ed", re.IGNORECASE)
+OUT_OF_TIME = "S1TAT"  # what Virtuoso says beside an answer that is not whole
 MAX_TOLD = 300  # characters of a server's message that are shown
 
 Form = Mapping[str, "str | Sequence[str]"]
@@ -42,11 +43,13 @@ class Response:
         body: all of it.
         server: how the server calls itself.
         most_rows: how many rows it gave when it gave no more; None when it gave all.
+        is_partial: whether it gave up because of the time, and sent what it had.
     """
 
     body: bytes
     server: str = ""
     most_rows: int | None = None
+    is_partial: bool = False
 
 
 class Challenged(httpx.Auth):
@@ -145,6 +148,8 @@ class Transport:
                 wait = None
             else:
                 if status not in BUSY or is_last or not may_repeat:
+                    if response.is_partial:
+                        raise limits.too_long()
                     self._check(status, response.body, url)
                     return response
             self._pause(min(wait or FIRST_PAUSE_S * 2**attempt, LONGEST_PAUSE_S))
@@ -165,7 +170,10 @@ class Transport:
             most = headers.get("x-sparql-maxrows", "")
             wait = headers.get("retry-after", "")
             answer = Response(
-                bytes(received), headers.get("server", ""), int(most) if most.isdigit() else None
+                bytes(received),
+                headers.get("server", ""),
+                int(most) if most.isdigit() else None,
+                headers.get("x-sql-state", "") == OUT_OF_TIME,
             )
             return response.status_code, answer, float(wait) if wait.isdigit() else None
 
