@@ -15,11 +15,12 @@ from functools import cached_property
 from pathlib import Path
 
 from .errors import UnknownNameError
-from .solids import Colour, Point3, Solid, read_colour, read_solid, read_turn
+from .solids import MAX_LENGTH, Colour, Point3, Solid, read_colour, read_solid, read_turn
 from .source import Field, read_yaml
 
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
 MAX_MASS = 500.0  # [kg]
+MAX_FORCE = 10_000.0  # [N]
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,25 @@ class Rest:
 
 
 @dataclass(frozen=True)
+class Mount:
+    """How an object stands in another one, as a nail stands in its block.
+
+    Attributes:
+        support: the type in which it stands.
+        at: where it enters, in the frame of the support; it goes in along its own -z axis [m].
+        depth: how deep it is in from the beginning [m].
+        deepest: how deep it can be driven [m].
+        resistance: with which the support holds it, in both directions [N].
+    """
+
+    support: str
+    at: Point3
+    depth: float
+    deepest: float
+    resistance: float
+
+
+@dataclass(frozen=True)
 class ObjectType:
     """A kind of object.
 
@@ -86,6 +106,7 @@ class ObjectType:
         graspable: whether it can be taken up; False for fixtures.
         parts: by name, in the order of the file.
         rests: how it can lie or stand; at least one is usual.
+        mount: how it stands in another object unless it is laid loose; None for most.
 
     >>> knife = load_objects()["knife"]
     >>> list(knife.parts), knife.part("blade").role
@@ -98,6 +119,7 @@ class ObjectType:
     graspable: bool
     parts: Mapping[str, PartType] = field(hash=False)
     rests: tuple[Rest, ...]
+    mount: Mount | None = None
 
     @cached_property
     def mass(self) -> float:
@@ -185,7 +207,7 @@ class _Reader:
 
     def object(self, name: str, spec: Field, fields: Mapping[str, Field]) -> ObjectType:
         keys = spec.entries(
-            required={"is_a", "parts", "rests"}, optional={"properties", "graspable"}
+            required={"is_a", "parts", "rests"}, optional={"properties", "graspable", "mount"}
         )
         parts = keys["parts"].entries()
         if not parts:
@@ -197,6 +219,7 @@ class _Reader:
             keys["graspable"].truth() if "graspable" in keys else True,
             {part: self._part(part, field) for part, field in parts.items()},
             _read_rests(keys["rests"]),
+            _read_mount(keys["mount"], set(fields) - {name}) if "mount" in keys else None,
         )
 
     def _part(self, name: str, spec: Field) -> PartType:
@@ -252,6 +275,19 @@ def _read_rest(name: str, spec: Field) -> Rest:
     keys = spec.entries(required={"turn_deg"}, optional={"usual"})
     usual = keys["usual"].truth() if "usual" in keys else True
     return Rest(name, read_turn(keys["turn_deg"]), usual)
+
+
+def _read_mount(spec: Field, supports: set[str]) -> Mount:
+    keys = spec.entries(required={"support", "at", "depth", "deepest", "resistance_N"}, optional=())
+    x, y, z = keys["at"].numbers(count=3, low=-MAX_LENGTH, high=MAX_LENGTH)
+    deepest = keys["deepest"].number(low=0, high=MAX_LENGTH)
+    return Mount(
+        keys["support"].text(choices=supports),
+        (x, y, z),
+        keys["depth"].number(low=0, high=deepest),
+        deepest,
+        keys["resistance_N"].number(low=0, high=MAX_FORCE),
+    )
 
 
 def _refuse_circles(above: Mapping[str, str | None], fields: Mapping[str, Field]) -> None:

@@ -8,14 +8,14 @@ no place, all are drawn again. The same scene and seed always give the same arra
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from ..ontology.errors import SimulationError
-from ..ontology.objects import ObjectType
+from ..ontology.objects import Mount, ObjectType
 from . import poses
 from .poses import Array
 from .scene import Placement, Scene
@@ -68,7 +68,19 @@ def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
         SimulationError: there is no room for all, or two fixed places overlap.
     """
     rng = np.random.default_rng(scene.seed)
-    pieces = [_lay(placement, models[placement.object], rng) for placement in scene.placements]
+    loose = [placement for placement in scene.placements if placement.within is None]
+    spots = {spot.placement.name: spot for spot in _arrange_loose(loose, models, rng)}
+    for placement in scene.placements:
+        mount = models[placement.object].kind.mount
+        if placement.within is not None and mount is not None:
+            spots[placement.name] = _mount(placement, mount, spots[placement.within])
+    return tuple(spots[placement.name] for placement in scene.placements)
+
+
+def _arrange_loose(
+    placements: Sequence[Placement], models: Mapping[str, Outlined], rng: np.random.Generator
+) -> tuple[Spot, ...]:
+    pieces = [_lay(placement, models[placement.object], rng) for placement in placements]
     order = sorted(range(len(pieces)), key=lambda i: _urgency(pieces[i]))
     for _ in range(ROUNDS):
         spots: dict[int, Spot] = {}
@@ -80,6 +92,15 @@ def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
         else:
             return tuple(spots[i] for i in range(len(pieces)))
     raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
+
+
+def _mount(placement: Placement, mount: Mount, support: Spot) -> Spot:
+    """The spot of what stands in something that has its place."""
+    x, y, z = mount.at
+    support_from_object = poses.translation(x, y, z - mount.depth)
+    at, yaw = support.placement.at, support.placement.yaw
+    filled = replace(placement, at=at, yaw=yaw, rest="mounted")
+    return Spot(filled, support.world_from_object @ support_from_object, support.footprint)
 
 
 @dataclass(frozen=True)

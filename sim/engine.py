@@ -310,6 +310,34 @@ class Engine:
         )
         self._call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
 
+    def attach(self, body: str, other: str, *, force: float) -> None:
+        """Fix a body's base to another one's, as they stand to each other now.
+
+        Args:
+            body: what is attached.
+            other: what it is attached to.
+            force: most that the joint bears [N].
+        """
+        number, other_number = self._body(body).number, self._body(other).number
+        other_from_body = poses.inverse(self._centre(other)) @ self._centre(body)
+        constraint = self._call(
+            "createConstraint",
+            other_number,
+            BASE,
+            number,
+            BASE,
+            jointType=self._p.JOINT_FIXED,
+            jointAxis=(0, 0, 0),
+            parentFramePosition=other_from_body[:3, 3],
+            childFramePosition=(0, 0, 0),
+            parentFrameOrientation=_quaternion(other_from_body[:3, :3]),
+        )
+        self._call("changeConstraint", constraint, maxForce=force)
+
+    def _centre(self, body: str) -> Array:
+        """`world_from_com` of a body's base: PyBullet's own frame of it."""
+        return self.pose(body) @ poses.inverse(self._body(body).com_from_base)
+
     # --- matter -------------------------------------------------------------------------------
 
     def set_surface(

@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from .shapes import Shape
 
 _NUMBERS_FILE = "numbers.npz"
-_URDF_FILE = "model.urdf"
+_URDF_FILE, _MOUNTED_FILE = "model.urdf", "mounted.urdf"
+SOCKET, INTO = "socket", "into"  # link and joint of a thing that stands in another one
+_SOCKET_MASS = 0.05  # [kg], of the wood right round a nail: far less would make the solver soft
 _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
 _CELL = 0.0015  # [m], small against any part
@@ -56,6 +58,11 @@ class Model:
     urdf: Path
     corners: Mapping[str, Array]
     silhouette: float
+
+    @property
+    def mounted(self) -> Path:
+        """Its description as it stands in another object, on a joint that lets it go deeper."""
+        return self.urdf.with_name(_MOUNTED_FILE)
 
     @property
     def points(self) -> Array:
@@ -92,7 +99,7 @@ def _key(kind: ObjectType) -> str:
     sources = [here / name for name in _SOURCES]
     # Only what the files depend on: a set, as of properties, reads differently in each process.
     parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
-    what = repr((kind.name, parts, kind.rests))
+    what = repr((kind.name, parts, kind.rests, kind.mount))
     return content_key(what.encode(), *(path.read_bytes() for path in (*sources, *files)))
 
 
@@ -135,10 +142,31 @@ def write_model(kind: ObjectType, folder: Path) -> None:
         f"<parent link={quoteattr(first)}/><child link={quoteattr(name)}/></joint>"
         for name in others
     ]
-    lines = ["<?xml version='1.0'?>", f"<robot name={quoteattr(kind.name)}>"]
-    lines += [*links, *joints, "</robot>", ""]
-    (folder / _URDF_FILE).write_text("\n".join(lines), encoding="utf-8")
+    _write_urdf(kind, [*links, *joints], folder / _URDF_FILE)
+    if kind.mount is not None:
+        socket = _socket(first, kind.mount.deepest - kind.mount.depth)
+        _write_urdf(kind, [*socket, *links, *joints], folder / _MOUNTED_FILE)
     _write_numbers(kind, built, folder)
+
+
+def _write_urdf(kind: ObjectType, elements: Sequence[str], path: Path) -> None:
+    opening = ["<?xml version='1.0'?>", f"<robot name={quoteattr(kind.name)}>"]
+    path.write_text("\n".join([*opening, *elements, "</robot>", ""]), encoding="utf-8")
+
+
+def _socket(part: str, travel: float) -> list[str]:
+    """What a mounted thing slides in: a link without a surface, and the joint."""
+    inertia = np.eye(3) * _SOCKET_MASS * 1e-3  # as of a lump of 3 cm radius
+    return [
+        f"  <link name='{SOCKET}'>",
+        _inertial(_SOCKET_MASS, np.zeros(3), inertia),
+        _SPECK,
+        "  </link>",
+        f"  <joint name='{INTO}' type='prismatic'>",
+        f"    <parent link='{SOCKET}'/><child link={quoteattr(part)}/><axis xyz='0 0 -1'/>",
+        f"    <limit lower='0' upper='{travel:g}' effort='1000' velocity='10'/>",
+        "  </joint>",
+    ]
 
 
 def _write_numbers(kind: ObjectType, built: Mapping[str, Sequence[Shape]], folder: Path) -> None:

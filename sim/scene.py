@@ -14,7 +14,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import chain, count
 from math import radians
 from pathlib import Path
 
@@ -38,6 +39,7 @@ class Placement:
         at: x, y of its frame on the table [m]; None where the seed decides.
         yaw: its turn about the vertical [rad]; None where the seed decides.
         rest: name of the way it lies or stands; None where the seed picks a usual one.
+        within: name of the object that it stands in, as a nail stands in its block; None for most.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Placement:
     at: tuple[float, float] | None = None
     yaw: float | None = None
     rest: str | None = None
+    within: str | None = None
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,7 @@ def scene_of(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectTyp
     for name in names:
         _refuse_unknown(name, objects)
     plain = [Placement(name, name) for name in names]
-    return Scene(_with_own_names(plain), seed)
+    return Scene(_mounted(_with_own_names(plain), objects), seed)
 
 
 def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:
@@ -134,7 +137,7 @@ def _read_scene(path: Path, seed: int, objects: Mapping[str, ObjectType]) -> Sce
     if "seed" in keys:
         seed = keys["seed"].integer(low=0, high=MAX_SEED)
     _refuse_double_names(placements, items)
-    return Scene(_with_own_names(placements), seed)
+    return Scene(_mounted(_with_own_names(placements), objects), seed)
 
 
 def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement:
@@ -171,10 +174,48 @@ def _with_own_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
         taken[placement.name] += 1
         number = taken[placement.name]
         name = placement.name if number == 1 else f"{placement.name} {number}"
-        result.append(
-            Placement(name, placement.object, placement.at, placement.yaw, placement.rest)
-        )
+        result.append(replace(placement, name=name))
     return tuple(result)
+
+
+def _mounted(
+    placements: Sequence[Placement], objects: Mapping[str, ObjectType]
+) -> tuple[Placement, ...]:
+    """The placements with what stands in something put there, in its own support.
+
+    A support that the scene does not name is added, at the place that was given for what stands in
+    it. What is said to rest in some way lies loose.
+    """
+    result = list(placements)
+    for placement in placements:
+        mount = objects[placement.object].mount
+        if mount is None or placement.rest is not None:
+            continue
+        support = _free_support(mount.support, result)
+        if support is None:
+            name = _free_name(mount.support, result)
+            support = Placement(name, mount.support, placement.at, placement.yaw)
+            result.append(support)
+        elif placement.at is not None or placement.yaw is not None:
+            raise DataError(
+                f'"{placement.name}" stands in "{support.name}". Give the place of that.',
+                source="--scene",
+            )
+        index = result.index(placement)
+        result[index] = replace(placement, at=None, yaw=None, within=support.name)
+    return tuple(result)
+
+
+def _free_support(kind: str, placements: Sequence[Placement]) -> Placement | None:
+    taken = {placement.within for placement in placements}
+    supports = (p for p in placements if p.object == kind and p.name not in taken)
+    return next(supports, None)
+
+
+def _free_name(word: str, placements: Sequence[Placement]) -> str:
+    taken = {placement.name for placement in placements}
+    numbered = (f"{word} {number}" for number in count(2))
+    return next(name for name in chain([word], numbered) if name not in taken)
 
 
 def _refuse_unknown(name: str, objects: Mapping[str, ObjectType]) -> None:

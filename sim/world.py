@@ -9,16 +9,17 @@ through `World.step`, so that whoever watches (a recorder) sees every moment.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import TracebackType
 
 import numpy as np
 
-from ..ontology.objects import ObjectType
+from ..ontology.errors import UnknownNameError
+from ..ontology.objects import Mount, ObjectType
 from . import poses
 from .arrange import Spot, arrange
 from .engine import TIME_STEP, Engine
-from .models import Model, model_of
+from .models import INTO, SOCKET, Model, model_of
 from .poses import Array
 from .scene import Scene
 
@@ -27,6 +28,8 @@ FLOOR_HEIGHT = -0.72  # [m], where the legs of the table end
 TABLE_CENTRE = (0.40, 0.0, 0.0)  # [m], so that the robot stands on the table near its edge
 SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists turning
 ROLLING_FRICTION = 0.0003  # [m]; lets round things come to rest
+
+MOUNT_FORCE = 20_000.0  # [N], what holds the socket of a nail in its block: more than any blow
 
 SETTLE_LIMIT = 3.0  # [s]
 STILL_STEPS = 24  # over so many steps the poses are compared; speeds of light things only jitter
@@ -53,6 +56,7 @@ class World:
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, Model]
     watcher: Callable[[], None] | None = None
+    _supports: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
@@ -75,7 +79,7 @@ class World:
             models,
         )
         world._furnish()
-        for spot in spots:
+        for spot in sorted(spots, key=lambda spot: spot.placement.within is not None):
             world._add(spot)
         world.settle()
         return world
@@ -88,9 +92,25 @@ class World:
         )
 
     def _add(self, spot: Spot) -> None:
-        name = spot.placement.name
-        self.engine.load(name, self.models[spot.placement.object].urdf, spot.world_from_object)
+        name, model = spot.placement.name, self.models[spot.placement.object]
+        mount, support = model.kind.mount, spot.placement.within
+        if mount is None or support is None:
+            self.engine.load(name, model.urdf, spot.world_from_object)
+        else:
+            self.engine.load(name, model.mounted, spot.world_from_object)
+            self._mount(name, mount, support)
         self.engine.set_surface(name, spinning=SPINNING_FRICTION, rolling=ROLLING_FRICTION)
+
+    def _mount(self, name: str, mount: Mount, support: str) -> None:
+        """Let an object stand in another one, which holds it by friction."""
+        for link in self.engine.links(name):
+            for other in self.engine.links(support):
+                if link != SOCKET:
+                    self.engine.ignore_contacts(name, link, support, other)
+        self.engine.attach(name, support, force=MOUNT_FORCE)
+        # A motor that wants to stand still, and can do no more than this, is dry friction.
+        self.engine.drive_speed(name, INTO, 0.0, force=mount.resistance)
+        self._supports[name] = support
 
     def close(self) -> None:
         """Stop the simulator."""
@@ -147,7 +167,23 @@ class World:
 
     def pose(self, name: str) -> Array:
         """`world_from_object` of an object."""
-        return self.engine.pose(name)
+        # The first part has the frame of the object, also where the base is a socket.
+        return self.engine.pose(name, next(iter(self.kinds[name].parts)))
+
+    def depth(self, name: str) -> float:
+        """How deep an object stands in another one [m]: a nail in its block.
+
+        Raises:
+            UnknownNameError: it does not stand in anything.
+        """
+        mount = self.kinds[name].mount if name in self._supports else None
+        if mount is None:
+            raise UnknownNameError("thing that stands in another", name, self._supports)
+        return mount.depth + float(self.engine.joint_positions(name, [INTO])[0])
+
+    def support(self, name: str) -> str | None:
+        """The name of what an object stands in; None for what lies loose."""
+        return self._supports.get(name)
 
     def points(self, name: str) -> Array:
         """Corners of an object's hull where it is now (n, 3), in the world [m]."""

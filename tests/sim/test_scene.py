@@ -181,3 +181,48 @@ def test_distance_of_squares(shift: tuple[float, float], expected: float):
     square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
     assert distance(square, square + shift) == pytest.approx(expected)
+
+
+def test_nail_brings_its_block():
+    """A scene that names a nail has a block for it to stand in, and so does each further nail."""
+    scene = parse_scene("objects:hammer,nail,nail", seed=0, objects=OBJECTS)
+
+    within = {placement.name: placement.within for placement in scene.placements}
+    assert within == {
+        "hammer": None,
+        "nail": "block",
+        "nail 2": "block 2",
+        "block": None,
+        "block 2": None,
+    }
+
+
+def test_nail_stands_in_the_block_that_is_there(tmp_path: Path):
+    """A block that the scene names serves the nail, and a nail with a rest lies loose."""
+    spec = write_scene(
+        tmp_path,
+        "objects:\n- {object: block, at: [0.5, 0.1]}\n- nail\n- {object: nail, rest: flat}",
+    )
+
+    scene = parse_scene(spec, seed=0, objects=OBJECTS)
+
+    assert [placement.within for placement in scene.placements] == [None, "block", None]
+
+
+def test_place_of_a_nail_is_that_of_its_block(tmp_path: Path):
+    """The place given for a nail is where its block stands, upright and in the middle."""
+    spec = write_scene(tmp_path, "objects: [{object: nail, at: [0.5, 0.1]}]")
+
+    nail, block = arranged(parse_scene(spec, seed=0, objects=OBJECTS))
+
+    assert block.placement.at == (0.5, 0.1)
+    assert nail.world_from_object[:2, 3] == pytest.approx((0.5, 0.1))
+    assert nail.world_from_object[2, 2] == pytest.approx(1.0)
+
+
+def test_nail_and_block_cannot_both_have_places(tmp_path: Path):
+    """A place for a nail whose block has one of its own is refused."""
+    spec = write_scene(tmp_path, "objects:\n- block\n- {object: nail, at: [0.5, 0.1]}")
+
+    with pytest.raises(DataError, match=r'"nail" stands in "block"\. Give the place of that'):
+        parse_scene(spec, seed=0, objects=OBJECTS)

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The world: objects settle where scenes put them, and stay."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
+from hilt.ontology.errors import UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.engine import TIME_STEP
@@ -78,3 +81,65 @@ def test_empty_scene_is_a_bare_table():
     with World.build(Scene((), 0), OBJECTS) as world:
         assert world.engine.bodies == ("floor", "table")
         assert not world.kinds
+
+
+def strike(world: World, height: float) -> None:
+    """Let a hammer fall on the nail, face down, and wait until all is over."""
+    turn = poses.rotation_from_rpy(-np.pi / 2, 0, 0)
+    face = np.array([0.008, 0.058, 0.0145])  # in the frame of the hammer
+    x, y = world.pose("nail")[:2, 3]
+    above = world.points("nail")[:, 2].max() + height
+    world.engine.place("hammer", poses.pose(turn, np.array([x, y, above]) - turn @ face))
+    world.step(round((np.sqrt(2 * height / 9.81) + 0.25) / TIME_STEP))
+
+
+@pytest.fixture
+def carpentry() -> Iterator[World]:
+    """A hammer, and a nail in its block."""
+    with World.build(parse_scene("objects:hammer,nail", seed=3, objects=OBJECTS), OBJECTS) as made:
+        yield made
+
+
+def test_nail_stands_still_until_it_is_struck(carpentry: World):
+    """By itself a nail keeps its depth, to a tenth of a millimetre in two seconds."""
+    before = carpentry.depth("nail")
+
+    carpentry.step(round(2 / TIME_STEP))
+
+    assert before == pytest.approx(0.016, abs=1e-4)
+    assert carpentry.depth("nail") == pytest.approx(before, abs=1e-4)
+    assert carpentry.pose("nail")[2, 2] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("height", [0.05, 0.10])
+def test_nail_goes_in_as_far_as_the_blow_drives_it(carpentry: World, height: float):
+    """Most of the energy of a falling hammer is what the wood resists along the nail's way."""
+    start, block = carpentry.depth("nail"), carpentry.pose("block")
+
+    strike(carpentry, height)
+
+    mount = OBJECTS["nail"].mount
+    assert mount is not None
+    driven = carpentry.depth("nail") - start
+    energy = OBJECTS["hammer"].mass * 9.81 * height  # [J]
+    assert 0.6 < driven * mount.resistance / energy < 1.2
+    assert carpentry.pose("nail")[2, 3] - carpentry.pose("block")[2, 3] == pytest.approx(
+        0.07 - carpentry.depth("nail"), abs=1e-3
+    )
+    assert np.linalg.norm(carpentry.pose("block")[:3, 3] - block[:3, 3]) < 0.001
+
+
+def test_nail_goes_no_deeper_than_its_head(carpentry: World):
+    """However often it is struck, the head stays on the wood."""
+    for _ in range(3):
+        strike(carpentry, 0.3)
+
+    assert 0.055 < carpentry.depth("nail") < 0.0625
+
+
+def test_depth_of_what_stands_in_nothing_is_refused(carpentry: World):
+    """Only what stands in another thing has a depth."""
+    assert carpentry.support("nail") == "block"
+    assert carpentry.support("hammer") is None
+    with pytest.raises(UnknownNameError, match=r'thing that stands in another "hammer".*nail'):
+        carpentry.depth("hammer")
