@@ -5,7 +5,7 @@
     >>> language.understand("To pass a knife grab it by the blade").semantics
     'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same five files.
+A second language is a second folder beside `ontology/english`, with the same six files.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from ..ontology.qualifiers import Degrees, load_degrees
 from ..ontology.source import read_yaml
 from .chart import Chart
 from .combinators import Combinator
+from .expression import Expression, load_expression
 from .generation import Slot, Speech, load_speech
 from .grammar import load_grammar
 from .inflection import Inflection, load_inflection
@@ -39,7 +40,6 @@ from .vocabulary import Vocabulary, household_vocabulary
 from .words import WordBook
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
-FILES = ("grammar", "lexicon", "inflection", "answers", "examples")
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,7 @@ class Language:
         name: its folder.
         listener: what understands.
         speech: what speaks.
+        expression: what puts meanings into sentences.
         book: how entries are made for new words.
         inflection: forms of words.
         degrees: the degrees of confidence.
@@ -59,6 +60,7 @@ class Language:
     name: str
     listener: Listener
     speech: Speech
+    expression: Expression
     book: WordBook
     inflection: Inflection
     degrees: Degrees
@@ -106,7 +108,14 @@ class Language:
         speech = load_speech(
             folder / "answers.yaml", inflection, book.act_names(), book.tool_phrases()
         )
-        return cls(language, listener, speech, book, inflection, degrees)
+        words = {degrees.intervals[name]: each[0] for name, each in book.qualifiers.items()}
+        expression = load_expression(
+            folder / "sentences.yaml",
+            speech,
+            {**words, degrees.intervals[degrees.default]: ""},
+            book.tool_acts(),
+        )
+        return cls(language, listener, speech, expression, book, inflection, degrees)
 
     def with_words(self, words: Iterable[NewWord]) -> Language:
         """This language with learned words, known from now on in all their forms."""
@@ -157,6 +166,14 @@ class Language:
     def say(self, key: str, **slots: Slot) -> str:
         """An answer of `answers.yaml`, with its slots filled."""
         return self.speech.say(key, **slots)
+
+    def generate(self, meaning: Meaning) -> str:
+        """A sentence that means it: understood again, it gives the same meaning.
+
+        Raises:
+            UnknownNameError: the language has no sentence for a meaning of this shape.
+        """
+        return self.expression.sentence(meaning)
 
     def phrase(self, rule: Rule) -> str:
         """A rule in words: "to pass a knife, grab it by the blade"."""
@@ -296,9 +313,7 @@ class Language:
         for place, pair in enumerate(pairwise(tokens.items)):
             if all(token.word not in self.book.closed for token in pair):
                 first, second = (token.word for token in pair)
-                names = compounds(
-                    first, second, self.book, self.inflection, self.listener.lexicon
-                )
+                names = compounds(first, second, self.book, self.inflection, self.listener.lexicon)
                 if names:
                     found[place] = [*found.get(place, ()), *names]
         return found

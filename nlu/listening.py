@@ -18,7 +18,7 @@ from .grammar import Grammar
 from .interpretation import Interpreter, reply
 from .lexicon import Entry, Lexicon
 from .meaning import AskBack, Meaning, Misunderstanding, Statement
-from .pragmatics import PragmaticRule, intentions
+from .pragmatics import Intention, Pragmatics
 from .predicates import Form, form_of
 from .questions import question
 from .reference import IT, Discourse, RefusedError, resolved
@@ -62,7 +62,7 @@ class Listener:
     lexicon: Lexicon
     combinator: Combinator
     interpreter: Interpreter
-    pragmatics: Sequence[PragmaticRule]
+    pragmatics: Pragmatics
     examples: Mapping[str, frozenset[str]]
 
     def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
@@ -123,6 +123,13 @@ class Listener:
         ranked = sorted(self.examples, key=likeness, reverse=True)
         return tuple(each for each in ranked[:MAX_NEAREST] if likeness(each) > 0)
 
+    def _intention(self, said: Form) -> Intention:
+        """The one thing that is meant by a speech act."""
+        meant = self.pragmatics.meant(said)
+        if len(meant) != 1:
+            raise RefusedError("which_intention", asks=True)
+        return meant[0]
+
     def _derivations(self, chart: Chart) -> list[tuple[str, Derivation]]:
         found = [
             (act, derivation)
@@ -141,11 +148,11 @@ class Listener:
         if act == "QUESTION" and form.name in {"implies", "and"}:
             form = Form("isTrue", (form,))
         said = Form(act, (Form(situation.speaker), Form(situation.addressee), form))
-        intention = intentions(said, self.pragmatics)[0]
+        intention = self._intention(said)
         return Reading(
             said,
             intention.form,
-            intention.rule.interval,
+            intention.interval,
             _meaning(intention.form, interpreter, situation.discourse),
             derivation.cost,
             derivation,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An utterance of several moves: "Hello. That hammer, could I have it?"
+"""Utterances of several moves, such as "Hello. That hammer, could I have it, please?".
 
 Where an utterance is no whole, it may be a row of wholes, cut at its commas and full stops. Each
 must be understood, so that still nothing is left out; and together they must come to one meaning.

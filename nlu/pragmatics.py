@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..ontology.source import Field, read_yaml
+from .evidence import EVIDENCE, Evidence
 from .meaning import Confidence
 from .notation import read_rule
 from .predicates import Form, fill, match
@@ -34,50 +35,73 @@ class PragmaticRule:
     intention: Form
     interval: Confidence
 
-    @property
-    def detail(self) -> int:
-        """How much the pattern says: the number of its forms that are no variables."""
-        return sum(not part.is_variable for part in self.act)
-
     def __str__(self) -> str:
         return f"{self.act} => {self.intention}"
 
 
 @dataclass(frozen=True)
+class Pragmatics:
+    """The pragmatic rules, and how sure an intention must be.
+
+    Attributes:
+        rules: in the order of the file.
+        threshold: the least certainty of an intention, in [0, 1].
+        evidence: how conclusions are drawn.
+    """
+
+    rules: tuple[PragmaticRule, ...]
+    threshold: float
+    evidence: Evidence = EVIDENCE
+
+    def intentions(self, act: Form, heard: Confidence = (1.0, 1.0)) -> list[Intention]:
+        """All that a speech act may be meant to bring about, the surest first.
+
+        Args:
+            act: the speech act.
+            heard: how sure it is that this was said, (lower, upper) in [0, 1].
+        """
+        found: dict[Form, list[Confidence]] = {}
+        for rule in self.rules:
+            variables = match(rule.act, act)
+            if variables is not None:
+                concluded = self.evidence.ponens(heard, rule.interval)
+                found.setdefault(fill(rule.intention, variables), []).append(concluded)
+        judged = [self._judged(form, intervals) for form, intervals in found.items()]
+        return sorted(judged, key=lambda each: -each.certainty)
+
+    def meant(self, act: Form, heard: Confidence = (1.0, 1.0)) -> list[Intention]:
+        """The intentions that are sure enough; with none or several of them, Hilt must ask."""
+        return [each for each in self.intentions(act, heard) if each.certainty > self.threshold]
+
+    def _judged(self, form: Form, intervals: Sequence[Confidence]) -> Intention:
+        interval = self.evidence.fused(intervals)
+        return Intention(form, interval, self.evidence.certainty(interval))
+
+
+@dataclass(frozen=True)
 class Intention:
-    """What a speaker wants, by one rule.
+    """What a speaker may want.
 
     Attributes:
         form: the intention, as `want(sam,pass(self,knife))`.
-        rule: the rule that says so.
+        interval: how sure it is, (lower, upper) in [0, 1].
+        certainty: the same in one number, in [0, 1]; 0 when it rather is not meant.
     """
 
     form: Form
-    rule: PragmaticRule
+    interval: Confidence
+    certainty: float
 
 
-def intentions(act: Form, rules: Sequence[PragmaticRule]) -> list[Intention]:
-    """All that a speech act may be meant to bring about, the likeliest first.
-
-    A rule that says more about the act goes before one that says less, and of two that say as
-    much the surer one.
-    """
-    found = [
-        Intention(fill(rule.intention, variables), rule)
-        for rule in rules
-        if (variables := match(rule.act, act)) is not None
-    ]
-    return sorted(found, key=lambda each: (-each.rule.detail, -each.rule.interval[0]))
-
-
-def load_pragmatics(path: Path = PRAGMATICS_FILE) -> tuple[PragmaticRule, ...]:
+def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
     """Read the pragmatic rules.
 
     Raises:
         DataError: the file is not as expected; says where.
     """
-    entries = read_yaml(path).entries(required=("rules",), optional=())
-    return tuple(_rule(field) for field in entries["rules"].items())
+    entries = read_yaml(path).entries(required=("rules", "threshold"), optional=())
+    rules = tuple(_rule(field) for field in entries["rules"].items())
+    return Pragmatics(rules, entries["threshold"].number(low=0, high=1))
 
 
 def _rule(field: Field) -> PragmaticRule:

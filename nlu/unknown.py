@@ -106,7 +106,11 @@ def compounds(
     The second word, which carries the plural, must be an object or unknown, and the first an
     object, a stuff or unknown; of words that are both known the pair is a kind of the second.
     """
-    if first == second or not _may_name(first, lexicon) or not _may_name(second, lexicon, last=True):
+    if (
+        first == second
+        or not _may_name(first, lexicon)
+        or not _may_name(second, lexicon, last=True)
+    ):
         return []
     singular = next(iter(inflection.origins(second, "plural")), second)
     name = f"{first} {singular}"

@@ -40,7 +40,9 @@ def test_a_meaning_is_found_once(language: Language) -> None:
         for derivation in chart.derivations(category)
     ]
 
-    assert [str(form_of(each.value)) for each in statements] == [
+    forms = [str(form_of(each.value)) for each in statements]
+    assert len(set(forms)) == len(forms)
+    assert [form for form in forms if not form.startswith("within")] == [
         "implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)"
     ]
 
