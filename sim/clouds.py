@@ -54,21 +54,26 @@ class Surroundings:
         Args:
             cell: side of the cubes of which each keeps one point [m].
             reach: how far from the part points are kept [m].
-            most: how many points there may be; the cubes grow until it is so.
+            most: how many points there may be of each label; the cubes grow until it is so.
         """
         low, high = self.wanted.min(axis=0) - reach, self.wanted.max(axis=0) + reach
-        near = np.flatnonzero(np.all((self.points >= low) & (self.points <= high), axis=1))
-        index = self._spread(near, cell)
-        while len(index) > most:
-            cell *= max(LEAST_GROWTH, float(np.sqrt(len(index) / most)))
-            index = self._spread(near, cell)
+        near = np.all((self.points >= low) & (self.points <= high), axis=1)
+        index = np.concatenate(
+            [
+                self._spread(np.flatnonzero(near & (self.labels == each)), cell, most)
+                for each in Label
+            ]
+        )
         return Surroundings(
             self.points[index], self.labels[index], self.table, self.balance, self.mass
         )
 
-    def _spread(self, near: np.ndarray, cell: float) -> np.ndarray:
-        groups = [near[self.labels[near] == label] for label in Label]
-        return np.concatenate([group[thin(self.points[group], cell)] for group in groups])
+    def _spread(self, group: np.ndarray, cell: float, most: int) -> np.ndarray:
+        kept = group[thin(self.points[group], cell)]
+        while len(kept) > most:
+            cell *= max(LEAST_GROWTH, float(np.sqrt(len(kept) / most)))
+            kept = group[thin(self.points[group], cell)]
+        return kept
 
 
 def surround(

@@ -24,7 +24,7 @@ from .robots import Gripper
 COARSE_CELL = 0.0035  # [m] between the points that proposals look at
 FINE_CELL = 0.002  # [m] between the points that the profile looks at
 COARSE_REACH, FINE_REACH = 0.15, 0.13  # [m] round the part, what a hand may run into
-COARSE_POINTS, FINE_POINTS = 3500, 10000  # so many are enough, also of large things
+COARSE_POINTS, FINE_POINTS = 2000, 6000  # of each kind, also of large things
 JUDGED = 240  # proposals that are judged
 PLACE = 0.02  # [m], side of the cubes that are one place; each place gets its share of them
 TILT_COST = 0.03  # [m], a level approach counts as this much farther from the balance

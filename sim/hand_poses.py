@@ -100,8 +100,7 @@ class _Sections:
         starts, tips = starts[possible], tips[possible]
         wanted, other, nearest = _count(points, surroundings.labels, starts, tips, gripper)
         room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
-        right = _first_room(wanted + other, room)
-        left = _first_room((wanted + other)[..., ::-1], room)
+        left, right = _ends(wanted + other, room)
         width = (left + right - 1) * BIN
         reach = np.arange(-HALF_BINS, HALF_BINS + 1)
         left_end, right_end = -left[..., None], right[..., None]
@@ -114,7 +113,9 @@ class _Sections:
         row, depth = np.nonzero(ok)
         shift = (right - left)[row, depth] * BIN / 2
         centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
-        return cls(centres, width[row, depth], int(np.sum(~narrow)), int(np.sum(narrow & ~clear)))
+        too_wide = int(np.sum(sum(_ends(wanted, room)) * BIN > gripper.opening))
+        blocked = int(np.sum(~(clear & narrow & shallow))) - too_wide
+        return cls(centres, width[row, depth], too_wide, max(0, blocked))
 
 
 def _tip_depths(rotation: Array, samples: Array, table: float, gripper: Gripper) -> Array:
@@ -166,6 +167,11 @@ def _beside(x: Array, middles: Array, half: float) -> tuple[np.ndarray, np.ndarr
     row = np.repeat(np.arange(len(middles)), count)
     within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
     return row, order[first[row] + within]
+
+
+def _ends(counts: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
+    """Bins from the middle to the first room for a finger, to the left and to the right."""
+    return _first_room(counts[..., ::-1], room), _first_room(counts, room)
 
 
 def _first_room(counts: np.ndarray, room: int) -> np.ndarray:

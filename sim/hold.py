@@ -229,17 +229,17 @@ def _obstacle(
     beyond = (z > gripper.tip) & (z <= gripper.tip + BEYOND)
     slope = on_finger & beyond & (y > half + OUTWARD) & (y < half + gripper.finger_thickness)
     swept = _swept(x, y, z, (opening / 2)[:, None], gripper)
-    # Between the fingers there may be more of the thing, if it stands back from the pads.
+    # Between the fingers may be more of the thing that stands back from the pads; no neighbour.
     near = (
         (x <= gripper.finger_width / 2 + PART_CLEARANCE)
         & (z <= gripper.tip + PART_CLEARANCE)
-        & (y >= half - RECESS)
         & (y <= (opening / 2)[:, None] + gripper.finger_thickness)
     )
+    beside = near & (y >= half - RECESS)
     own, other = labels == Label.WANTED, labels == Label.OTHER_PART
     result = np.full(len(local), _NONE)
     result[np.any((slope | swept) & own, axis=1)] = _SLOPE
-    result[np.any((slope | swept | near) & other, axis=1)] = _PART
+    result[np.any((slope | swept | beside) & other, axis=1)] = _PART
     result[np.any((slope | swept | near) & (labels == Label.NEIGHBOUR), axis=1)] = _NEIGHBOUR
     return result
 
