@@ -7,6 +7,7 @@
     ├── ConflictError (ValueError)       sources that contradict each other fully
     ├── UnknownNameError (LookupError)   a name that nothing answers to; lists those that do
     ├── StoreError (OSError)             the knowledge base cannot be opened, read or written
+    │   └── InUseError                   another process has the folder of the knowledge base open
     ├── QueryError (ValueError)          a SPARQL text that is wrong, refused or took too long
     ├── ValidationError (ValueError)     a graph that breaks the shapes; carries each finding
     ├── MissingExtraError (ImportError)  an optional part is not installed; says how to get it
@@ -92,6 +93,21 @@ class StoreError(HiltError, OSError):
     """The knowledge base cannot be opened, read or written."""
 
 
+class InUseError(StoreError):
+    """Another process has the folder of a knowledge base open for writing.
+
+    Attributes:
+        location: the folder.
+    """
+
+    def __init__(self, location: str) -> None:
+        self.location = location
+        super().__init__(
+            f'The knowledge base "{location}" is in use by another process. Close that one first, '
+            "or name another folder."
+        )
+
+
 class QueryError(HiltError, ValueError):
     """A SPARQL text that is wrong, is refused, or took too long or too much memory."""
 
@@ -104,9 +120,9 @@ class ValidationError(HiltError, ValueError):
     """
 
     def __init__(self, findings: Sequence[str]) -> None:
-        self.findings = tuple(findings)
-        more = f" (and {len(self.findings) - 1} more)" if len(self.findings) > 1 else ""
-        super().__init__(f"{self.findings[0]}{more}")
+        first, *others = self.findings = tuple(findings)
+        more = f" (and {len(others)} more)" if others else ""
+        super().__init__(f"{first}{more}")
 
 
 class MissingExtraError(HiltError, ImportError):
