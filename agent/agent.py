@@ -20,11 +20,12 @@ from typing import TYPE_CHECKING
 from platformdirs import user_data_path
 
 from ..inference.affordance import Affordances, Settings
+from ..inference.induction import Inducing
 from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
 from ..nlu.language import Language
 from ..ontology.actions import Actions, load_actions
-from ..ontology.objects import load_objects
+from ..ontology.objects import load_household
 from ..sim.scene import Scene, parse_scene
 from .dialogue import Dialogue
 from .goals import GoalManager
@@ -44,7 +45,7 @@ def default_location() -> Path:
 
 
 # What comes with the program is read once: it never changes.
-_objects = cache(load_objects)
+_household = cache(load_household)
 _actions = cache(load_actions)
 
 
@@ -61,7 +62,7 @@ def open_base(location: str | None) -> KnowledgeBase:
         StoreError: it cannot be opened.
     """
     base = KnowledgeBase.open(location or default_location())
-    base.load_domain(_objects(), _actions())
+    base.load_domain(_household().objects, _actions())
     return base
 
 
@@ -75,6 +76,7 @@ class Agent:
         scene: what is on its table.
         simulate: whether it has a simulated body; without one it decides but does not move.
         gui: whether the simulator shows a window.
+        induces: whether it also acts on what follows by likeness from what it was told.
         settings: the choices of the inference.
     """
 
@@ -87,13 +89,18 @@ class Agent:
         *,
         simulate: bool = True,
         gui: bool = False,
+        induces: bool = False,
         settings: Settings | None = None,
     ) -> None:
         self.base = base
         self.actions = actions
         self.scene = scene
-        self.objects = _objects()
-        self.affordances = Affordances(base, settings, Taxonomy.of(base))
+        self.objects = _household().objects
+        self.affordances = Affordances(
+            Inducing(base, self.objects, _household().classes) if induces else base,
+            settings or Settings.load(),
+            Taxonomy.of(base),
+        )
         self.simulate = simulate
         self.gui = gui
         self.dialogue = Dialogue(base, language, lambda: self.goals, self.visible, seed=scene.seed)
@@ -107,6 +114,7 @@ class Agent:
         seed: int = 0,
         simulate: bool = True,
         gui: bool = False,
+        induces: bool = False,
         settings: Settings | None = None,
     ) -> Agent:
         """An agent over a knowledge base.
@@ -117,13 +125,14 @@ class Agent:
             seed: of everything random.
             simulate: whether it has a simulated body.
             gui: whether the simulator shows a window.
-            settings: the choices of the inference.
+            induces: whether it also acts on what follows by likeness from what it was told.
+            settings: the choices of the inference; None reads `ontology/thresholds.yaml`.
 
         Raises:
             DataError: the scene is wrong.
             StoreError: the base cannot be opened.
         """
-        on_table = parse_scene(scene, seed=seed, objects=_objects())
+        on_table = parse_scene(scene, seed=seed, objects=_household().objects)
         return cls(
             open_base(location),
             _language(),
@@ -131,6 +140,7 @@ class Agent:
             on_table,
             simulate=simulate,
             gui=gui,
+            induces=induces,
             settings=settings,
         )
 

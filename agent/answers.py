@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..inference.goal import Candidate, Inference, Target
+from ..inference.induction import INDUCER
 from .outcome import Answer, Decision
 
 _DONE = {
@@ -49,6 +50,8 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
     if action == "pass" and recipient != speaker:
         return Answer("passed_to", slots | {"recipient": recipient})
     teacher = _teacher(decision)
+    if teacher == INDUCER:
+        return Answer("done_by_likeness", slots)
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
     plain, by_part, as_told = _DONE.get(action, _DONE["use"])
@@ -74,6 +77,11 @@ def not_found(target: Target, inference: Inference) -> Answer:
     if wanted is None:
         return Answer("not_sure_seen", {"object": _named(target)}, "asked")
     return Answer("not_sure", {"object": first.object, "affordance": wanted}, "asked")
+
+
+def not_sure_how(action: str, object_name: str) -> Answer:
+    """The answer when no part is sure enough to take a thing by."""
+    return Answer("not_sure_how", {"goal": action, "object": object_name}, "asked")
 
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:

@@ -21,6 +21,7 @@ from ..inference.conflicts import Conflict
 from ..inference.explanation import Change
 from ..inference.goal import Candidate
 from ..inference.induction import Induced
+from ..kb.query import NamedQuery
 from ..kb.results import Answer as Truth
 from ..kb.results import Solutions
 from ..kb.rule import Rule
@@ -113,9 +114,7 @@ def decision(made: Decision, quote: Quote) -> Table:
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
     mark = Text("yes", "green") if candidate.accepted else Text("no", "red")
     told = [
-        f'{rule.speaker.capitalize()} said: "{quote(rule.utterance)}"'
-        for rule in candidate.rules
-        if rule.utterance
+        f'{_source(rule)}: "{quote(rule.utterance)}"' for rule in candidate.rules if rule.utterance
     ]
     table.add_row(
         name,
@@ -124,6 +123,10 @@ def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) 
         mark,
         escape("\n".join((*told, candidate.reason))),
     )
+
+
+def _source(rule: Rule) -> str:
+    return "It is like" if rule.status == "induced" else f"{rule.speaker.capitalize()} said"
 
 
 def world(happened: World) -> Table:
@@ -235,3 +238,12 @@ def shortened(term: Term | None) -> str:
     if isinstance(term, Iri):
         return prefixed(term)
     return "" if term is None else str(term)
+
+
+def questions(named: Iterable[NamedQuery]) -> Table:
+    """The questions that have a name, with what they ask for."""
+    table = Table("name", "question", "--arg", box=None, pad_edge=False)
+    for one in named:
+        asked = "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values())
+        table.add_row(one.name, escape(one.question), asked)
+    return table

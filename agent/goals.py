@@ -242,6 +242,8 @@ class _Walk:
         if self.decision:
             self.decision = replace(self.decision, part=inference)
         part = self._part(percept, inference)
+        if part is None and any(each.verdict == "unsure" for each in inference.candidates):
+            return answers.not_sure_how(self.request.action, percept.object)
         if self.motion is None:
             return None
         report = self.motion.grasp(percept, part)

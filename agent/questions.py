@@ -121,6 +121,8 @@ def _why(question: Question, known: Knowledge) -> Answered:
     if not rules or rules[-1].utterance is None:
         return _say("because", done=True, reason=_reason(known.last, question.object)), ()
     text = known.base.utterance(rules[-1].utterance).text
+    if rules[-1].status == "induced":
+        return _say("because_alike", done=True, text=text), tuple(rules)
     return _say("because_told", done=True, speaker=rules[-1].speaker, text=text), tuple(rules)
 
 

@@ -15,17 +15,20 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS, Interval
 from ..kb.rule import Atom, Rule
 from ..ontology.errors import UnknownNameError
+from ..ontology.source import read_yaml
 from .evidence import EPSILON, Operators, certainty, is_affirmed, is_denied
 from .goal import Candidate, Goal, Inference, Observation, Verdict
 from .proof import LEAVES, UNKNOWN, Proof, derived, told
 from .taxonomy import FLAT, Taxonomy
 
 FIND = "findObject"  # the action whose rules are functional: usedFor(object, affordance)
+THRESHOLDS_FILE = Path(__file__).parents[1] / "ontology" / "thresholds.yaml"
 STAGES = ("rules", "conclusions")
 
 
@@ -50,8 +53,7 @@ class Settings:
         operators: AND, modus ponens, fusion and ranking, by name.
         stage: fuse "rules" that share an antecedent, then conclude (default); or conclude from each
             rule and fuse the "conclusions", the letter of the paper.
-        threshold: Λ, what lambda must exceed to act, in [0, 1]. The paper gives no number; .005
-            keeps "occasionally" feasible down to a detection confidence of .62.
+        threshold: Λ, what lambda must exceed to act, in [0, 1].
         thresholds: Λ of single contexts (action names), before the general one.
     """
 
@@ -63,6 +65,20 @@ class Settings:
     def __post_init__(self) -> None:
         if self.stage not in STAGES:
             raise UnknownNameError("fusion stage", self.stage, STAGES)
+
+    @classmethod
+    def load(cls, path: Path = THRESHOLDS_FILE) -> Settings:
+        """The defaults, with the thresholds of a file.
+
+        Raises:
+            DataError: the file is wrong; says where and what was expected.
+        """
+        top = read_yaml(path).entries(required={"default"}, optional={"contexts"})
+        contexts = top["contexts"].entries() if "contexts" in top else {}
+        return cls(
+            threshold=top["default"].number(low=0, high=1),
+            thresholds={name: each.number(low=0, high=1) for name, each in contexts.items()},
+        )
 
     def threshold_of(self, contexts: Iterable[str]) -> float:
         """Λ of the nearest context that has one of its own."""

@@ -14,9 +14,9 @@ where likeness misleads: a spoon and a knife are both long and of metal, but onl
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ..kb.rule import Atom, Rule
 from ..ontology.objects import ObjectType, PartType
@@ -29,6 +29,23 @@ LEAST_SIMILARITY = 0.3  # below this two things are not alike enough to conclude
 INDUCER = "induction"  # the speaker of induced rules
 
 Json = dict[str, object]
+
+
+class TaughtRules(Protocol):
+    """What induction asks of a knowledge base."""
+
+    @property
+    def sequence(self) -> int:
+        """The number of the last change."""
+        ...
+
+    def rules(self) -> Sequence[Rule]:
+        """All rules that hold."""
+        ...
+
+    def rules_of(self, nodes: Sequence[str]) -> Sequence[Rule]:
+        """The rules that hang on these nodes."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -88,6 +105,42 @@ def induce(
             if best is None or induced.rule.interval.lower > best.rule.interval.lower:
                 found[key] = induced
     return sorted(found.values(), key=lambda each: (-each.rule.interval.lower, each.rule.id))
+
+
+class Inducing:
+    """A source of rules that adds those which follow by likeness from the taught ones.
+
+    Args:
+        source: where the taught rules are.
+        objects: the kinds of objects there are.
+        classes: class of objects -> the class above it.
+    """
+
+    def __init__(
+        self,
+        source: TaughtRules,
+        objects: Mapping[str, ObjectType],
+        classes: Mapping[str, str | None],
+    ) -> None:
+        self.source = source
+        self._objects, self._classes = objects, classes
+        self._sequence = -1
+        self._induced: dict[str, list[Rule]] = {}
+
+    @property
+    def sequence(self) -> int:
+        """The number of the last change of what was taught."""
+        return self.source.sequence
+
+    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+        """The rules that hang on these nodes, taught and induced ones."""
+        if self.sequence != self._sequence:
+            self._sequence = self.sequence
+            self._induced = {}
+            for each in induce(self.source.rules(), self._objects, classes=self._classes):
+                self._induced.setdefault(each.rule.node, []).append(each.rule)
+        added = [rule for node in dict.fromkeys(nodes) for rule in self._induced.get(node, ())]
+        return [*self.source.rules_of(nodes), *added]
 
 
 def ontology_graph(

@@ -42,4 +42,8 @@ Heard = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Gui = Annotated[bool, typer.Option("--gui", help="Show the simulator's window.")]
 NoSim = Annotated[bool, typer.Option("--no-sim", help="Decide, but do not move a robot.")]
+Induce = Annotated[
+    bool,
+    typer.Option("--induce", help="Also act on what follows by likeness from what was told."),
+]
 Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]

@@ -6,7 +6,20 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from .options import AsJson, Gui, Heard, Kb, NoSim, Out, SceneSpec, Seed, Speaker, Utterance, app
+from .options import (
+    AsJson,
+    Gui,
+    Heard,
+    Induce,
+    Kb,
+    NoSim,
+    Out,
+    SceneSpec,
+    Seed,
+    Speaker,
+    Utterance,
+    app,
+)
 from .terminal import converse, finish, open_agent, open_base, show, terminal
 
 
@@ -56,9 +69,10 @@ def do(
     as_json: AsJson = False,
     gui: Gui = False,
     no_sim: NoSim = False,
+    induce: Induce = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
-    with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
+    with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim, induces=induce) as agent:
         converse(
             agent,
             text,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from ...ontology.errors import DataError, HiltError
+from ...ontology.errors import DataError, HiltError, InUseError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -31,11 +31,12 @@ def open_agent(
     seed: int = 0,
     gui: bool = False,
     no_sim: bool = False,
+    induces: bool = False,
 ) -> Agent:
     """An agent over a knowledge base, as the options of a command say."""
     from ..agent import Agent
 
-    return Agent.open(kb, scene=scene, seed=seed, gui=gui, simulate=not no_sim)
+    return Agent.open(kb, scene=scene, seed=seed, gui=gui, simulate=not no_sim, induces=induces)
 
 
 def open_base(kb: str | None) -> KnowledgeBase:
@@ -43,6 +44,17 @@ def open_base(kb: str | None) -> KnowledgeBase:
     from .. import agent
 
     return agent.open_base(kb)
+
+
+def open_for_reading(kb: str | None) -> KnowledgeBase:
+    """Open a knowledge base that is only read; one in use elsewhere is read as it is now."""
+    from ...kb.beliefs import KnowledgeBase
+    from .. import agent
+
+    try:
+        return agent.open_base(kb)
+    except InUseError as error:
+        return KnowledgeBase.open(error.location, read_only=True)
 
 
 def terminal(*, stderr: bool = False) -> Console:
@@ -98,9 +110,11 @@ def _lines(stream: Iterable[bytes]) -> Iterator[str]:
 
 
 def text_of(text_or_file: str) -> str:
-    """The content of a file when there is one of that name, else the text itself."""
+    """The content of a file of SPARQL, what stdin holds for "-", else the text itself."""
+    if text_or_file == "-":
+        return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
     looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
-    if looks_like_file and Path(text_or_file).suffix in {".rq", ".sparql"}:
+    if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
         try:
             return Path(text_or_file).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:

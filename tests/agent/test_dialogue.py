@@ -310,3 +310,28 @@ def test_untrusted_speaker_teaches_no_words(agent: Agent):
 
     assert agent.base.words() == []
     assert agent.hear("what are saws used for?").ending != "done"
+
+
+def test_robot_that_induces_passes_what_is_like_a_knife_like_a_knife():
+    """It acts on likeness when asked to, says so, and drops the guess when it is taught."""
+    with Agent.open("memory:", simulate=False, induces=True) as inducing:
+        inducing.hear("To pass a knife grab it by the blade")
+        guessed = part(inducing.hear("pass me the screwdriver"))
+        why = inducing.hear("why?").said
+        inducing.hear("To pass a screwdriver grab it by the handle")
+
+        assert part(inducing.hear("pass me the screwdriver")) == "handle"
+
+    assert guessed == "shaft"
+    assert why == 'Because it is like what I was told: "To pass a knife grab it by the blade".'
+
+
+def test_part_that_is_not_sure_enough_is_asked_about(agent: Agent):
+    """A rule too weak to act on is a reason to ask, not to grasp anywhere."""
+    agent.base.set_trust("kim", 0.05)
+    agent.hear("To pass a mug grab it by the barrel", speaker="kim")
+
+    reply = agent.hear("pass me the mug")
+
+    assert reply.ending == "asked"
+    assert reply.said == "I am not sure enough how to pass a mug. By which part?"
