@@ -199,10 +199,9 @@ class Body:
         if self._held is None or self._sight is None:
             return MotionReport("put_back", ok=False, reason="nothing_held")
         reason = self.motion.put_back(self._held, self._reacher(self._sight))
-        report = self._report("put_back", reason)
         if not reason:
             self._held = None
-        return report
+        return self._report("put_back", reason)
 
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at a thing without touching it."""

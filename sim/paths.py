@@ -55,10 +55,8 @@ def timed(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Ar
 
 
 def _rounded(positions: Array, start: Array, half: int) -> Array:
-    ends = np.vstack(
-        [np.repeat(start[None], half, 0), positions, np.repeat(positions[-1:], 2 * half, 0)]
-    )
-    total = np.cumsum(np.vstack([0 * start[None], ends]), axis=0)
+    """The running mean over 2 half + 1 positions, from a standing start to a standing end."""
+    before, after = (np.repeat(end[None], 2 * half, axis=0) for end in (start, positions[-1]))
+    total = np.cumsum(np.vstack([0 * start[None], before, positions, after]), axis=0)
     window = 2 * half + 1
-    rounded = (total[window:] - total[:-window]) / window
-    return np.vstack([rounded, positions[-1:]])
+    return np.vstack([(total[window:] - total[:-window]) / window, positions[-1:]])
