@@ -20,6 +20,7 @@ from ..ontology.vocabulary import HILT, Iri, term
 from .episodes import Episode, episode_quads, read_episodes
 from .interval import CERTAIN
 from .limits import Limits
+from .migration import FORMAT, format_of, migrate, version_quad
 from .query import named_query
 from .recall import BASE_GRAPH, BASE_NODE
 from .results import Answer, Found, Solutions, Statements
@@ -33,9 +34,6 @@ from .terms import Quad
 if TYPE_CHECKING:
     from ..ontology.actions import Actions
     from ..ontology.objects import ObjectType
-
-FORMAT = 1  # raised when older programs would misread what is written
-FORMAT_VERSION = term("formatVersion")
 
 
 class KnowledgeBase(Telling):
@@ -55,6 +53,7 @@ class KnowledgeBase(Telling):
 
         Raises:
             StoreError: the store holds something else, or was written by a later Hilt.
+                What an earlier one wrote is brought to the format of today.
         """
         super().__init__(store, clock=clock)
         with store.writing():
@@ -65,8 +64,9 @@ class KnowledgeBase(Telling):
         """Open a base, or make a new one.
 
         Args:
-            location: `memory:` or a folder.
-            read_only: refuse to write; the base must exist.
+            location: `memory:`, a folder, or the address of a SPARQL endpoint.
+            read_only: refuse to write; the base must exist. A folder that another process
+                has open is read as it is now.
 
         Raises:
             StoreError: it cannot be opened; says why and what to do.
@@ -222,14 +222,11 @@ class KnowledgeBase(Telling):
         return bind(text, bindings or {})
 
     def _check_format(self) -> None:
-        found = [q.object for q in self.store.quads(BASE_NODE, FORMAT_VERSION, None, BASE_GRAPH)]
-        if not found:
+        found = format_of(self.store)
+        if found is None:
             self._found()
-        elif found[0] != FORMAT:
-            raise StoreError(
-                f'The knowledge base "{self.store.location}" has format {found[0]}; this Hilt '
-                f"reads format {FORMAT}. Use the Hilt that wrote it to export it."
-            )
+        elif found != FORMAT:
+            migrate(self.store, found)
 
     def _found(self) -> None:
         """Make an empty store a base: its format, and whom it trusts from the start."""
@@ -240,7 +237,7 @@ class KnowledgeBase(Telling):
         self.store.apply(
             insert=[
                 Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH),
-                Quad(BASE_NODE, FORMAT_VERSION, FORMAT, BASE_GRAPH),
+                version_quad(FORMAT),
                 *trust_quads(DEFAULT_SPEAKER, CERTAIN),
             ]
         )

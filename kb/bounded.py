@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import IO, cast
+from typing import IO, TypedDict, cast
 
 from ..ontology.errors import QueryError, StoreError
 from . import worker
@@ -21,6 +21,13 @@ from .limits import Limits
 from .results import Answer, Found, Statements, read_answer, read_solutions
 
 MAX_SHARE = 4  # an answer takes several times its size here; it may have 1/4 of the memory
+
+
+class Tried(TypedDict):
+    """What came of an update to a copy."""
+
+    sequence: int
+    findings: list[str]
 
 
 class Worker:
@@ -38,9 +45,7 @@ class Worker:
             QueryError: it is wrong, or was stopped.
             StoreError: the source cannot be read.
         """
-        request = {"source": str(source), "query": query, "megabytes": limits.megabytes}
-        with self._lock:
-            kind, body = self._asked(json.dumps(request).encode() + b"\n", limits)
+        kind, body = self._answered(limits, source=str(source), query=query)
         match kind:
             case worker.ROWS:
                 return read_solutions(body)
@@ -50,12 +55,15 @@ class Worker:
                 from .oxigraph import read_triples
 
                 return Statements.of(read_triples(body, source=str(source)))
-            case worker.WRONG_QUERY:
-                raise QueryError(body.decode())
-            case worker.TOO_LARGE:
-                raise limits.too_large()
             case _:
-                raise StoreError(body.decode())
+                raise _failure(kind, body, limits)
+
+    def try_update(self, copy: Path, update: str, limits: Limits) -> Tried:
+        """Run an update on a copy of a base and see what comes of it; errors as for `run`."""
+        kind, body = self._answered(limits, source=str(copy), update=update)
+        if kind != worker.UPDATED:
+            raise _failure(kind, body, limits)
+        return json.loads(body)
 
     def close(self) -> None:
         """End the process."""
@@ -66,6 +74,11 @@ class Worker:
                 if pipe:
                     pipe.close()
         self._process = None
+
+    def _answered(self, limits: Limits, **request: str) -> tuple[str, bytes]:
+        line = json.dumps({**request, "megabytes": limits.megabytes}).encode() + b"\n"
+        with self._lock:
+            return self._asked(line, limits)
 
     def _asked(self, request: bytes, limits: Limits) -> tuple[str, bytes]:
         """Send a request and read the answer; the process is killed when it goes too far."""
@@ -102,6 +115,12 @@ class Worker:
                 stderr=subprocess.DEVNULL,
             )
         return self._process
+
+
+def _failure(kind: str, body: bytes, limits: Limits) -> Exception:
+    if kind == worker.TOO_LARGE:
+        return limits.too_large()
+    return (QueryError if kind == worker.WRONG_QUERY else StoreError)(body.decode())
 
 
 def _exchange(

@@ -22,7 +22,7 @@ from typing import Any, cast
 
 import pyoxigraph as engine
 
-from ..ontology.errors import DataError, QueryError, StoreError
+from ..ontology.errors import DataError, InUseError, QueryError, StoreError
 from ..ontology.vocabulary import PREFIXES, Iri
 from . import snapshots, worker
 from .bounded import Worker
@@ -34,6 +34,7 @@ from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 
 # A folder that has this file is one the engine made.
 _MARK = "CURRENT"
+_NO_SPACE = "No space left"
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
 _FORMATS = {
@@ -182,9 +183,7 @@ class OxigraphStore:
             if self._snapshot:
                 shutil.copytree(self._snapshot, target)
             elif self.location == MEMORY:
-                copy = engine.Store(str(target))
-                copy.bulk_extend(store)
-                copy.flush()
+                _write_folder(store, target)
             else:
                 store.backup(target)
 
@@ -250,6 +249,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         StoreError: the folder is in use, cannot be written, holds something else, or is damaged.
     """
     try:
+        _undo_replacement(folder)
         is_base = _check_folder(folder)
         if read_only:
             if not is_base:
@@ -318,6 +318,16 @@ def read_triples(data: bytes, *, source: str) -> list[Quad]:
         return [_quad(quad) for quad in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
 
 
+def save_quads(quads: Iterable[Quad], target: Path) -> None:
+    """Write statements into a new folder, which can be opened.
+
+    Raises:
+        StoreError: it cannot be written.
+    """
+    with _reported(str(target)):
+        _write_folder((_engine_quad(quad) for quad in quads), target)
+
+
 def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
     """Statements as RDF text in UTF-8, with the prefixes of the vocabulary.
 
@@ -358,6 +368,23 @@ def _open_snapshot(snapshot: Path, location: str) -> OxigraphStore:
     return OxigraphStore(inner, location, read_only=True, snapshot=snapshot)
 
 
+def replaced_place(folder: Path) -> Path:
+    """Where a folder stands while another one takes its place."""
+    return folder.with_name(f".{folder.name}.replaced")
+
+
+def _write_folder(quads: Iterable[engine.Quad], target: Path) -> None:
+    store = engine.Store(str(target))
+    store.bulk_extend(quads)
+    store.flush()
+
+
+def _undo_replacement(folder: Path) -> None:
+    """Take back the old folder, when a crash came before the new one was in its place."""
+    if not folder.exists() and replaced_place(folder).exists():
+        replaced_place(folder).rename(folder)
+
+
 def _check_folder(folder: Path) -> bool:
     if not folder.exists():
         return False
@@ -376,10 +403,7 @@ def _open_error(folder: Path, error: Exception) -> StoreError:
     if isinstance(error, StoreError):
         return error
     if "lock" in str(error).lower():
-        return StoreError(
-            f'The knowledge base "{folder}" is in use by another process. Close that one first, '
-            "or name another folder."
-        )
+        return InUseError(str(folder))
     if (folder / _MARK).exists():
         return StoreError(
             f'The knowledge base "{folder}" is damaged or cannot be read: {_short(error)} '
@@ -401,6 +425,11 @@ def _reported(location: str, text: str = "") -> Generator[None]:
     except (QueryError, StoreError):
         raise
     except (OSError, RuntimeError) as error:
+        if _NO_SPACE in str(error):
+            raise StoreError(
+                f'The disk of the knowledge base "{location}" is full. This was not written; all '
+                "that was acknowledged is safe. Make room, and open the base again."
+            ) from error
         raise StoreError(f'The knowledge base "{location}" failed: {_short(error)}') from error
     except (SyntaxError, ValueError) as error:
         raise QueryError(syntax_problem(str(error), text)) from error

@@ -22,6 +22,7 @@ from .terms import Term, read_time
 
 QUERIES_FOLDER = Path(__file__).with_name("queries")
 
+_NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
 _PARAMETER = re.compile(r"#\s*\?(\w+)\s+(\w+)\s+(.+)")
 
 
@@ -72,10 +73,14 @@ class NamedQuery:
     def bindings(self, arguments: Mapping[str, str]) -> Bindings:
         """Values for the variables, from arguments given as texts.
 
+        A query that has no name and declares no parameters takes values for any variable.
+
         Raises:
             UnknownNameError: there is no such parameter.
             QueryError: an argument is no value of its kind.
         """
+        if not self.parameters and not self.name:
+            return {name: term_of(text) for name, text in arguments.items()}
         return {name: self._parameter(name).value(text) for name, text in arguments.items()}
 
     def _parameter(self, name: str) -> Parameter:
@@ -93,11 +98,37 @@ def named_query(name: str) -> NamedQuery:
     """
     if name not in query_names():
         raise UnknownNameError("query", name, query_names())
-    text = (QUERIES_FOLDER / f"{name}.rq").read_text(encoding="utf-8")
+    return read_query((QUERIES_FOLDER / f"{name}.rq").read_text(encoding="utf-8"), name)
+
+
+def read_query(text: str, name: str = "") -> NamedQuery:
+    """A query with the question and the parameters that its comments declare.
+
+    Args:
+        text: the SPARQL.
+        name: what it is called; empty for one that somebody wrote just now.
+    """
     comments = [line for line in text.splitlines() if line.startswith("#")]
     found = (_PARAMETER.fullmatch(line) for line in comments)
     parameters = {match[1]: Parameter(*match.groups()) for match in found if match}
-    return NamedQuery(name, comments[0].removeprefix("#").strip(), parameters, text)
+    question = comments[0].removeprefix("#").strip() if comments else ""
+    return NamedQuery(name, question, parameters, text)
+
+
+def term_of(text: str) -> Term:
+    """The term that a person writes for a value whose kind nobody declared.
+
+    >>> term_of("object:wine glass"), term_of("0.5"), term_of("knife")
+    (Iri('https://w3id.org/hilt/object/wine_glass'), Decimal('0.5'), 'knife')
+    """
+    kind, _, name = text.partition(":")
+    if kind in KINDS and name:
+        return iri(kind, name)
+    if kind in {"http", "https", "urn"}:
+        return Iri(text)
+    if _NUMBER.fullmatch(text):
+        return Decimal(text) if "." in text else int(text)
+    return text
 
 
 def query_names() -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from decimal import Decimal
 from itertools import islice
+from pathlib import Path
 from urllib.parse import urlencode, urljoin
 
 from ..ontology.errors import QueryError, StoreError
@@ -124,6 +125,12 @@ class RemoteStore:
         """Run a SPARQL update, once."""
         with self._lock:
             self._write(declared(update), may_repeat=False)
+
+    def save(self, target: Path) -> None:
+        """Write all statements into a folder on this machine."""
+        from .oxigraph import save_quads
+
+        save_quads(self.quads(), target)
 
     def writing(self) -> AbstractContextManager[object]:
         """A lock between the threads of this process."""

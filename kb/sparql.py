@@ -157,6 +157,20 @@ def syntax_problem(message: str, text: str) -> str:
     return f"The query is wrong at line {line}, column {column}: {found}."
 
 
+def joined(update: str, another: str) -> str:
+    """An update followed by another one that declares no prefixes: one unit where it can be.
+
+    Raises:
+        QueryError: the first one is empty.
+    """
+    tokens = [*_tokens(update)]
+    while tokens and tokens[-1].group() == ";":
+        tokens.pop()
+    if not tokens:
+        raise QueryError("The update is empty.")
+    return f"{update[: tokens[-1].end()]} ;\n{another}"
+
+
 def insert_data(quads: Sequence[Quad]) -> str:
     """The update that inserts statements."""
     return f"INSERT DATA {{ {_blocks(quads)} }}"

@@ -100,6 +100,14 @@ class Store(Protocol):
         """
         ...
 
+    def save(self, target: Path) -> None:
+        """Write a copy of all statements, as they are now, into a new folder.
+
+        Raises:
+            StoreError: it cannot be written.
+        """
+        ...
+
     def writing(self) -> AbstractContextManager[object]:
         """Hold this while something is read and then written that depends on it."""
         ...

@@ -3,8 +3,9 @@
 
 `python -m hilt.kb.worker` reads one request a line from stdin, as JSON: `source` (a snapshot's
 folder, or a file of N-Quads), `query`, and `megabytes`, its memory beyond what it needs to open
-the source. It answers with a line of JSON, `kind` and `size`, followed by so many bytes. Whoever
-asked kills it when it takes too long.
+the source; or, in place of the query, an `update` to a source that is a copy. It answers with a
+line of JSON, `kind` and `size`, followed by so many bytes. Whoever asked kills it when it takes
+too long.
 """
 
 from __future__ import annotations
@@ -44,6 +45,9 @@ def _answers(requests: Iterable[bytes]) -> Iterator[tuple[str, bytes]]:
     for line in requests:
         request = json.loads(line)
         try:
+            if "update" in request:
+                yield UPDATED, _updated(request)
+                continue
             if store is None or request["source"] != opened:
                 store, opened = _open(Path(request["source"])), request["source"]
                 _limit_memory(request["megabytes"])
@@ -54,6 +58,15 @@ def _answers(requests: Iterable[bytes]) -> Iterator[tuple[str, bytes]]:
             yield FAILED, str(error).encode()
         except MemoryError:
             yield TOO_LARGE, b""
+
+
+def _updated(request: dict[str, str]) -> bytes:
+    from .oxigraph import open_folder
+    from .updating import tried
+
+    store = open_folder(Path(request["source"]))
+    _limit_memory(int(request["megabytes"]))
+    return tried(store, request["update"])
 
 
 def _open(source: Path) -> OxigraphStore:

@@ -16,7 +16,7 @@ import typer
 
 from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
 
-from . import talking, parsing, knowledge, reasoning, measuring  # isort: skip - the order in which help lists them
+from . import talking, parsing, knowledge, querying, safety, reasoning, measuring  # isort: skip - the order in which help lists them
 from .options import app
 from .terminal import FAILED, complain
 
@@ -27,6 +27,8 @@ COMMANDS = (
     talking,
     parsing,
     knowledge,
+    querying,
+    safety,
     reasoning,
     measuring,
 )  # imported for what they add to `app`

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands on the knowledge base: rules, query, export, import, trust."""
+"""Commands on the knowledge base: rules, export, import, trust."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import AsJson, Kb, app
-from .terminal import open_base, show, terminal, text_of
+from .terminal import open_base, show, terminal
 
 
 @app.command()
@@ -22,20 +22,6 @@ def rules(*, kb: Kb = None, as_json: AsJson = False) -> None:
             from .. import console
 
             terminal().print(console.rules(found))
-
-
-@app.command()
-def query(
-    sparql: Annotated[str, typer.Argument(help="SPARQL, or a file that holds it.")],
-    kb: Kb = None,
-    as_json: AsJson = False,
-) -> None:
-    """Ask the graph in SPARQL; the prefixes are declared already."""
-    from .. import console
-
-    with open_base(kb) as base:
-        found = base.query(text_of(sparql))
-        show(found.as_json()) if as_json else terminal().print(console.results(found))
 
 
 @app.command(name="export")
