@@ -31,6 +31,7 @@ from .dialogue import Dialogue
 from .goals import GoalManager
 from .outcome import Step
 from .perception import PerfectVision
+from .protocols import Motion, Vision
 from .reply import Reply
 
 if TYPE_CHECKING:
@@ -78,6 +79,8 @@ class Agent:
         gui: whether the simulator shows a window.
         induces: whether it also acts on what follows by likeness from what it was told.
         settings: the choices of the inference.
+        vision: somebody else's eyes, instead of the simulator's.
+        motion: the hands that go with them; None decides but does not move.
     """
 
     def __init__(
@@ -91,6 +94,8 @@ class Agent:
         gui: bool = False,
         induces: bool = False,
         settings: Settings | None = None,
+        vision: Vision | None = None,
+        motion: Motion | None = None,
     ) -> None:
         self.base = base
         self.actions = actions
@@ -101,7 +106,8 @@ class Agent:
             settings or Settings.load(),
             Taxonomy.of(base),
         )
-        self.simulate = simulate
+        self.simulate = simulate and vision is None
+        self._vision, self._motion = vision, motion
         self.gui = gui
         self.dialogue = Dialogue(base, language, lambda: self.goals, self.visible, seed=scene.seed)
 
@@ -116,6 +122,8 @@ class Agent:
         gui: bool = False,
         induces: bool = False,
         settings: Settings | None = None,
+        vision: Vision | None = None,
+        motion: Motion | None = None,
     ) -> Agent:
         """An agent over a knowledge base.
 
@@ -127,6 +135,8 @@ class Agent:
             gui: whether the simulator shows a window.
             induces: whether it also acts on what follows by likeness from what it was told.
             settings: the choices of the inference; None reads `ontology/thresholds.yaml`.
+            vision: somebody else's eyes, instead of the simulator's.
+            motion: the hands that go with them; None decides but does not move.
 
         Raises:
             DataError: the scene is wrong.
@@ -142,6 +152,8 @@ class Agent:
             gui=gui,
             induces=induces,
             settings=settings,
+            vision=vision,
+            motion=motion,
         )
 
     def hear(
@@ -192,8 +204,8 @@ class Agent:
         """The goal manager over this agent's eyes and hands."""
         if self.simulate:
             return GoalManager(self.actions, self.affordances, self.body, self.body)
-        vision = PerfectVision(self.scene, self.objects)
-        return GoalManager(self.actions, self.affordances, vision, None)
+        vision = self._vision or PerfectVision(self.scene, self.objects)
+        return GoalManager(self.actions, self.affordances, vision, self._motion)
 
     @contextmanager
     def recorded(self, folder: Path) -> Generator[list[str]]:

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Somebody else's detector and motion stack behind Hilt: no simulator needed.
+
+`Camera` stands for your detector and `Arm` for your motion stack; Hilt asks of them what the
+protocols `Vision` and `Motion` say, and nothing else. Replace the bodies of the methods by calls
+into your own system. Run: python examples/own_robot.py
+"""
+
+from collections.abc import Sequence
+
+from hilt.agent import Agent
+from hilt.sim.percept import Percept
+from hilt.sim.report import MotionReport
+
+DETECTIONS = (("knife", 0.91), ("spoon", 0.97))  # what your detector sees: class, confidence
+LESSONS = (
+    "A knife is used for cutting",
+    "To pass a knife grab the knife by the blade",
+)
+
+
+class Camera:
+    """Your detector: asked only for the features that matter now."""
+
+    def search(self, features: Sequence[str]) -> list[Percept]:
+        """The detections that show one of the features ("object:knife", "property:red")."""
+        wanted = {
+            name for kind, _, name in (f.partition(":") for f in features) if kind == "object"
+        }
+        return [
+            Percept(name=name, object=name, confidence=sure, parts={})
+            for name, sure in DETECTIONS
+            if name in wanted
+        ]
+
+
+class Arm:
+    """Your motion stack: told which thing, and by which part."""
+
+    abilities = frozenset({"graspObject", "moveTo", "handOver"})
+
+    def grasp(self, percept: Percept, part: str | None) -> MotionReport:
+        """Plan and close the hand on the part; say what was touched."""
+        print(f"arm: grasp {percept.name} by the {part or 'best place'}")
+        return MotionReport("grasp", ok=True, touched=(part,) if part else (), attempts=1)
+
+    def lift(self) -> MotionReport:
+        """Raise what is held, and hold it."""
+        print("arm: lift")
+        return MotionReport("lift", ok=True, touched=("blade",), lifted_m=0.2, held_s=1.0)
+
+    def hand_over(self) -> MotionReport:
+        """Bring it to the person."""
+        print("arm: hand over")
+        return MotionReport("hand_over", ok=True)
+
+    def point_at(self, percept: Percept) -> MotionReport:
+        """This arm cannot point; Hilt does not ask for what is not among the abilities."""
+        raise NotImplementedError(percept.name)
+
+
+def main() -> None:
+    """Teach, ask, and show what the arm was told to do."""
+    with Agent.open("memory:", vision=Camera(), motion=Arm()) as agent:
+        for lesson in LESSONS:
+            print(f"sam: {lesson}\nhilt: {agent.hear(lesson).said}")
+        for command in ("pass me something used for cutting", "point to the knife"):
+            print(f"sam: {command}\nhilt: {agent.hear(command).said}")
+
+
+if __name__ == "__main__":
+    main()

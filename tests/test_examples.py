@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every example runs as it stands."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+
+
+def output(*arguments: str) -> str:
+    """What a Python process prints, which must end well."""
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+
+
+def test_own_robot_is_told_what_to_do_and_what_it_cannot():
+    """The arm grasps by the blade; pointing is declined in a sentence."""
+    out = output("examples/own_robot.py")
+
+    assert "arm: grasp knife by the blade\narm: lift\narm: hand over\n" in out
+    assert "hilt: Here is the knife. I hold it by the blade, as you told me." in out
+    assert "my body cannot do that yet: it lacks pointAt" in out
+
+
+def test_knowledge_part_runs_without_the_simulator():
+    """Neither PyBullet nor what only the simulator needs is imported."""
+    code = (
+        "import sys, runpy\n"
+        "for name in ('pybullet', 'scipy', 'trimesh', 'imageio', 'PIL'): sys.modules[name] = None\n"
+        "runpy.run_path('examples/own_robot.py', run_name='__main__')"
+    )
+
+    assert "arm: hand over" in output("-c", code)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_example_is_listed(example: Path):
+    """The table of examples names each."""
+    assert f"[{example.name}]" in (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
