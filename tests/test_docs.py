@@ -49,6 +49,14 @@ def test_readme_program_prints_what_its_comment_says(capfd: pytest.CaptureFixtur
     assert capfd.readouterr().out.splitlines() == said
 
 
+@pytest.mark.parametrize("document", DOCUMENTS[1:], ids=lambda path: path.name)
+def test_programs_in_documents_run(document: Path):
+    """The Python blocks of a page run, one after the other."""
+    program = "\n".join(blocks(document.read_text(encoding="utf-8"), "python"))
+
+    exec(compile(program, document.name, "exec"), {})  # noqa: S102 - our own documents
+
+
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
 def test_links_lead_somewhere(document: Path):
     """Every relative link of a document points at a file that is there."""
