@@ -3,13 +3,15 @@
 
 What the engine leaves to its user is done here. It detects no write conflicts, so one lock is
 held round every write. A write survives the death of the process at once, but power loss only
-after a flush, so every unit is flushed before it returns. It must not be used after a fork, so
-a store remembers which process opened it. Open results keep the folder locked, so they are read
-to the end before they are given out.
+when the disk has its journal, which is waited for before a unit returns (`journal`). The engine
+must not be used after a fork, so a store remembers which process opened it. Open results keep the
+folder locked, so they are read to the end before they are given out. A query cannot be stopped,
+so one that may have to be runs elsewhere (`bounded`).
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
@@ -26,6 +28,7 @@ from ..ontology.errors import DataError, InUseError, QueryError, StoreError
 from ..ontology.vocabulary import PREFIXES, Iri
 from . import snapshots, worker
 from .bounded import Worker
+from .journal import Journal
 from .limits import Limits
 from .results import RDF_12, Found, Solutions
 from .sparql import delete_insert, syntax_problem
@@ -56,13 +59,24 @@ class OxigraphStore:
         location: str,
         *,
         read_only: bool,
+        folder: Path | None = None,
         snapshot: Path | None = None,
     ) -> None:
-        """Use an open engine; a snapshot that it reads is removed with it."""
+        """Use an open engine.
+
+        Args:
+            inner: the engine.
+            location: what it is called.
+            read_only: whether writes are refused.
+            folder: what it owns and writes to; None for the memory and for a snapshot.
+            snapshot: what it reads and nothing changes; removed when the store is closed.
+        """
         self._inner: engine.Store | None = inner
         self._lock = threading.RLock()
         self._process = os.getpid()
         self._worker = Worker()
+        self._folder = folder
+        self._journal = Journal(folder)
         self._frozen: Path | None = None  # what the worker reads, while it is as the store is
         self._discarded: list[Path] = []  # what it may still be reading
         self._running = threading.Lock()
@@ -149,13 +163,11 @@ class OxigraphStore:
                 store.update(delete_insert(gone, new))
             else:
                 store.extend([_engine_quad(quad) for quad in new])
-            store.flush()
 
     def update(self, update: str) -> None:
         """Run a SPARQL update as one unit."""
         with self._changing(update) as store:
             store.update(update, prefixes=_PREFIXES)
-            store.flush()
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
@@ -165,6 +177,9 @@ class OxigraphStore:
         """Let go of the folder."""
         with self._lock:
             self._worker.close()
+            if self._inner is not None and self._journal.has_changes:
+                with contextlib.suppress(OSError):  # the journal has it all
+                    self._write_tables(self._inner)
             self._inner = None
             self._thaw()
             self._discard()
@@ -182,10 +197,10 @@ class OxigraphStore:
             store = self._engine()
             if self._snapshot:
                 shutil.copytree(self._snapshot, target)
-            elif self.location == MEMORY:
-                _write_folder(store, target)
-            else:
+            elif self._folder:
                 store.backup(target)
+            else:
+                _write_folder(store, target)
 
     def _freeze(self) -> Path:
         """What a worker can read: a snapshot of a folder, or all statements in a file."""
@@ -194,14 +209,18 @@ class OxigraphStore:
             return self._snapshot
         if self._frozen is None:
             with _reported(self.location):
-                if self.location == MEMORY:
+                if self._folder:
+                    # The engine wants to make the last folder itself.
+                    self._frozen = snapshots.place(self._folder) / "base"
+                    store.backup(self._frozen)
+                else:
                     self._frozen = Path(tempfile.mkdtemp(prefix="hilt-")) / "base.nq"
                     store.dump(str(self._frozen), format=engine.RdfFormat.N_QUADS)
-                else:
-                    # The engine wants to make the last folder itself.
-                    self._frozen = snapshots.place(Path(self.location)) / "base"
-                    store.backup(self._frozen)
         return self._frozen
+
+    def _write_tables(self, store: engine.Store) -> None:
+        store.flush()
+        self._journal.tables_written()
 
     def _thaw(self) -> None:
         """Forget what the worker was given, because the store is not like that any more."""
@@ -235,6 +254,8 @@ class OxigraphStore:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
             self._thaw()
             yield store
+            if not self._journal.keep():
+                self._write_tables(store)
 
 
 def open_memory(*, read_only: bool = False) -> OxigraphStore:
@@ -257,7 +278,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
             return _open_snapshot(snapshots.take(folder), str(folder))
         folder.mkdir(parents=True, exist_ok=True)
         snapshots.remove_stale(folder)
-        return OxigraphStore(engine.Store(str(folder)), str(folder), read_only=False)
+        return OxigraphStore(engine.Store(str(folder)), str(folder), read_only=False, folder=folder)
     except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
         raise _open_error(folder, error) from error
 
