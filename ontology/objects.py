@@ -9,7 +9,7 @@ where it should be grasped: that is learned.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -157,12 +157,14 @@ class Household:
         classes: class -> the class above it, or None.
         roles: role of a part -> what it means.
         properties: property -> what it means.
+        materials: by name.
     """
 
     objects: Mapping[str, ObjectType]
     classes: Mapping[str, str | None]
     roles: Mapping[str, str]
     properties: Mapping[str, str]
+    materials: Mapping[str, Material]
 
 
 def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
@@ -174,52 +176,69 @@ def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
     return dict(load_household(path).objects)
 
 
-def load_household(path: Path | None = None) -> Household:
+def load_household(path: Path | None = None, *, added_to: Household | None = None) -> Household:
     """All that a file of objects says: types, classes, roles and properties.
+
+    Args:
+        path: the file; Hilt's own when None.
+        added_to: what there is already: the file may use its words, and need only name its own
+            objects. Together they are the result.
 
     Raises:
         DataError: the file is wrong; says where and what was expected.
     """
+    words = {"classes", "roles", "properties", "materials"}
+    known = added_to or Household({}, {}, {}, {}, {})
     top = read_yaml(path or OBJECTS_FILE).entries(
-        required={"classes", "roles", "properties", "materials", "objects"}, optional=()
+        required={"objects"} if added_to else {"objects", *words}, optional=words
     )
+    given = {word: top[word].entries() if word in top else {} for word in words}
     reader = _Reader(
-        classes=_read_classes(top["classes"]),
-        roles=_read_glossary(top["roles"]),
-        properties=_read_glossary(top["properties"]),
-        materials={n: _read_material(n, f) for n, f in top["materials"].entries().items()},
+        objects=known.objects,
+        classes={**known.classes, **_read_classes(given["classes"], known.classes)},
+        roles={**known.roles, **_read_glossary(given["roles"])},
+        properties={**known.properties, **_read_glossary(given["properties"])},
+        materials={
+            **known.materials,
+            **{name: _read_material(name, spec) for name, spec in given["materials"].items()},
+        },
     )
     fields = top["objects"].entries()
     objects = {name: reader.object(name, spec, fields) for name, spec in fields.items()}
+    objects = {**known.objects, **objects}
     above = reader.classes | {name: kind.is_a for name, kind in objects.items()}
-    _refuse_circles(above, top["classes"].entries() | fields)
-    return Household(objects, reader.classes, reader.roles, reader.properties)
+    _refuse_circles(above, {**given["classes"], **fields})
+    return Household(objects, reader.classes, reader.roles, reader.properties, reader.materials)
 
 
 @dataclass(frozen=True)
 class _Reader:
-    """Reads objects against the words that the file declares."""
+    """Reads objects against the words that are declared."""
 
+    objects: Mapping[str, ObjectType]
     classes: dict[str, str | None]
     roles: Mapping[str, str]
     properties: Mapping[str, str]
     materials: Mapping[str, Material]
 
     def object(self, name: str, spec: Field, fields: Mapping[str, Field]) -> ObjectType:
+        if name in self.objects:
+            raise spec.fail(f'there already is an object "{name}".')
         keys = spec.entries(
             required={"is_a", "parts", "rests"}, optional={"properties", "graspable", "mount"}
         )
+        others = {*self.objects, *fields} - {name}
         parts = keys["parts"].entries()
         if not parts:
             raise keys["parts"].fail("expected at least one part.")
         return ObjectType(
             name,
-            keys["is_a"].text(choices={*self.classes, *fields} - {name}),
+            keys["is_a"].text(choices={*self.classes, *others}),
             self._words(keys),
             keys["graspable"].truth() if "graspable" in keys else True,
             {part: self._part(part, field) for part, field in parts.items()},
             _read_rests(keys["rests"]),
-            _read_mount(keys["mount"], set(fields) - {name}) if "mount" in keys else None,
+            _read_mount(keys["mount"], others) if "mount" in keys else None,
         )
 
     def _part(self, name: str, spec: Field) -> PartType:
@@ -245,14 +264,14 @@ class _Reader:
         return frozenset(keys["properties"].texts(choices=self.properties))
 
 
-def _read_glossary(spec: Field) -> dict[str, str]:
-    return {word: meaning.text() for word, meaning in spec.entries().items()}
+def _read_glossary(fields: Mapping[str, Field]) -> dict[str, str]:
+    return {word: meaning.text() for word, meaning in fields.items()}
 
 
-def _read_classes(spec: Field) -> dict[str, str | None]:
-    fields = spec.entries()
+def _read_classes(fields: Mapping[str, Field], known: Iterable[str]) -> dict[str, str | None]:
+    words = {*fields, *known}
     return {
-        name: None if above.value is None else above.text(choices=set(fields) - {name})
+        name: None if above.value is None else above.text(choices=words - {name})
         for name, above in fields.items()
     }
 

@@ -20,7 +20,6 @@ from . import poses
 from .poses import Array
 from .scene import Placement, Scene
 
-GAP = 0.02  # [m], smallest distance between two objects
 DROP = 0.0005  # [m], how far above the table an object is let go
 AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], x and y that the middle of an object may have
 LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], x and y that every point of it must have
@@ -69,7 +68,7 @@ def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
     """
     rng = np.random.default_rng(scene.seed)
     loose = [placement for placement in scene.placements if placement.within is None]
-    spots = {spot.placement.name: spot for spot in _arrange_loose(loose, models, rng)}
+    spots = {spot.placement.name: spot for spot in _arrange_loose(loose, models, scene.gap, rng)}
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:
@@ -78,14 +77,17 @@ def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
 
 
 def _arrange_loose(
-    placements: Sequence[Placement], models: Mapping[str, Outlined], rng: np.random.Generator
+    placements: Sequence[Placement],
+    models: Mapping[str, Outlined],
+    gap: float,
+    rng: np.random.Generator,
 ) -> tuple[Spot, ...]:
     pieces = [_lay(placement, models[placement.object], rng) for placement in placements]
     order = sorted(range(len(pieces)), key=lambda i: _urgency(pieces[i]))
     for _ in range(ROUNDS):
         spots: dict[int, Spot] = {}
         for i in order:
-            spot = _find_spot(pieces[i], list(spots.values()), rng)
+            spot = _find_spot(pieces[i], list(spots.values()), gap, rng)
             if spot is None:
                 break
             spots[i] = spot
@@ -128,16 +130,16 @@ def _urgency(laid: _Laid) -> tuple[bool, float]:
     return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.footprint, axis=0)))
 
 
-def _find_spot(laid: _Laid, taken: list[Spot], rng: np.random.Generator) -> Spot | None:
+def _find_spot(laid: _Laid, taken: list[Spot], gap: float, rng: np.random.Generator) -> Spot | None:
     fixed = laid.placement.at is not None
     for _ in range(TRIES):
         spot = _draw_spot(laid, rng)
         within = fixed or _is_within(spot.footprint)
-        if within and all(_are_clear(spot.footprint, other.footprint) for other in taken):
+        if within and all(_are_clear(spot.footprint, other.footprint, gap) for other in taken):
             return spot
         if fixed and laid.placement.yaw is not None:
             raise SimulationError(
-                f'"{laid.placement.name}" stands less than {GAP:g} m from another object. Move it.'
+                f'"{laid.placement.name}" stands less than {gap:g} m from another object. Move it.'
             )
     return None
 
@@ -157,12 +159,12 @@ def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
     return Spot(filled, world_from_object, footprint + at)
 
 
-def _are_clear(first: Array, second: Array) -> bool:
+def _are_clear(first: Array, second: Array, gap: float) -> bool:
     """Whether two footprints are far enough apart."""
     gaps = np.maximum(
         first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
     )
-    return bool(gaps.max() >= GAP) or distance(first, second) >= GAP
+    return bool(gaps.max() >= gap) or distance(first, second) >= gap
 
 
 def _is_within(footprint: Array) -> bool:
@@ -172,7 +174,8 @@ def _is_within(footprint: Array) -> bool:
 
 def outline(points: Array) -> Array:
     """The convex hull of points (n, 2) in the plane, counter-clockwise (Andrew 1979)."""
-    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
+    # Points that differ by rounding only would be corners with no side between them.
+    ordered = np.unique(np.round(points, 9), axis=0)
     return np.array(_half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1])
 
 

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes: which objects are on the table, and where as far as anybody has said.
 
-A scene is what `--scene` names: a YAML file, `objects:knife,mug`, `random:SEED` or `all`. What it
-leaves open (place, turn, way to lie) is drawn later from its seed, by `arrange`. A file reads:
+A scene is what `--scene` names: a YAML file, `objects:knife,mug`, `random:SEED` (with a number of
+objects: `random:SEED:5`) or `all`. What it leaves open (place, turn, way to lie) is drawn later
+from its seed, by `arrange`. A file reads:
 
     seed: 7
+    clutter: medium
     objects:
       - knife
       - {object: mug, name: my mug, at: [0.5, 0.1], yaw_deg: 30, rest: upright}
+
+Clutter adds other objects drawn from the seed; the more of them, the nearer they stand.
 """
 
 from __future__ import annotations
@@ -18,15 +22,37 @@ from dataclasses import dataclass, replace
 from itertools import chain, count
 from math import radians
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..ontology.errors import DataError, UnknownNameError
 from ..ontology.objects import ObjectType
 from ..ontology.source import Field, read_yaml
 
+if TYPE_CHECKING:
+    import numpy as np
+
 ROOM = ("floor", "table")  # what every scene has anyway
 MAX_OBJECTS = 40
 MAX_SEED = 2**31 - 1
 TABLE_REACH = 1.0  # [m], how far from the robot's base something can be put on the table
+GAP = 0.02  # [m], smallest distance between two objects
+MAX_COUNT = 12  # objects of a random scene: more find no room
+
+
+@dataclass(frozen=True)
+class Clutter:
+    """How full a table is.
+
+    Attributes:
+        more: how many objects are added to those that were named.
+        gap: smallest distance between two objects [m].
+    """
+
+    more: int
+    gap: float
+
+
+CLUTTER = {"low": Clutter(2, 0.06), "medium": Clutter(4, 0.035), "high": Clutter(7, GAP)}
 
 
 @dataclass(frozen=True)
@@ -57,10 +83,12 @@ class Scene:
     Attributes:
         placements: the objects, each with its own name.
         seed: from which all that is open is drawn.
+        gap: smallest distance between two objects [m].
     """
 
     placements: tuple[Placement, ...]
     seed: int
+    gap: float = GAP
 
     @property
     def types(self) -> tuple[str, ...]:
@@ -72,7 +100,7 @@ def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> S
     """Read what `--scene` says.
 
     Args:
-        spec: a YAML file, `objects:knife,mug`, `random:SEED` or `all`.
+        spec: a YAML file, `objects:knife,mug`, `random:SEED[:COUNT]` or `all`.
         seed: for all that `spec` leaves open.
         objects: the types there are.
 
@@ -111,16 +139,32 @@ def scene_of(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectTyp
 def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:
     import numpy as np  # here: the other scenes do without its 0.2 s
 
-    if not text.isdecimal() or int(text) > MAX_SEED:
+    word, colon, number = text.partition(":")
+    seed = _whole(word, low=0, high=MAX_SEED, after="random:")
+    rng = np.random.default_rng(seed)
+    known = graspable(objects)
+    count = int(rng.integers(1, len(known) + 1))
+    if colon:
+        count = _whole(number, low=1, high=MAX_COUNT, after=f"random:{word}:")
+    return scene_of(_drawn(known, count, rng), seed=seed, objects=objects)
+
+
+def _whole(text: str, *, low: int, high: int, after: str) -> int:
+    if not (text.isascii() and text.isdecimal()) or not low <= int(text) <= high:
         raise DataError(
-            f'expected a whole number up to {MAX_SEED} after "random:", found "{text}".',
+            f'expected a whole number from {low} to {high} after "{after}", found "{text}".',
             source="--scene",
         )
-    rng = np.random.default_rng(int(text))
-    names = graspable(objects)
-    count = int(rng.integers(1, len(names) + 1))
-    chosen = {names[i] for i in rng.choice(len(names), count, replace=False)}
-    return scene_of([n for n in names if n in chosen], seed=int(text), objects=objects)
+    return int(text)
+
+
+def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[str]:
+    """So many names, each once before any comes again, in the order given."""
+    drawn: Counter[str] = Counter()
+    while drawn.total() < count:
+        share = min(count - drawn.total(), len(names))
+        drawn.update([names[i] for i in rng.choice(len(names), share, replace=False)])
+    return [name for name in names for _ in range(drawn[name])]
 
 
 def _read_scene(path: Path, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
@@ -129,7 +173,7 @@ def _read_scene(path: Path, seed: int, objects: Mapping[str, ObjectType]) -> Sce
             f'expected a YAML file, "objects:knife,mug", "random:SEED" or "all", found "{path}".',
             source="--scene",
         )
-    keys = read_yaml(path).entries(required={"objects"}, optional={"seed"})
+    keys = read_yaml(path).entries(required={"objects"}, optional={"seed", "clutter"})
     items = keys["objects"].items()
     if len(items) > MAX_OBJECTS:
         raise keys["objects"].fail(f"expected at most {MAX_OBJECTS} objects, found {len(items)}.")
@@ -137,7 +181,26 @@ def _read_scene(path: Path, seed: int, objects: Mapping[str, ObjectType]) -> Sce
     if "seed" in keys:
         seed = keys["seed"].integer(low=0, high=MAX_SEED)
     _refuse_double_names(placements, items)
-    return Scene(_mounted(_with_own_names(placements), objects), seed)
+    gap = GAP
+    if "clutter" in keys:
+        clutter = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
+        placements += _strewn(placements, clutter.more, seed, objects)
+        gap = clutter.gap
+    return Scene(_mounted(_with_own_names(placements), objects), seed, gap)
+
+
+def _strewn(
+    placements: Sequence[Placement], count: int, seed: int, objects: Mapping[str, ObjectType]
+) -> list[Placement]:
+    """Further objects, of other types than those that are there as long as there are any."""
+    import numpy as np
+
+    there = {placement.object for placement in placements}
+    others = [name for name in graspable(objects) if name not in there]
+    rng = np.random.default_rng([seed, count])
+    names = _drawn(others, min(count, len(others)), rng)
+    names += _drawn(graspable(objects), count - len(names), rng)
+    return [Placement(name, name) for name in names]
 
 
 def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement:

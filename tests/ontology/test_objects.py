@@ -146,3 +146,62 @@ def test_impossible_solid_is_refused(tmp_path: Path, form: str, problem: str):
     """A solid that cannot be made is refused when it is read."""
     with pytest.raises(DataError, match=problem):
         load_changed(tmp_path, "cylinder: {radius: 0.01, length: 0.3}", form)
+
+
+def load_added(folder: Path, text: str):
+    """Add what a text says to Hilt's own household."""
+    path = folder / "mine.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load_household(path, added_to=load_household())
+
+
+ROD = SMALL[SMALL.index("objects:") :].replace("stick", "rod")
+
+
+def test_own_objects_are_added_to_what_is_there(tmp_path: Path):
+    """A file may name its objects only, in the words of the household, and they join the others."""
+    household = load_added(tmp_path, ROD)
+
+    assert household.objects["rod"].is_a == "tool"
+    assert {"rod", *PAPER} <= household.objects.keys()
+    assert household.materials["wood"] == household.objects["rod"].parts["shaft"].material
+
+
+def test_own_objects_may_bring_words(tmp_path: Path):
+    """A file of own objects may also declare what it needs beyond the household's words."""
+    words = "classes: {wand: tool}\nmaterials: {cork: {friction: 0.7, shine: 0}}\n"
+    mine = ROD.replace("is_a: tool", "is_a: wand").replace("wood", "cork")
+
+    household = load_added(tmp_path, words + mine)
+
+    assert household.classes["wand"] == "tool"
+    assert household.objects["rod"].parts["shaft"].material.name == "cork"
+
+
+def test_own_object_must_have_a_name_of_its_own(tmp_path: Path):
+    """What is there is not replaced unawares."""
+    with pytest.raises(DataError, match='there already is an object "knife"'):
+        load_added(tmp_path, ROD.replace("rod", "knife"))
+
+
+def test_nail_stands_in_its_block():
+    """The nail says where it stands, how deep, and how hard it is to drive."""
+    mount = load_objects()["nail"].mount
+
+    assert mount is not None
+    assert mount.support == "block"
+    assert 0 < mount.depth < mount.deepest
+
+
+@pytest.mark.parametrize(
+    ("mount", "problem"),
+    [
+        ("{support: brick, at: [0, 0, 0], depth: 0, deepest: 1, resistance_N: 9}", "expected one"),
+        ("{support: mug, at: [0, 0, 0], depth: 2, deepest: 1, resistance_N: 9}", "expected"),
+        ("{support: mug, at: [0, 0, 0], depth: 1, deepest: 2}", 'missing key "resistance_N"'),
+    ],
+)
+def test_wrong_mount_is_told(tmp_path: Path, mount: str, problem: str):
+    """A mount names a support that there is, and is no deeper than it can be."""
+    with pytest.raises(DataError, match=problem):
+        load_added(tmp_path, f"{ROD}    mount: {mount}\n")

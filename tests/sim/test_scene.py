@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
-from hilt.sim.arrange import GAP, LIMITS, Spot, arrange, distance, outline
+from hilt.sim.arrange import LIMITS, Spot, arrange, distance, outline
 from hilt.sim.models import model_of
-from hilt.sim.scene import Placement, Scene, graspable, parse_scene
+from hilt.sim.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 
 OBJECTS = load_objects()
 coordinates = st.floats(-1, 1).map(lambda x: round(x, 3))
@@ -79,7 +79,10 @@ def test_unknown_object_is_refused(spec: str):
         parse_scene(spec, seed=0, objects=OBJECTS)
 
 
-@pytest.mark.parametrize("spec", ["random:x", "random:-1", "random:9999999999", "kitchen", ""])
+@pytest.mark.parametrize(
+    "spec",
+    ["random:x", "random:-1", "random:9999999999", "random:1:0", "random:1:13", "kitchen", ""],
+)
 def test_text_that_is_no_scene_is_refused(spec: str):
     """Anything else says what was expected."""
     with pytest.raises(DataError, match="expected a"):
@@ -226,3 +229,41 @@ def test_nail_and_block_cannot_both_have_places(tmp_path: Path):
 
     with pytest.raises(DataError, match=r'"nail" stands in "block"\. Give the place of that'):
         parse_scene(spec, seed=0, objects=OBJECTS)
+
+
+@given(st.integers(0, 10_000), st.integers(1, 12))
+def test_random_scene_has_as_many_objects_as_asked(seed: int, count: int):
+    """`random:SEED:COUNT` has that many objects, and none twice before all are there."""
+    scene = parse_scene(f"random:{seed}:{count}", seed=0, objects=OBJECTS)
+
+    assert len(scene.placements) == count
+    assert len(scene.types) == min(count, 8)
+
+
+@pytest.mark.parametrize("level", CLUTTER)
+def test_clutter_adds_other_objects_at_its_distance(tmp_path: Path, level: str):
+    """A cluttered scene has so many more objects, of other types first, and room between them."""
+    spec = write_scene(tmp_path, f"clutter: {level}\nobjects: [knife]")
+
+    scene = parse_scene(spec, seed=3, objects=OBJECTS)
+
+    assert len(scene.types) == len(scene.placements) == 1 + CLUTTER[level].more
+    assert scene == parse_scene(spec, seed=3, objects=OBJECTS)
+    spots = arranged(scene)
+    for i, spot in enumerate(spots):
+        others = spots[:i]
+        assert all(distance(spot.footprint, o.footprint) >= CLUTTER[level].gap for o in others)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_cluttered_tables_have_room(tmp_path: Path, seed: int):
+    """Whatever the seed, seven more objects find their places."""
+    spec = write_scene(tmp_path, "clutter: high\nobjects: [knife, nail]")
+
+    assert len(arranged(parse_scene(spec, seed=seed, objects=OBJECTS))) == 10
+
+
+def test_unknown_clutter_is_refused(tmp_path: Path):
+    """A level that there is not is told with those that there are."""
+    with pytest.raises(DataError, match="expected one of high, low, medium"):
+        parse_scene(write_scene(tmp_path, "clutter: huge\nobjects: [mug]"), seed=0, objects=OBJECTS)
