@@ -140,9 +140,13 @@ class Recall:
 
     def speakers(self) -> tuple[str, ...]:
         """Who is trusted, at least a little; sorted."""
+        return tuple(name for name, trust in self.trusts().items() if trust.upper > 0)
+
+    def trusts(self) -> dict[str, Interval]:
+        """Whom somebody said how far to trust, and how far; sorted by name."""
         nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
         names = sorted(split(node)[1] for node in nodes)
-        return tuple(name for name in names if (trust := self.trust(name)) and trust.upper > 0)
+        return {name: trust for name in names if (trust := self.trust(name))}
 
     def _hanging(self, nodes: Sequence[str]) -> Iterator[Star]:
         for node in dict.fromkeys(nodes):

@@ -8,6 +8,7 @@ a rule changes its status, and history tells.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
@@ -24,6 +25,8 @@ from .stars import BELIEFS
 from .store import Store
 from .terms import Quad
 from .words import LEXICON, Word, read_words, word_iri, word_quads
+
+_TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 
 
 @dataclass
@@ -190,7 +193,8 @@ class Telling(Recall):
         most = (1.0 if lower else 0.0) if upper is None else upper
         trust = Interval(lower, most).rounded()
         said = f"trust {speaker} {trust}"
-        utterance = Utterance(0, said, "", by, to_milliseconds(self.clock()), "trust")
+        form = f"trust({speaker},{trust.lower},{trust.upper})"
+        utterance = Utterance(0, said, form, by, to_milliseconds(self.clock()), "trust")
         with self.store.writing():
             before = self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
             change = _Change()
@@ -276,6 +280,14 @@ def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
         Quad(node, TRUST_LOWER, Decimal(str(trust.lower)), BELIEFS),
         Quad(node, TRUST_UPPER, Decimal(str(trust.upper)), BELIEFS),
     ]
+
+
+def trust_said(utterance: Utterance) -> tuple[str, Interval] | None:
+    """Whom an utterance says how far to trust; None when it speaks of something else."""
+    found = _TRUST.fullmatch(utterance.predicate)
+    if utterance.kind != "trust" or found is None:
+        return None
+    return found[1], Interval(float(found[2]), float(found[3]))
 
 
 def speaker_quads(speaker: str, graph: Iri) -> list[Quad]:

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands on what was said and how bases differ: history, forget, watch, diff, merge."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ...ontology.errors import DataError, StoreError
+from .options import AsJson, Kb, Speaker, app
+from .terminal import finish, open_base, open_for_reading, show, terminal
+
+if TYPE_CHECKING:
+    from ...kb.beliefs import KnowledgeBase
+    from ...kb.changes import Change
+    from ...kb.history import Utterance
+    from ...kb.rule import Rule
+
+ADDRESSES = ("http://", "https://", "memory:")
+By = Annotated[str | None, typer.Option("--speaker", help="Only what this one said.")]
+Since = Annotated[int | None, typer.Option("--since", min=0, help="Only after this utterance.")]
+
+
+@app.command()
+def history(
+    *,
+    since: Since = None,
+    last: Annotated[int | None, typer.Option("--last", min=1, help="Only so many.")] = None,
+    speaker: By = None,
+    about: Annotated[
+        str | None, typer.Option("--about", metavar="RULE", help="Only what touched this rule.")
+    ] = None,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """List what was said, by whom, when, and what it did to the rules."""
+    from ...kb.changes import find_rule
+    from .. import chronicle
+
+    with open_for_reading(kb) as base:
+        rule = find_rule(base, about) if about else None
+        found = [one for one in base.history(since=since or 0) if _is_wanted(one, speaker, rule)]
+    shown = found[-last:] if last else found
+    if as_json:
+        show([utterance.as_json() for utterance in shown])
+    else:
+        terminal().print(chronicle.history(shown))
+
+
+@app.command()
+def forget(
+    what: Annotated[
+        list[str],
+        typer.Argument(metavar="RULE|last|word WORD", help="A rule's id or the start of it."),
+    ],
+    *,
+    speaker: Speaker = "sam",
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Take back a rule, the last thing that was told, or a learned word; the history keeps it."""
+    from ...kb.changes import changes
+
+    with open_base(kb) as base:
+        before = base.sequence
+        said = _forgotten(base, what, speaker)
+        done = list(changes(base, since=before))
+    if as_json:
+        show({"said": said, "retracted": [r.as_json() for one in done for r in one.retracted]})
+    else:
+        typer.echo(said)
+
+
+@app.command()
+def watch(
+    *,
+    since: Since = None,
+    every: Annotated[
+        float, typer.Option("--every", min=0.05, help="Seconds between two looks.")
+    ] = 0.5,
+    seconds: Annotated[
+        float | None, typer.Option("--for", min=0.0, help="Stop after so many seconds.")
+    ] = None,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show changes as they happen, until Ctrl-C; others may go on teaching meanwhile."""
+    from .. import chronicle
+
+    out = terminal()
+    try:
+        for change in _changes(_location(kb), since, every, seconds):
+            show(change.as_json()) if as_json else out.print(
+                chronicle.change(change), soft_wrap=True
+            )
+    except KeyboardInterrupt:
+        return
+
+
+@app.command()
+def diff(
+    one: Annotated[str, typer.Argument(metavar="A", help="A base, or a file that export wrote.")],
+    other: Annotated[str, typer.Argument(metavar="B", help="Another.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show how what B believes differs from what A believes; exit code 1 when it does."""
+    from ...kb.changes import difference
+    from .. import chronicle
+
+    with _opened(one) as before, _opened(other) as after:
+        found = difference(before, after)
+    if as_json:
+        show(found.as_json())
+    else:
+        terminal().print(chronicle.difference(found), soft_wrap=True)
+    finish(found.is_empty)
+
+
+@app.command()
+def merge(
+    into: Annotated[str, typer.Argument(metavar="A", help="The base that is changed.")],
+    other: Annotated[str, typer.Argument(metavar="B", help="A base or file that is taken over.")],
+    *,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only tell what would come.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Take over into A what B knows, whole or not at all, and tell what contradicts what."""
+    from .. import chronicle, merging
+
+    with open_base(into) as base, _opened(other) as source:
+        found = merging.merge(base, source, name=other, dry_run=dry_run)
+    if as_json:
+        show(found.as_json())
+    else:
+        terminal().print(chronicle.merged(found))
+
+
+def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:
+    touched = (*utterance.asserts, *utterance.retracts, *utterance.supersedes)
+    return (speaker is None or utterance.speaker == speaker) and (
+        rule is None or rule.id in touched
+    )
+
+
+def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
+    """Forget what was named; what was done, as a sentence."""
+    from ...kb.changes import find_rule, last_told
+    from ..console import rule_text
+
+    said = f"forget {' '.join(what)}"
+    match what:
+        case ["word", name]:
+            base.forget_word(name, said, speaker)
+            return f'Forgot the word "{name}".'
+        case ["last"]:
+            gone = last_told(base, speaker)
+        case [name]:
+            gone = [find_rule(base, name)]
+        case _:
+            raise typer.BadParameter('Expected RULE, "last", or "word" and a word.')
+    over = [rule for rule in gone if rule.status != "active"]
+    if over:
+        raise DataError(f"{over[0].id} is {over[0].status} already.", source=what[0])
+    answer = f"Forgot {'; '.join(map(rule_text, gone))}."
+    ids = [rule.id for rule in gone]
+    base.believe(said, "", speaker, [], retracts=ids, kind="correction", answer=answer)
+    return answer
+
+
+def _location(kb: str | None) -> str:
+    from ..agent import default_location
+
+    return kb or str(default_location())
+
+
+def _changes(
+    location: str, since: int | None, every: float, seconds: float | None
+) -> Iterator[Change]:
+    """What changes, as it changes.
+
+    A folder is looked at through a snapshot each time, so that whoever writes to it may go on.
+    """
+    from ...kb.beliefs import KnowledgeBase
+    from ...kb.changes import changes
+
+    end = None if seconds is None else time.monotonic() + seconds
+    last = since
+    while True:
+        with KnowledgeBase.open(location, read_only=True) as base:
+            last = base.sequence if last is None else last
+            found = list(changes(base, since=last))
+        yield from found
+        last += len(found)
+        if end is not None and time.monotonic() >= end:
+            return
+        time.sleep(every)
+
+
+def _opened(name: str) -> KnowledgeBase:
+    """A base that is only read, or a base in memory with what a file holds."""
+    from ...kb.beliefs import KnowledgeBase
+    from ...kb.exchange import import_file
+
+    if name.startswith(ADDRESSES) or Path(name).is_dir():
+        return KnowledgeBase.open(name, read_only=True)
+    if not Path(name).exists():
+        raise StoreError(f'There is neither a knowledge base nor a file "{name}".')
+    base = KnowledgeBase.open("memory:")
+    try:
+        import_file(base, name)
+    except BaseException:
+        base.close()
+        raise
+    return base

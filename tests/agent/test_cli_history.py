@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands on what was said, how bases differ, and whom to believe."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hilt.agent.agent import Agent
+from hilt.agent.cli import main
+
+Run = Callable[..., tuple[int, str, str]]
+CUT, PASS = "A knife is used for cutting", "To pass a knife grab the knife by the blade"
+
+
+@pytest.fixture
+def hilt(capfd: pytest.CaptureFixture[str]) -> Run:
+    """Runs a command; gives its exit code and what it printed."""
+
+    def call(*arguments: str | Path) -> tuple[int, str, str]:
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main([str(argument) for argument in arguments])
+        return int(ended.value.code or 0), *capfd.readouterr()
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def taught(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a base that was taught two sentences; only for copying."""
+    folder = tmp_path_factory.mktemp("taught") / "kb"
+    with Agent.open(str(folder), simulate=False) as agent:
+        for sentence in (CUT, PASS):
+            agent.hear(sentence)
+    return folder
+
+
+@pytest.fixture
+def run(hilt: Run, tmp_path: Path, taught: Path) -> Run:
+    """The same on one base that was taught two sentences."""
+    shutil.copytree(taught, tmp_path / "kb")
+    return lambda *arguments: hilt(*arguments, "--kb", tmp_path / "kb")
+
+
+def document(result: tuple[int, str, str]) -> object:
+    """What a command printed, which succeeded."""
+    assert result[0] == 0, result
+    return json.loads(result[1])
+
+
+def test_history_tells_what_was_said_and_did(run: Run):
+    """All of it, or what one said, or the last."""
+    run("tell", "A mug is used for drinking", "--speaker", "anna")
+
+    said = document(run("history", "--json"))
+    last = document(run("history", "--json", "--last", "1"))
+    hers = document(run("history", "--json", "--speaker", "anna"))
+
+    assert [each["text"] for each in said[:2]] == [CUT, PASS]
+    assert [each["sequence"] for each in last] == [3]
+    assert [each["accepted"] for each in hers] == [False]
+    assert "told 1" in run("history")[1]
+
+
+def test_history_of_a_rule_tells_what_touched_it(run: Run):
+    """From being told to being taken back."""
+    rule = document(run("rules", "--json", "--part", "blade"))[0]["id"]
+    run("forget", rule)
+
+    said = document(run("history", "--about", rule, "--json"))
+
+    assert [each["text"] for each in said] == [PASS, f"forget {rule}"]
+
+
+def test_forgotten_rule_is_gone_but_was_there(run: Run):
+    """`--at` shows the base before; the history keeps both."""
+    code, said, _ = run("forget", "last")
+
+    assert (code, "graspObject(part:blade)" in said) == (0, True)
+    assert len(document(run("rules", "--json"))) == 1
+    assert len(document(run("rules", "--at", "2", "--json"))) == 2
+    assert document(run("rules", "--at", "2020-01-01", "--json")) == []
+
+
+def test_forgetting_by_a_start_of_the_id(run: Run):
+    """A few digits are enough; the second time it is over already."""
+    rule = document(run("rules", "--json", "--affordance", "cutting"))[0]["id"]
+
+    gone = document(run("forget", rule[5:13], "--json"))
+    again = run("forget", rule[5:13])
+
+    assert [each["id"] for each in gone["retracted"]] == [rule]
+    assert again[0] == 2
+    assert "is retracted already" in again[2]
+
+
+def test_forgetting_a_word(run: Run):
+    """A learned word is known no more."""
+    run("tell", "A zester is used for grating")
+    learned = document(run("words", "--json"))[0]["word"]
+
+    code, said, _ = run("forget", "word", learned)
+
+    assert (code, said) == (0, f'Forgot the word "{learned}".\n')
+    assert learned not in {each["word"] for each in document(run("words", "--json"))}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("forget", "rule/0000000000000000"), "no rule"),
+        (("forget", "a", "b", "c"), 'Expected RULE, "last"'),
+        (("forget", "last", "--speaker", "eve"), 'told by "eve"'),
+        (("rules", "--at", "yesterday"), "expected a date"),
+        (("rules", "--at", "99"), "no utterance"),
+        (("rules", "--according-to", "eve"), 'no speaker "eve"'),
+        (("history", "--about", "rule/0000000000000000"), "no rule"),
+        (("trust", "eve"), 'no trusted speaker "eve"'),
+    ],
+)
+def test_wrong_use_is_one_line_and_code_two(run: Run, arguments: tuple[str, ...], said: str):
+    """What cannot be done is told in a line."""
+    code, out, error = run(*arguments)
+
+    assert (code, out) == (2, "")
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_one_persons_view(run: Run):
+    """What one taught, whatever others took back."""
+    run("trust", "anna", "0.5")
+    run("tell", "A mug is used for drinking", "--speaker", "anna")
+    run("forget", "last", "--speaker", "anna")
+
+    assert len(document(run("rules", "--according-to", "sam", "--json"))) == 2
+    assert document(run("rules", "--according-to", "anna", "--json")) == []
+
+
+def test_trust_is_set_and_shown(run: Run):
+    """One speaker, or all."""
+    run("trust", "anna", "0.5")
+
+    assert document(run("trust", "anna", "--json")) == {"anna": {"lower": 0.5, "upper": 1.0}}
+    assert set(document(run("trust", "--json"))) == {"anna", "sam"}
+    assert "anna is trusted to 0.5." in run("trust")[1]
+
+
+def test_untrusted_speaker_is_not_believed_and_told_so(run: Run):
+    """No rule comes of it; the history has it."""
+    run("trust", "eve", "0")
+
+    code, said, _ = run("tell", "A mug is used for cutting", "--speaker", "eve")
+
+    assert code == 1
+    assert "eve" in said.lower()
+    assert len(document(run("rules", "--json"))) == 2
+    assert document(run("history", "--speaker", "eve", "--json"))[0]["accepted"] is False
+
+
+def test_watch_shows_changes_a_line_each(run: Run):
+    """From a number on; as JSON one document a line."""
+    code, out, _ = run("watch", "--since", "1", "--for", "0", "--json")
+
+    (change,) = map(json.loads, out.splitlines())
+    assert (code, change["text"]) == (0, PASS)
+    assert [rule["part"] for rule in change["rules"]["told"]] == ["blade"]
+    assert "+ object:knife" in run("watch", "--since", "0", "--for", "0")[1]
+
+
+def test_diff_of_equal_bases_is_empty(run: Run, hilt: Run, tmp_path: Path):
+    """An export believes what its base does."""
+    run("export", tmp_path / "all.trig")
+
+    code, out, _ = hilt("diff", tmp_path / "kb", tmp_path / "all.trig")
+
+    assert (code, out) == (0, "They believe the same.\n")
+
+
+def test_diff_tells_what_changed_and_fails(run: Run, hilt: Run, tmp_path: Path):
+    """As the lines of a patch, with exit code 1."""
+    run("export", tmp_path / "all.trig")
+    run("forget", "last")
+    run("tell", "A mug is used for drinking")
+
+    code, out, _ = hilt("diff", tmp_path / "all.trig", tmp_path / "kb")
+
+    assert code == 1
+    assert "+ object:mug" in out
+    assert "[0.95, 1.00] -> retracted" in out
+    found = json.loads(hilt("diff", tmp_path / "all.trig", tmp_path / "kb", "--json")[1])
+    assert (len(found["added"]), len(found["altered"])) == (1, 1)
+
+
+def test_merge_reports_conflicts(run: Run, hilt: Run, tmp_path: Path):
+    """What came, and what it contradicts; a dry run changes nothing."""
+    other = tmp_path / "other"
+    hilt("tell", "A knife is never used for cutting", "--kb", other)
+
+    dry = document(hilt("merge", tmp_path / "kb", other, "--dry-run", "--json"))
+    before = document(run("rules", "--json"))
+    code, out, _ = hilt("merge", tmp_path / "kb", other)
+
+    assert (len(before), len(dry["new"]), len(dry["conflicts"]), dry["dry_run"]) == (2, 1, 1, True)
+    assert code == 0
+    assert "Took over 1 rules" in out
+    assert "1 conflicts" in out
+    assert len(document(run("rules", "--json"))) == 3
+
+
+def test_merging_what_is_not_there_is_an_error(run: Run, hilt: Run, tmp_path: Path):
+    """Neither a base nor a file."""
+    code, _, error = hilt("merge", tmp_path / "kb", tmp_path / "nothing")
+
+    assert code == 1
+    assert "neither a knowledge base nor a file" in error
