@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test lint format bench lock clean
+.PHONY: demo test lint format bench docs lock clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
@@ -23,6 +23,9 @@ format: $(READY)  ## put the code into shape
 
 bench: $(READY)  ## speed, beside named peers where there are any
 	@$(BIN)/pytest benchmarks --benchmark-only
+
+docs: $(READY)  ## write the page of commands anew
+	@$(BIN)/python -m hilt.agent.cli.reference > docs/commands.md
 
 lock: $(READY)  ## renew requirements.lock from pyproject.toml
 	@$(BIN)/pip install --quiet uv

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page that lists every command, made from the commands themselves.
+
+    python -m hilt.agent.cli.reference > docs/commands.md
+
+A test sees to it that the page is fresh.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import typer
+
+from . import app
+
+HEAD = """# Commands
+
+Made by `make docs` from the commands themselves. An option means the same wherever it occurs.
+`--kb`, `--scene`, `--seed`, `--speaker` and `--json` may also stand before the command, and
+`--debug` anywhere. Exit codes: 0 done, 1 what was asked for failed, 2 wrong usage or unreadable
+input.
+"""
+
+
+def reference() -> str:
+    """The page as Markdown."""
+    return "\n".join([HEAD, *_sections(typer.main.get_command(app), "hilt")]).rstrip() + "\n"
+
+
+def _sections(command: Any, path: str) -> Iterator[str]:
+    for name, each in getattr(command, "commands", {}).items():
+        full = f"{path} {name}"
+        if hasattr(each, "commands"):
+            yield from _sections(each, full)
+        else:
+            yield from _section(each, full)
+
+
+def _section(command: Any, path: str) -> Iterator[str]:
+    shown = [p for p in command.params if p.name != "help" and not getattr(p, "hidden", False)]
+    arguments = [p for p in shown if p.param_type_name == "argument"]
+    names = " ".join(
+        f"{p.name.upper()}" if p.required else f"[{p.name.upper()}]" for p in arguments
+    )
+    yield f"## {path} {names}".rstrip() + "\n"
+    yield f"{' '.join((command.help or '').split())}\n"
+    rows = [(_flag(p), " ".join((p.help or "").split())) for p in shown]
+    if rows:
+        yield "| | |\n|---|---|"
+        yield from (f"| `{flag}` | {text} |" for flag, text in rows)
+        yield ""
+
+
+def _flag(parameter: Any) -> str:
+    if parameter.param_type_name == "argument":
+        return parameter.name.upper()
+    takes = "" if parameter.is_flag else f" {parameter.name.upper()}"
+    return f"{parameter.opts[0]}{takes}"
+
+
+if __name__ == "__main__":
+    sys.stdout.write(reference())
