@@ -12,6 +12,7 @@ import json
 import subprocess
 import sys
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, TypedDict, cast
 
@@ -58,9 +59,9 @@ class Worker:
             case _:
                 raise _failure(kind, body, limits)
 
-    def try_update(self, copy: Path, update: str, limits: Limits) -> Tried:
-        """Run an update on a copy of a base and see what comes of it; errors as for `run`."""
-        kind, body = self._answered(limits, source=str(copy), update=update)
+    def try_updates(self, copy: Path, updates: Sequence[str], limits: Limits) -> Tried:
+        """Run updates on a copy of a base and see what comes of it; errors as for `run`."""
+        kind, body = self._answered(limits, source=str(copy), updates=list(updates))
         if kind != worker.UPDATED:
             raise _failure(kind, body, limits)
         return json.loads(body)
@@ -75,7 +76,7 @@ class Worker:
                     pipe.close()
         self._process = None
 
-    def _answered(self, limits: Limits, **request: str) -> tuple[str, bytes]:
+    def _answered(self, limits: Limits, **request: str | list[str]) -> tuple[str, bytes]:
         line = json.dumps({**request, "megabytes": limits.megabytes}).encode() + b"\n"
         with self._lock:
             return self._asked(line, limits)

@@ -14,11 +14,12 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..ontology.errors import StoreError
+from ..ontology.errors import InUseError, StoreError
 from .beliefs import KnowledgeBase
-from .oxigraph import OxigraphStore, open_folder, replaced_place
+from .oxigraph import open_folder, replaced_place
 from .store import MEMORY, Store, open_store
 
+LOCK = "LOCK"  # the file of a folder that its owner has locked
 ENDPOINT = ("http://", "https://")
 
 
@@ -86,19 +87,34 @@ def _restore_folder(source: Path, target: Path, *, replace: bool) -> None:
         shutil.copytree(source, place)
         check(place)
         _sync(place)
-        owner = _owned(target, replace=replace)  # nobody else may have it while it is exchanged
-        try:
+        _check_free(target, replace=replace)
+        with _locked(target):
             _exchange(place, target)
-        finally:
-            owner.close()
 
 
-def _owned(target: Path, *, replace: bool) -> OxigraphStore:
+def _check_free(target: Path, *, replace: bool) -> None:
+    """Whether the place may be taken; it is there, and a base, afterwards."""
     owner = open_folder(target)
-    if any(owner.quads()) and not replace:
-        owner.close()
+    holds_base = any(owner.quads())
+    owner.close()  # it would go on tidying up under this name
+    if holds_base and not replace:
         raise StoreError(f'"{target}" holds a knowledge base. Say that it is to be replaced.')
-    return owner
+
+
+@contextmanager
+def _locked(folder: Path) -> Generator[None]:
+    """Hold the lock of the engine, so that no process opens the folder."""
+    if os.name == "nt":  # a folder in use cannot be renamed there anyway
+        yield
+        return
+    import fcntl
+
+    with (folder / LOCK).open("r+b") as lock:
+        try:
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise InUseError(str(folder)) from error
+        yield
 
 
 def _exchange(place: Path, target: Path) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ..ontology.errors import ValidationError
@@ -60,24 +60,26 @@ def update(
     refuse_chance(text)
     with base.store.writing():
         said = Utterance(base.sequence + 1, text, "", speaker, to_milliseconds(base.clock()), KIND)
-        whole = joined(declared(text), _recorded(said))
-        try_out(base.store, whole, said.sequence, limits or Limits())
+        change, record = declared(text), _recorded(said)
+        whole = joined(change, record)
+        # One by one, so that a mistake is told where it stands.
+        try_out(base.store, [change, record], said.sequence, limits or Limits())
         if not dry_run:
             base.store.update(whole)
     return said
 
 
-def try_out(store: Store, update: str, sequence: int, limits: Limits) -> None:
-    """Run an update on a copy of a store, in a process of its own, and check what comes of it.
+def try_out(store: Store, updates: Sequence[str], sequence: int, limits: Limits) -> None:
+    """Run updates on a copy of a store, in a process of its own, and check what comes of it.
 
     Raises:
-        QueryError: it is wrong or was stopped.
+        QueryError: one is wrong or was stopped.
         ValidationError: the copy is no lawful base afterwards.
     """
     folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), Worker()
     try:
         store.save(folder / "copy")
-        found = worker.try_update(folder / "copy", update, limits)
+        found = worker.try_updates(folder / "copy", updates, limits)
     finally:
         worker.close()
         shutil.rmtree(folder, ignore_errors=True)
@@ -87,9 +89,10 @@ def try_out(store: Store, update: str, sequence: int, limits: Limits) -> None:
         raise ValidationError(found["findings"])
 
 
-def tried(store: Store, update: str) -> bytes:
-    """What comes of an update to a copy, as JSON: the worker's side of `try_out`."""
-    store.update(update)
+def tried(store: Store, updates: Iterable[str]) -> bytes:
+    """What comes of updates to a copy, as JSON: the worker's side of `try_out`."""
+    for update in updates:
+        store.update(update)
     findings = sorted(_findings(store))
     return json.dumps({"sequence": Recall(store).sequence, "findings": findings}).encode()
 

@@ -3,7 +3,7 @@
 
 `python -m hilt.kb.worker` reads one request a line from stdin, as JSON: `source` (a snapshot's
 folder, or a file of N-Quads), `query`, and `megabytes`, its memory beyond what it needs to open
-the source; or, in place of the query, an `update` to a source that is a copy. It answers with a
+the source; or, in place of the query, `updates` to a source that is a copy. It answers with a
 line of JSON, `kind` and `size`, followed by so many bytes. Whoever asked kills it when it takes
 too long.
 """
@@ -15,7 +15,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..ontology.errors import QueryError, StoreError
 
@@ -45,7 +45,7 @@ def _answers(requests: Iterable[bytes]) -> Iterator[tuple[str, bytes]]:
     for line in requests:
         request = json.loads(line)
         try:
-            if "update" in request:
+            if "updates" in request:
                 yield UPDATED, _updated(request)
                 continue
             if store is None or request["source"] != opened:
@@ -60,13 +60,13 @@ def _answers(requests: Iterable[bytes]) -> Iterator[tuple[str, bytes]]:
             yield TOO_LARGE, b""
 
 
-def _updated(request: dict[str, str]) -> bytes:
+def _updated(request: dict[str, Any]) -> bytes:
     from .oxigraph import open_folder
     from .updating import tried
 
     store = open_folder(Path(request["source"]))
-    _limit_memory(int(request["megabytes"]))
-    return tried(store, request["update"])
+    _limit_memory(request["megabytes"])
+    return tried(store, request["updates"])
 
 
 def _open(source: Path) -> OxigraphStore:
