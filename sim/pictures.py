@@ -4,12 +4,14 @@
 Rendered at twice the size and reduced (Lanczos), which smooths all edges. Where the simulator sees
 nothing there is a soft gradient instead of its white. The boards and the grain of the table are
 laid over its plain colour afterwards, computed from the place in the world behind each pixel: as a
-texture in the simulator they would slow every look of the robot.
+texture in the simulator they would slow every look of the robot. A part can be tinted, and words
+written below; what is drawn into a picture is in `drawings`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import lru_cache, partial
 from math import radians
@@ -20,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ontology.errors import MissingExtraError
+from ..ontology.errors import DataError, MissingExtraError
 from .camera import Camera
 from .engine import Engine
 from .poses import Array
@@ -28,12 +30,14 @@ from .readings import Light
 
 Picture = NDArray[np.uint8]
 
+ENDINGS = (".png", ".jpg", ".jpeg")
 PICTURE_LIGHT = Light(direction=(0.5, -0.9, 1.6), shadow=True)
 SUPERSAMPLING = 2.0
 TABLE_TOP = ("table", "top")
 CAPTION_PAPER, CAPTION_INK = (252, 250, 246), (52, 44, 38)
 BOARD_WIDTH = 0.16  # [m]
 SEAM = 0.0018  # [m], half the width of the dark line between two boards
+TINT = (0.10, 0.45, 1.0)  # red, green, blue of a part that is pointed out
 WALL_TOP, WALL_BOTTOM = (250, 247, 242), (232, 224, 213)  # warm white
 
 OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.23), radians(37), 960, 720)
@@ -51,7 +55,7 @@ def take_picture(
     *,
     light: Light = PICTURE_LIGHT,
     smoothing: float = SUPERSAMPLING,
-    wood: tuple[str, str] = TABLE_TOP,
+    tint: tuple[str, str] | None = None,
 ) -> Picture:
     """A picture of the world as it is now, (height, width, 3).
 
@@ -60,15 +64,16 @@ def take_picture(
         camera: from where.
         light: how it is lit.
         smoothing: how many times as large it is rendered; 1 is fastest and has jagged edges.
-        wood: the body and link that is drawn as boards.
+        tint: a body and the part of it that is pointed out.
     """
     large = replace(
         camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)
     )
-    view = large.look(engine, light=light)
+    with engine.tinted(*tint, TINT) if tint else nullcontext():
+        view = large.look(engine, light=light)
     picture = view.colour.copy()
-    if wood[0] in engine.bodies:
-        table = view.mask(*wood)
+    if TABLE_TOP[0] in engine.bodies:
+        table = view.mask(*TABLE_TOP)
         shades = _boards(large)[table] * picture[table]
         picture[table] = np.minimum(shades, 255).astype(np.uint8)
     background = ~np.isin(view.labels, np.fromiter(view.names, dtype=np.int32))
@@ -113,14 +118,24 @@ def _wall(camera: Camera) -> Picture:
 
 
 def _reduced(picture: Picture, camera: Camera) -> Picture:
-    image = _pillow().fromarray(picture)
-    return np.asarray(image.resize((camera.width, camera.height), _pillow().Resampling.LANCZOS))
+    image = pillow().fromarray(picture)
+    return np.asarray(image.resize((camera.width, camera.height), pillow().Resampling.LANCZOS))
+
+
+def refuse_unknown_ending(path: Path) -> None:
+    """Tell at once that a picture cannot be written, before anything is done for it.
+
+    Raises:
+        DataError: the ending of the path names no format of pictures.
+    """
+    if path.suffix.lower() not in ENDINGS:
+        raise DataError(f"expected a file ending in {', '.join(ENDINGS)}.", source=str(path))
 
 
 def save_picture(picture: Picture, path: Path) -> None:
     """Write a picture; the ending of the path names the format (PNG, JPEG, ...)."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    _pillow().fromarray(picture).save(path)
+    pillow().fromarray(picture).save(path)
 
 
 def captioned(picture: Picture, text: str, *, lines: int = 0) -> Picture:
@@ -128,15 +143,15 @@ def captioned(picture: Picture, text: str, *, lines: int = 0) -> Picture:
 
     Args:
         picture: (height, width, 3).
-        text: what to write; broken into lines where it is too long.
+        text: what to write; broken into lines at its line ends, and where it is too long.
         lines: how many lines there is room for; as many as the text needs when 0.
     """
     height, width = picture.shape[:2]
     size = caption_size(picture)
     broken = broken_caption(picture, text)
     bar = round(size * (1.35 * (lines or len(broken)) + 0.8))
-    image = _pillow().new("RGB", (width, height + bar), CAPTION_PAPER)
-    image.paste(_pillow().fromarray(picture), (0, 0))
+    image = pillow().new("RGB", (width, height + bar), CAPTION_PAPER)
+    image.paste(pillow().fromarray(picture), (0, 0))
     draw, font = _drawing(image, size)
     for number, line in enumerate(broken):
         draw.text((size, height + size * (0.3 + 1.35 * number)), line, font=font, fill=CAPTION_INK)
@@ -151,7 +166,7 @@ def caption_size(picture: Picture) -> int:
 def broken_caption(picture: Picture, text: str) -> list[str]:
     """A text in lines that fit below a picture."""
     size = caption_size(picture)
-    draw, font = _drawing(_pillow().new("RGB", (1, 1)), size)
+    draw, font = _drawing(pillow().new("RGB", (1, 1)), size)
     length = partial(draw.textlength, font=font)
     return _wrapped(text, length, picture.shape[1] - 2 * size)
 
@@ -164,17 +179,24 @@ def _drawing(image: Any, size: int) -> tuple[Any, Any]:
 
 def _wrapped(text: str, length: Callable[[str], float], width: float) -> list[str]:
     """The text in lines that are no longer than `width`, in pixels."""
-    lines = [""]
-    for word in text.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if length(longer) <= width or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
+    lines: list[str] = []
+    for paragraph in text.splitlines() or [""]:
+        lines.append("")
+        for word in paragraph.split():
+            longer = f"{lines[-1]} {word}".strip()
+            if length(longer) <= width or not lines[-1]:
+                lines[-1] = longer
+            else:
+                lines.append(word)
     return lines
 
 
-def _pillow() -> ModuleType:
+def pillow() -> ModuleType:
+    """The image library.
+
+    Raises:
+        MissingExtraError: it is not installed.
+    """
     try:
         from PIL import Image
     except ImportError as error:

@@ -8,6 +8,7 @@ side. A world that nobody watches does not even ask whether it should take pictu
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 
 from ..ontology.errors import DataError, SimulationError
 from .camera import Camera
+from .drawings import GraspMark, with_grasps
 from .engine import TIME_STEP
 from .pictures import (
     OVERVIEW,
@@ -53,6 +55,8 @@ class Recorder:
 
     Attributes:
         caption: what stands below the pictures from now on; nothing when empty.
+        tint: a body and the part of it that is pointed out from now on; None for nothing.
+        grasps: what is drawn into the pictures from now on.
     """
 
     def __init__(
@@ -66,6 +70,8 @@ class Recorder:
     ) -> None:
         _refuse_unwritable(path)
         self.caption = ""
+        self.tint: tuple[str, str] | None = None
+        self.grasps: Sequence[GraspMark] = ()
         self._world, self._path, self._camera, self._rate = world, path, camera, rate
         self._interval = max(1, round(pace / rate / TIME_STEP))  # steps
         self._waiting = 0
@@ -94,8 +100,11 @@ class Recorder:
 
     def take(self) -> None:
         """Take one picture now."""
-        engine = self._world.engine
-        picture = take_picture(engine, self._camera, light=LIGHT, smoothing=SMOOTHING)
+        picture = take_picture(
+            self._world.engine, self._camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
+        )
+        if self.grasps:
+            picture = with_grasps(picture, self._camera, self.grasps)
         self._taken.append((picture, self.caption))
 
     @property
@@ -115,6 +124,32 @@ class Recorder:
                 _write_gif(self.pictures, self._path, self._rate)
             case _:
                 _write_mp4(self.pictures, self._path, self._rate)
+
+
+def caption(
+    *,
+    utterance: str = "",
+    node: str = "",
+    constraint: str = "",
+    interval: tuple[float, float] | None = None,
+) -> str:
+    """What to write below a picture of one moment.
+
+    Args:
+        utterance: what was said.
+        node: where in the action tree this is, "pass/graspObject".
+        constraint: what must be kept to, "knife by the blade".
+        interval: how certain that is.
+
+    >>> print(caption(utterance="Pass me the knife.", node="pass/findObject", constraint="knife",
+    ...               interval=(0.9, 1.0)))
+    "Pass me the knife."
+    pass/findObject: knife [0.90, 1.00]
+    """
+    certain = f"[{interval[0]:.2f}, {interval[1]:.2f}]" if interval else ""
+    kept = " ".join(filter(None, (constraint, certain)))
+    moment = ": ".join(filter(None, (node, kept)))
+    return "\n".join(filter(None, (f'"{utterance}"' if utterance else "", moment)))
 
 
 def _refuse_unwritable(path: Path) -> None:

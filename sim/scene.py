@@ -163,7 +163,7 @@ def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[s
     drawn: Counter[str] = Counter()
     while drawn.total() < count:
         share = min(count - drawn.total(), len(names))
-        drawn.update([names[i] for i in rng.choice(len(names), share, replace=False)])
+        drawn.update([names[int(i)] for i in rng.choice(len(names), share, replace=False)])
     return [name for name in names for _ in range(drawn[name])]
 
 

@@ -189,6 +189,12 @@ class World:
         """Corners of an object's hull where it is now (n, 3), in the world [m]."""
         return poses.transform(self.pose(name), self.models[self.kinds[name].name].points)
 
+    def top(self, name: str) -> Array:
+        """The place above the middle of an object, as high as its highest point (3,) [m]."""
+        points = self.points(name)
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        return np.array([middle[0], middle[1], points[:, 2].max()])
+
     def clearance(self, name: str) -> float:
         """How high the lowest point of an object is above the table [m]."""
         return float(self.points(name)[:, 2].min())

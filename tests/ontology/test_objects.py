@@ -198,7 +198,7 @@ def test_nail_stands_in_its_block():
     [
         ("{support: brick, at: [0, 0, 0], depth: 0, deepest: 1, resistance_N: 9}", "expected one"),
         ("{support: mug, at: [0, 0, 0], depth: 2, deepest: 1, resistance_N: 9}", "expected"),
-        ("{support: mug, at: [0, 0, 0], depth: 1, deepest: 2}", 'missing key "resistance_N"'),
+        ("{support: mug, at: [0, 0, 0], depth: 1, deepest: 2}", 'key "resistance_N" is missing'),
     ],
 )
 def test_wrong_mount_is_told(tmp_path: Path, mount: str, problem: str):

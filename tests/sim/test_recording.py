@@ -11,9 +11,10 @@ from PIL import Image, ImageSequence
 
 from hilt.ontology.errors import DataError, SimulationError
 from hilt.ontology.objects import load_objects
-from hilt.sim import pictures, recording
+from hilt.sim import pictures, poses, recording
+from hilt.sim.drawings import GraspMark
 from hilt.sim.pictures import OVERVIEW, captioned, save_picture, take_picture
-from hilt.sim.recording import Recorder, strip
+from hilt.sim.recording import Recorder, caption, strip
 from hilt.sim.scene import parse_scene
 from hilt.sim.world import World
 
@@ -155,3 +156,41 @@ def test_long_caption_is_broken_into_lines():
     assert len(lines) > 2
     assert " ".join(lines) == text.strip()
     assert captioned(picture, text).shape[0] > captioned(picture, "Pass.").shape[0] > 90
+
+
+def test_caption_keeps_its_own_lines():
+    """What was said and what is done stand on lines of their own."""
+    picture = np.zeros((90, 300, 3), dtype=np.uint8)
+    text = caption(
+        utterance="Pass me the knife.",
+        node="pass/graspObject",
+        constraint="knife by the blade",
+        interval=(0.9, 1),
+    )
+
+    assert text.splitlines()[1] == "pass/graspObject: knife by the blade [0.90, 1.00]"
+    assert pictures.broken_caption(picture, text)[0] == '"Pass me the knife."'
+    assert caption(node="pass") == "pass"
+
+
+def test_recording_tints_and_draws_what_it_is_told(world: World, tmp_path: Path):
+    """From the moment it is told, the part is tinted and the grasps are drawn; not before."""
+    at = poses.translation(*world.pose("mug")[:3, 3])
+    with Recorder(world, tmp_path / "out.png", camera=SMALL) as recorder:
+        for tint, grasps in (
+            (None, ()),
+            (("mug", "barrel"), ()),
+            (None, (GraspMark(at, 0.08, True),)),
+        ):
+            recorder.tint, recorder.grasps = tint, grasps
+            recorder.take()
+        plain, tinted, drawn = (picture.astype(int) for picture in recorder.pictures)
+
+    assert (tinted - plain)[..., 2].max() > 40
+    assert 0 < (drawn != plain).any(axis=2).sum() < 400
+
+
+def test_picture_of_unknown_ending_is_refused():
+    """What is no picture is told before anything is rendered."""
+    with pytest.raises(DataError, match=r"expected a file ending in \.png"):
+        pictures.refuse_unknown_ending(Path("scene.pdf"))

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that show what is on the table: scene show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import AsJson, SceneSpec, Seed, app
+from .terminal import show as print_json
+from .terminal import terminal
+
+if TYPE_CHECKING:
+    from ...ontology.objects import ObjectType
+    from ...sim.body import Body
+
+scene_app = typer.Typer(help="Look at scenes.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(scene_app, name="scene")
+
+
+@scene_app.command()
+def show(
+    *,
+    scene: SceneSpec = "all",
+    seed: Seed = 0,
+    objects: Annotated[
+        Path | None, typer.Option("--objects", help="A YAML file with objects of your own.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(
+        "out/scene.png"
+    ),
+    names: Annotated[bool, typer.Option("--names", help="Write the names of things.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Render a scene with the robot at its table, and list what stands where."""
+    from ...sim.body import Body
+    from ...sim.pictures import refuse_unknown_ending
+    from ...sim.scene import parse_scene
+
+    refuse_unknown_ending(out)
+    kinds = _kinds(objects)
+    with Body(parse_scene(scene, seed=seed, objects=kinds), kinds, seed=seed) as body:
+        _picture(body, out, names=names)
+        things = _things(body)
+    if as_json:
+        print_json({"picture": str(out), "things": things})
+        return
+    for thing in things:
+        place = ", ".join(f"{x:.2f}" for x in thing["at"])
+        within = f"   in {thing['within']}" if thing["within"] else ""
+        terminal().print(f"{thing['name']:<14} {place} m{within}")
+    terminal().print(f"The picture is {out}.")
+
+
+def _kinds(path: Path | None) -> dict[str, ObjectType]:
+    """Hilt's own objects, and those of a file."""
+    from ...ontology.objects import load_household
+
+    household = load_household()
+    return dict((load_household(path, added_to=household) if path else household).objects)
+
+
+def _picture(body: Body, path: Path, *, names: bool) -> None:
+    from ...sim.drawings import with_names
+    from ...sim.pictures import OVERVIEW, save_picture, take_picture
+
+    picture = take_picture(body.world.engine)
+    if names:
+        places = {name: body.world.top(name) for name in body.world.kinds}
+        picture = with_names(picture, OVERVIEW, places)
+    save_picture(picture, path)
+
+
+def _things(body: Body) -> list[dict[str, Any]]:
+    """What stands where: name, type, place [m], and what it stands in."""
+    world = body.world
+    return [
+        {
+            "name": name,
+            "object": kind.name,
+            "at": [round(float(x), 3) for x in world.pose(name)[:3, 3]],
+            "within": world.support(name),
+        }
+        for name, kind in world.kinds.items()
+    ]
