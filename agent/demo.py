@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from . import console as shown
 from .agent import Agent
+from .outcome import Json
 from .reply import Reply
 
 LESSONS = (
@@ -25,28 +26,63 @@ COMMAND = "pass me something used for cutting"
 AFTERWARDS = ("pick up the knife", "pass me something used for rolling")
 
 
-def run(agent: Agent, out: Console, folder: Path) -> bool:
-    """Run the example, show it, and write its pictures.
+@dataclass(frozen=True)
+class Example:
+    """What came of the running example.
+
+    Attributes:
+        lessons: the replies to the three sentences.
+        commands: the replies to the command and to the two after it.
+        simulated: whether a robot moved.
+    """
+
+    lessons: tuple[Reply, ...]
+    commands: tuple[Reply, ...]
+    simulated: bool
+
+    @property
+    def is_as_told(self) -> bool:
+        """Whether everything came out as the paper says."""
+        came = [reply.achievement for reply in self.commands if reply.achievement]
+        parts = [each.decision.chosen_part for each in came if each.decision]
+        touched = [each.world.touched for each in came]
+        as_decided = not self.simulated or touched == [("blade",), ("handle",), ()]
+        endings = [reply.ending for reply in self.commands]
+        decided = parts == ["blade", "handle", None]
+        return decided and as_decided and endings == ["done", "done", "failed"]
+
+    def as_json(self) -> Json:
+        """As `hilt demo --json` prints it."""
+        return {
+            "tell": [reply.as_tell_json() for reply in self.lessons],
+            "do": [reply.as_do_json() for reply in self.commands],
+            "as_told": self.is_as_told,
+        }
+
+
+def run(agent: Agent, progress: Console, folder: Path) -> Example:
+    """Run the example and write its pictures.
 
     Args:
         agent: with an empty or any other knowledge base.
-        out: where it is shown.
+        progress: where the progress is shown.
         folder: where pictures and the animation are written, when there is a simulator.
-
-    Returns:
-        Whether everything came out as the paper says.
     """
-    with _progress(out) as step:
-        lessons = [step(text, agent) for text in LESSONS]
+    with _progress(progress) as step:
+        lessons = tuple(step(text, agent) for text in LESSONS)
         passed = step(COMMAND, agent, folder)
-        picked, nothing = (step(text, agent) for text in AFTERWARDS)
+        afterwards = tuple(step(text, agent) for text in AFTERWARDS)
+    return Example(lessons, (passed, *afterwards), agent.simulate)
+
+
+def show(example: Example, out: Console, agent: Agent) -> None:
+    """Print the example for a person: dialogue, rules, walks, decisions, and the world."""
     out.print(Panel("Teaching", style="cyan", expand=False))
-    for reply in lessons:
+    for reply in example.lessons:
         out.print(shown.turn(reply))
-    out.print(shown.rules(rule for reply in lessons for rule in reply.rules))
-    for reply in (passed, picked, nothing):
+    out.print(shown.rules(rule for reply in example.lessons for rule in reply.rules))
+    for reply in example.commands:
         _show_command(out, reply, agent)
-    return _is_as_told(passed, picked, nothing, agent)
 
 
 def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
@@ -56,18 +92,6 @@ def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
         out.print(shown.achievement(reply.achievement, agent.quote))
         for picture in reply.achievement.world.pictures:
             out.print(f"wrote {picture}", markup=False)
-
-
-def _is_as_told(passed: Reply, picked: Reply, nothing: Reply, agent: Agent) -> bool:
-    parts = [
-        reply.achievement.decision.chosen_part
-        for reply in (passed, picked)
-        if reply.achievement and reply.achievement.decision
-    ]
-    touched = [reply.achievement.world.touched for reply in (passed, picked) if reply.achievement]
-    as_decided = not agent.simulate or touched == [("blade",), ("handle",)]
-    ended = (passed.ending, picked.ending, nothing.ending) == ("done", "done", "failed")
-    return parts == ["blade", "handle"] and as_decided and ended
 
 
 @contextmanager

@@ -31,12 +31,18 @@ def demo(
     out: Out = Path("out/demo"),
     gui: Gui = False,
     no_sim: NoSim = False,
+    as_json: AsJson = False,
 ) -> None:
     """Run the paper's running example: three sentences, and a knife passed by the blade."""
-    from ..demo import run
+    from .. import demo as example
 
     with open_agent(kb, scene="all", seed=seed, gui=gui, no_sim=no_sim) as agent:
-        finish(run(agent, terminal(), out))
+        came = example.run(agent, terminal(stderr=True), out)
+        if as_json:
+            show(came.as_json())
+        else:
+            example.show(came, terminal(), agent)
+    finish(came.is_as_told)
 
 
 @app.command()
