@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import TextIO
 
 from rich.console import Console, RenderableType
@@ -11,40 +11,35 @@ from rich.text import Text
 
 from . import console as shown
 from .agent import Agent
+from .prompt import lines
 
 QUIT = "/quit"
 
 
-def run(agent: Agent, out: Console, lines: TextIO, speaker: str) -> None:
+def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
     """Talk until the lines end or `/quit` is said.
 
     Args:
         agent: who listens.
         out: where the conversation is shown.
-        lines: what is said; prompted for when it is a terminal.
+        source: what is said; prompted for when it is a terminal.
         speaker: who says it.
     """
-    talking = lines.isatty()
+    talking = source.isatty()
     if talking:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
-    for line in _spoken(lines, out, speaker if talking else None):
+    said = lines(f"{speaker}> ", lambda: _completable(agent)) if talking else source
+    for line in (line.strip() for line in said):
         if line == QUIT:
             return
         if line.startswith("/"):
             out.print(_command(agent, line))
-        else:
+        elif line:
             _converse(agent, out, line, speaker, talking=talking)
 
 
-def _spoken(lines: TextIO, out: Console, prompt: str | None) -> Iterable[str]:
-    while True:
-        if prompt:
-            out.print(Text(f"{prompt}> ", "bold cyan"), end="")
-        line = lines.readline()
-        if not line:
-            return
-        if line.strip():
-            yield line.strip()
+def _completable(agent: Agent) -> set[str]:
+    return {*agent.dialogue.language.known_words, *_COMMANDS, QUIT}
 
 
 def _converse(agent: Agent, out: Console, line: str, speaker: str, *, talking: bool) -> None:

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lines from a person at a terminal: a prompt, a history over sessions, completion of known words.
+
+`readline` does it where Python has it (not on Windows); elsewhere lines are read plain.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Collection, Generator, Iterator
+from pathlib import Path
+
+from platformdirs import user_state_path
+
+HISTORY_LENGTH = 1000  # lines
+_DELIMITERS = " \t\n,.;:!?\"'"
+
+
+def lines(prompt: str, words: Callable[[], Collection[str]]) -> Iterator[str]:
+    """What is typed, a line at a time, until the end of input.
+
+    Args:
+        prompt: what stands before the cursor.
+        words: gives the words that can be completed now.
+    """
+    with _editing(user_state_path("hilt") / "history", words):
+        while True:
+            try:
+                yield input(prompt)
+            except EOFError:
+                return
+
+
+def completions(start: str, words: Collection[str]) -> list[str]:
+    """The words that begin so, sorted; an empty beginning is completed by nothing.
+
+    >>> completions("spo", {"spoon", "spoons", "mug"})
+    ['spoon', 'spoons']
+    """
+    return sorted(word for word in words if start and word.startswith(start.lower()))
+
+
+@contextlib.contextmanager
+def _editing(history: Path, words: Callable[[], Collection[str]]) -> Generator[None]:
+    try:
+        import readline
+    except ImportError:
+        yield
+        return
+
+    def complete(start: str, number: int) -> str | None:
+        found = completions(start, words())
+        return found[number] if number < len(found) else None
+
+    with contextlib.suppress(OSError):
+        readline.read_history_file(history)
+    readline.set_history_length(HISTORY_LENGTH)
+    readline.set_completer_delims(_DELIMITERS)
+    readline.set_completer(complete)
+    readline.parse_and_bind("tab: complete")
+    try:
+        yield
+    finally:
+        readline.set_completer(None)
+        with contextlib.suppress(OSError):
+            history.parent.mkdir(parents=True, exist_ok=True)
+            readline.write_history_file(history)
