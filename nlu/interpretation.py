@@ -54,7 +54,10 @@ class Interpreter:
 
     def statement(self, form: Form) -> Statement:
         """The rules that a form states."""
-        return Statement(tuple(self.rules(form)))
+        rules = tuple(dict.fromkeys(self.rules(form)))
+        if len({replace(rule, confidence=(0, 1)) for rule in rules}) < len(rules):
+            raise RefusedError("contradiction", asks=True)
+        return Statement(rules)
 
     def rules(self, form: Form) -> Iterator[Rule]:
         """Each rule of a form, in the order they were said."""

@@ -42,7 +42,7 @@ from .words import WordBook
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Language:
     """One language with one vocabulary; never changes.
 
@@ -116,6 +116,9 @@ class Language:
             book.tool_acts(),
         )
         return cls(language, listener, speech, expression, book, inflection, degrees)
+
+    def __repr__(self) -> str:
+        return f"<Language {self.name}, {len(self.learned)} words learned>"
 
     def with_words(self, words: Iterable[NewWord]) -> Language:
         """This language with learned words, known from now on in all their forms."""
@@ -210,7 +213,7 @@ class Language:
     ) -> Understanding | None:
         """An utterance as several moves that come to one meaning; None when they do not."""
         for moves in cuts(tokens):
-            taken = self._moves(moves, situation, insist)
+            taken = self._moves(self._in_order(moves, situation), situation, insist)
             main = main_move([move.meaning for move in taken]) if taken else None
             if main is not None:
                 place, meaning = main
@@ -229,7 +232,7 @@ class Language:
             if found.reading is None:
                 if topic is not None:
                     return []
-                topic = self.listener.topic(self.listener.chart(move, {}), situation)
+                topic = self._topic(move, situation)
                 if topic is None:
                     return []
                 situation = replace(situation, discourse=replace(situation.discourse, object=topic))
@@ -240,6 +243,15 @@ class Language:
             taken.append(found)
             situation = replace(situation, discourse=found.discourse)
         return taken if topic is None else []
+
+    def _in_order(self, moves: Sequence[Tokens], situation: Situation) -> Sequence[Tokens]:
+        """A thing named at the end goes first: "You pass it by the blade, the knife."."""
+        if self._topic(moves[-1], situation) is None:
+            return moves
+        return moves[-1], *moves[:-1]
+
+    def _topic(self, move: Tokens, situation: Situation) -> Form | None:
+        return self.listener.topic(self.listener.chart(move, {}), situation)
 
     def _needs(self, move: Tokens, situation: Situation, insist: Collection[str]) -> bool:
         """Whether a move cannot be understood without what was spoken of."""

@@ -19,6 +19,7 @@ from .meaning import (
     Meaning,
     Question,
     Retraction,
+    Rule,
     Statement,
 )
 from .tokens import BREAK, Tokens
@@ -72,7 +73,7 @@ def _together(meanings: Sequence[Meaning]) -> Meaning | None:
         return last
     statements = [each for each in meanings if isinstance(each, Statement)]
     if len(statements) == len(meanings):
-        return Statement(tuple(rule for each in statements for rule in each.rules))
+        return _taught([rule for each in statements for rule in each.rules])
     if len(meanings) != 2:
         return None
     if first == Retraction() and isinstance(last, Statement):
@@ -80,6 +81,14 @@ def _together(meanings: Sequence[Meaning]) -> Meaning | None:
     if _sees_target(first, last):
         return last
     return None
+
+
+def _taught(rules: Sequence[Rule]) -> Statement | None:
+    """All that was said, unless one thing was said in two ways."""
+    said = tuple(dict.fromkeys(rules))
+    if len({replace(rule, confidence=(0, 1)) for rule in said}) < len(said):
+        return None
+    return Statement(said)
 
 
 def _sees_target(first: Meaning, last: Meaning) -> bool:

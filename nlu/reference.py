@@ -76,14 +76,28 @@ def _in_rules(form: Form, discourse: Discourse) -> Form:
             return Form("and", (first, _in_rules(other, Discourse(known))))
         case "implies", _:
             return _in_rule(form, discourse)
-        case "holding", (Form(arguments=(_, held, *_)) as act, place):
-            return Form("holding", (act, _replaced(place, held)))
         case "within", (occasion, rule):
             return _in_rule(_on_occasion(occasion, rule), discourse)
-        case "how", (act, held):
-            return Form("how", (_replaced(act, held),))
+        case "holding", (Form(arguments=(_, held, *_)) as act, place):
+            return Form("holding", (act, _replaced(place, held)))
+        case "first", (thing, act):
+            return _in_rules(_with_thing(thing, act), discourse)
         case _:
-            return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+            return _below(form, discourse)
+
+
+def _below(form: Form, discourse: Discourse) -> Form:
+    if form.name == "how" and len(form.arguments) == 2:
+        act, held = form.arguments
+        return Form("how", (_replaced(act, held),))
+    return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+
+
+def _with_thing(thing: Form, act: Form) -> Form:
+    """An act on a thing that is taken first: "take the mug and pass it to me"."""
+    if IT not in act:
+        raise RefusedError("one_thing_at_a_time")
+    return _replaced(act, thing)
 
 
 def _on_occasion(occasion: Form, rule: Form) -> Form:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -122,7 +124,9 @@ def revised(rule: Rule) -> Statement:
 
 
 meanings = st.one_of(
-    st.lists(rules, min_size=1, max_size=3).map(lambda each: Statement(tuple(each))),
+    st.lists(
+        rules, min_size=1, max_size=3, unique_by=lambda rule: replace(rule, confidence=(0, 1))
+    ).map(lambda each: Statement(tuple(each))),
     rules.map(revised),
     commands,
     questions,

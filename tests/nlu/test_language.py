@@ -38,6 +38,13 @@ def test_an_unknown_language_is_told() -> None:
         Language.load("klingon")
 
 
+def test_a_language_is_shown_by_its_name(language: Language) -> None:
+    """Not by its twenty thousand entries."""
+    taught = language.with_words([NewWord("ladle", "object", "ladle")])
+
+    assert repr(taught) == "<Language english, 1 words learned>"
+
+
 def test_learning_nothing_changes_nothing(language: Language) -> None:
     """Words that are known already make no new language."""
     word = NewWord("ladle", "object", "ladle")

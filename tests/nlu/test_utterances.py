@@ -18,7 +18,6 @@ DATA = Path(__file__).parent / "data"
 # Said differently from everything that Hilt covers so far; each with what is missing.
 SKIPPED = {
     "pick something up that is used for rolling": "a relative clause away from its noun",
-    "I want you to know that a knife is used for cutting": "a wish that is a statement",
     "the knife’s used for cutting": "'s as a short form of is",
     "pick up a mug by its handle when you pick it up": "an act that is its own occasion",
     "always hold the mug by the handle when picking it up, usually": "two degrees at once",
@@ -28,6 +27,23 @@ SKIPPED = {
     "it would be nice if you passed me the knife": "the past tense of a wish",
     "pound in the nail": "a particle that changes nothing",
     "find something to pound the nail with": "two acts, the second with a gap",
+    "If I were you I'd use a knife for cutting": "too far off",
+    "What a knife does is cut": "too far off",
+    "Cutting is a knife's job": "too far off",
+    "Cutting? Use a knife.": "too far off",
+    "Take the blade end when you hand over a knife": "too far off",
+    "Knife passing is done by the blade": "too far off",
+    "A knife goes blade first when you pass it": "too far off",
+    "You wouldn't mind passing me the knife, would you?": "too far off",
+    "Is there anything here to cut with? Pass it to me.": "too far off",
+    "I have something to cut": "too far off",
+    "I need a hand with cutting, pass me something for it": "too far off",
+    "give me something to do some cutting with": "too far off",
+    "Give me the names of things used for cutting": "too far off",
+    "And a knife, what's that for?": "too far off",
+    "What's a knife do?": "too far off",
+    "The best thing for cutting is what?": "too far off",
+    "What's the deal with passing knives?": "too far off",
 }
 
 
@@ -62,7 +78,8 @@ def check(language: Language, text: str, before: str | None, group: dict[str, ob
 
 
 @pytest.mark.parametrize(
-    ("text", "before", "group"), cases("paper", "paraphrases", "commands", "conversation", "wide")
+    ("text", "before", "group"),
+    cases("paper", "paraphrases", "commands", "conversation", "wide", "far"),
 )
 def test_an_utterance_means_what_it_should(
     language: Language, text: str, before: str | None, group: dict[str, object]
