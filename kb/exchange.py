@@ -1,83 +1,102 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bases and rules as files: Turtle for the rules, TriG and N-Quads for the whole base.
+"""Bases and rules as files: RDF in its formats, tables, graphs and the rule sheet.
 
 What is read is checked first, by SHACL and by the laws of intervals and rules, and applied whole
 or not at all. Reading the same file twice changes nothing the second time. Two bases that know
-the same write the same text, so exports can be compared line by line.
+the same write the same text, so exports can be compared line by line. `formats` tells which
+format carries what.
 """
 
 from __future__ import annotations
 
-import os
-import sys
-import tempfile
-from itertools import islice
+import io
+from collections.abc import Iterable, Iterator
+from itertools import chain, islice
 from pathlib import Path
+from typing import BinaryIO, TypeVar, cast
 
-from ..ontology.errors import DataError, ValidationError
-from ..ontology.vocabulary import GRAPH_NAMES, Iri, iri, shortened, split, term
+from ..ontology.vocabulary import split
 from . import stars
+from .annotated import Reified, settled, write_annotated
 from .beliefs import KnowledgeBase
-from .episodes import EPISODES
+from .files import Progress, Source, reading, writing
+from .formats import RULE_FORMATS, Format, format_of
 from .history import HISTORY
-from .merging import LEXICON, Merged, merge
-from .recall import BASE_GRAPH, Recall
+from .merging import Merged, Summary, merge
+from .recall import Recall
+from .rule import Rule
+from .staging import findings, stage, stage_rules
 from .stars import BELIEFS, TYPE
 from .store import Store
 from .terms import Quad, as_sparql
-from .validation import Finding, lawful, refuse, rule_nodes, shapes
+from .validation import refuse, rule_nodes
 
-STREAM = "-"  # standard input or output
-SUFFIXES = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads", ".nt": "ntriples"}
-RULES_ONLY = frozenset({"turtle", "ntriples"})  # formats without named graphs
-MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
-WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
+Thing = TypeVar("Thing")
 
-# Where a node of a class belongs when a format has no graphs.
-_GRAPHS = {
-    "Utterance": HISTORY,
-    "Episode": EPISODES,
-    "Step": EPISODES,
-    "Word": LEXICON,
-    "Base": BASE_GRAPH,
-}
-_KNOWN_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
+MAX_SORTED = 200_000  # statements; more of them are written in the order in which they are kept
 
 
-def export_file(base: KnowledgeBase, file: str | Path, *, format: str | None = None) -> int:  # noqa: A002
-    """Write the rules (turtle, ntriples) or the whole base (trig, nquads) to a file.
+def export_file(
+    base: KnowledgeBase,
+    file: str | Path,
+    *,
+    format: str | None = None,  # noqa: A002
+    rules_only: bool = False,
+    progress: Progress | None = None,
+) -> int:
+    """Write the rules or the whole base to a file.
 
     Args:
         base: what is written.
-        file: its extension names the format; "-" is standard output.
-        format: one of `SUFFIXES`' formats; by default that of the file, turtle for "-".
+        file: its extension names the format, ".gz" packs it; "-" is standard output.
+        format: the name of a format; by default that of the file, turtle for "-".
+        rules_only: leave out all but the rules, where the format could hold the whole base.
+        progress: is told how many statements (or rules, in formats that hold only those) are
+            written.
 
     Returns:
-        How many statements were written.
+        How many that were.
 
     Raises:
-        DataError: the format is unknown or the file cannot be written.
+        DataError: the format is unknown, or the file cannot be written.
     """
-    chosen = _format(str(file), format, "turtle")
-    quads = export_quads(base.store, rules_only=chosen in RULES_ONLY)
-    _write(str(file), write_text(quads, format=chosen))
-    return len(quads)
+    chosen = format_of(str(file), format, "turtle")
+    with writing(str(file)) as stream:
+        if chosen.name in RULE_FORMATS:
+            return _write_rules(base, stream, chosen, progress)
+        return _write_statements(
+            base.store, stream, chosen, progress, rules_only=rules_only or not chosen.whole
+        )
 
 
-def import_file(base: KnowledgeBase, file: str | Path, *, format: str | None = None) -> int:  # noqa: A002
-    """Read rules or a whole base from a file; see `import_text`.
+def import_file(
+    base: KnowledgeBase,
+    file: str | Path,
+    *,
+    format: str | None = None,  # noqa: A002
+    dry_run: bool = False,
+    progress: Progress | None = None,
+) -> Summary:
+    """Take over the rules and history of a file: checked first, applied whole or not at all.
 
     Args:
         base: what is written to.
-        file: its extension names the format; "-" is standard input.
-        format: one of `SUFFIXES`' formats; by default that of the file, trig for "-".
+        file: its extension names the format; "-" is standard input. Packed files are unpacked.
+        format: the name of a format; by default that of the file, trig for "-".
+        dry_run: only say what would come of it.
+        progress: is told how many bytes of the file have been read.
 
     Returns:
-        How many statements were read.
+        What was new, known and conflicting.
+
+    Raises:
+        DataError: the file cannot be read or parsed; says where.
+        ValidationError: it breaks the shapes or laws; the base is unchanged.
     """
-    chosen = _format(str(file), format, "trig")
-    data = _read(str(file))
-    return import_text(base, data, format=chosen, source=str(file)).statements
+    chosen = format_of(str(file), format, "trig")
+    is_xml = chosen.name in _XML
+    with reading(str(file), most=chosen.most, is_xml=is_xml, progress=progress) as source:
+        return _take(base, source, chosen, dry_run=dry_run).summary
 
 
 def import_text(
@@ -88,164 +107,175 @@ def import_text(
     source: str = "<text>",
     dry_run: bool = False,
 ) -> Merged:
-    """Take over the rules and history of an RDF text: checked first, applied whole or not at all.
+    """Take over the rules and history of a text; as `import_file`.
 
     Args:
         base: what is written to.
         data: the text in UTF-8.
-        format: turtle, trig, nquads or ntriples.
+        format: the name of a format.
         source: its name, for messages and the history.
         dry_run: only say what would come of it.
+    """
+    chosen = format_of(source, format, "trig")
+    is_xml = chosen.name in _XML
+    read = Source(io.BytesIO(data), source, most=chosen.most, is_xml=is_xml)
+    return _take(base, read, chosen, dry_run=dry_run)
+
+
+def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa: A002
+    """What a file says, in a store of its own, unchecked; `staging.findings` checks it.
 
     Raises:
-        DataError: the text cannot be parsed; says where.
-        ValidationError: it breaks the shapes or laws; the base is unchanged.
+        DataError: the file cannot be read or parsed; says where.
     """
-    staging = stage(data, format=format, source=source)
+    chosen = format_of(str(file), format, "trig")
+    with reading(str(file), most=chosen.most, is_xml=chosen.name in _XML) as source:
+        return _staged(source, chosen)
+
+
+_XML = frozenset({"rdfxml", "graphml"})
+
+
+def _take(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: bool) -> Merged:
+    staging = _staged(source, chosen)
     try:
         refuse(findings(staging))
-        return merge(base, Recall(staging), source=source, dry_run=dry_run)
+        return merge(base, Recall(staging), source=source.name, dry_run=dry_run)
     finally:
         staging.close()
 
 
-def stage(data: bytes, *, format: str, source: str) -> Store:  # noqa: A002
-    """The statements of a text in a store of their own, each in the graph where it belongs.
-
-    Raises:
-        DataError: the text cannot be parsed, or has graphs that a base has not.
-    """
-    from .oxigraph import load_rdf
-
-    staging = load_rdf(data, format=format, source=source, default=BELIEFS)
-    foreign = {quad.graph for quad in staging.quads() if quad.graph not in _KNOWN_GRAPHS}
-    if foreign:
-        raise DataError(
-            f"the graph {shortened(str(min(map(str, foreign))))} is none of a base's; expected "
-            f"{', '.join(sorted(map(shortened, _KNOWN_GRAPHS)))}.",
-            source=source,
-        )
-    _sort(staging)
-    _rename(staging)
-    return staging
+def _staged(source: Source, chosen: Format) -> Store:
+    if chosen.name in RULE_FORMATS:
+        return stage_rules(read_rules(source, chosen))
+    statements = read_statements(source, chosen)
+    return stage(settled(statements, source=source.name), source=source.name)
 
 
-def findings(staging: Store) -> list[Finding]:
-    """Everything that is wrong with what was staged."""
-    few = sum(1 for _ in islice(staging.quads(), MAX_SHACL + 1)) <= MAX_SHACL
-    found = [*(shapes(staging) if few else ()), *lawful(staging)]
-    # A rule that a person named could not be given its own name because something else is wrong.
-    more = {finding.node for finding in found if not finding.problem.startswith(WRONG_NAME)}
-    return [
-        finding
-        for finding in found
-        if finding.node not in more or not finding.problem.startswith(WRONG_NAME)
-    ]
+def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:
+    """The rules of a file that holds rules only."""
+    match chosen.name:
+        case "csv":
+            from .tables import read_table
+
+            yield from read_table(source.lines(), source=source.name)
+        case "graphml":
+            from .graph import read_graphml
+
+            yield from read_graphml(source.everything(), source=source.name)
+        case _:
+            from .sheet import read_sheet
+
+            yield from read_sheet("".join(source.lines()), source=source.name)
+
+
+def read_statements(source: Source, chosen: Format) -> Iterator[Quad | Reified]:
+    """The statements of an RDF file; those that name no graph are among the beliefs."""
+    from .oxigraph import read_rdf
+
+    name = chosen.name.removesuffix("12")
+    stream = cast(BinaryIO, source)
+    for one in read_rdf(stream, format=name, source=source.name, default=BELIEFS):
+        source.heard()
+        yield one
 
 
 def export_quads(store: Store, *, rules_only: bool) -> list[Quad]:
     """The statements of an export, sorted so that equal bases give equal lists."""
-    if not rules_only:
-        return sorted(store.quads(), key=_order)
-    beliefs = list(store.quads(None, None, None, BELIEFS))
-    sources = {quad.object for quad in beliefs if quad.predicate == stars.DERIVED_FROM}
-    said = (quad for quad in store.quads(None, None, None, HISTORY) if quad.subject in sources)
-    return sorted((*beliefs, *said), key=_order)
+    return sorted(_exported(store, rules_only=rules_only), key=_order)
 
 
-def write_text(quads: list[Quad], *, format: str) -> bytes:  # noqa: A002
+def write_text(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
     """Statements as text in UTF-8."""
+    if format == "turtle12":
+        return "".join(write_annotated(quads)).encode()
     from .oxigraph import write_rdf
 
     return write_rdf(quads, format=format)
 
 
-def _sort(staging: Store) -> None:
-    """Move what a format without graphs has put among the beliefs to where it belongs."""
-    places = {
-        typed.subject: graph
-        for name, graph in _GRAPHS.items()
-        for typed in staging.quads(None, TYPE, term(name), BELIEFS)
-    }
-    moved = [q for node in places for q in staging.quads(node, None, None, BELIEFS)]
-    there = [quad._replace(graph=places[quad.subject]) for quad in moved]
-    staging.apply(insert=there, delete=moved)
+def _exported(store: Store, *, rules_only: bool) -> Iterator[Quad]:
+    if not rules_only:
+        yield from store.quads()
+        return
+    sources: set[object] = set()
+    for quad in store.quads(None, None, None, BELIEFS):
+        if quad.predicate == stars.DERIVED_FROM:
+            sources.add(quad.object)
+        yield quad
+    yield from (q for q in store.quads(None, None, None, HISTORY) if q.subject in sources)
 
 
-def _rename(staging: Store) -> None:
-    """Give rules that a person named (rule:1) the names that their content makes."""
-    names: dict[Iri, Iri] = {}
-    for node in rule_nodes(staging):
-        try:
-            rule = stars.read_rule(staging.properties(node, BELIEFS))
-        except ValidationError:
-            continue  # validation will say it
-        if stars.rule_iri(rule.id) != node:
-            names[node] = stars.rule_iri(rule.id)
-    if names:
-        old = [q for q in staging.quads() if q.subject in names or q.object in names]
-        staging.apply(insert=[_renamed(quad, names) for quad in old], delete=old)
+def _write_statements(
+    store: Store,
+    stream: BinaryIO,
+    chosen: Format,
+    progress: Progress | None,
+    *,
+    rules_only: bool,
+) -> int:
+    quads = _exported(store, rules_only=rules_only)
+    first = list(islice(quads, MAX_SORTED + 1))
+    count = _Count(progress)
+    if len(first) <= MAX_SORTED:
+        stream.write(write_text(count.over(sorted(first, key=_order)), format=chosen.name))
+    elif chosen.name == "turtle12":
+        stream.writelines(
+            line.encode() for line in write_annotated(count.over(chain(first, quads)))
+        )
+    else:
+        from .oxigraph import write_rdf_to
+
+        write_rdf_to(count.over(chain(first, quads)), stream, format=chosen.name)
+    return count.total
 
 
-def _renamed(quad: Quad, names: dict[Iri, Iri]) -> Quad:
-    value = quad.object
-    return quad._replace(
-        subject=names.get(quad.subject, quad.subject),
-        object=names.get(value, value) if isinstance(value, Iri) else value,
-    )
+def _write_rules(
+    base: KnowledgeBase, stream: BinaryIO, chosen: Format, progress: Progress | None
+) -> int:
+    count = _Count(progress)
+    rules = count.over(all_rules(base))
+    match chosen.name:
+        case "csv":
+            from .tables import write_table
+
+            text = io.TextIOWrapper(stream, encoding="utf-8", newline="", write_through=True)
+            write_table(rules, text)
+            text.detach()
+        case "graphml":
+            from .graph import write_graphml
+
+            stream.write(write_graphml(rules))
+        case _:
+            from .sheet import write_sheet
+
+            stream.writelines(line.encode() for line in write_sheet(rules))
+    return count.total
+
+
+def all_rules(base: Recall) -> Iterator[Rule]:
+    """Every rule, whatever its status, one after the other in the order of their ids."""
+    for node in rule_nodes(base.store):
+        yield stars.read_rule(base.star(node))
+
+
+class _Count:
+    """Counts what goes by."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.total = 0
+        self._progress = progress
+
+    def over(self, things: Iterable[Thing]) -> Iterator[Thing]:
+        """The same things."""
+        for thing in things:
+            self.total += 1
+            if self._progress and self.total % 1000 == 0:
+                self._progress(self.total)
+            yield thing
 
 
 def _order(quad: Quad) -> tuple[str, str, str, str, str]:
     kind, _ = split(quad.subject)
     first = "" if quad.predicate == TYPE else quad.predicate
     return (str(quad.graph), kind, str(quad.subject), str(first), as_sparql(quad.object))
-
-
-def _format(file: str, given: str | None, default: str) -> str:
-    known = sorted(set(SUFFIXES.values()))
-    if given is not None:
-        if given not in known:
-            raise DataError(f'unknown format "{given}"; known: {", ".join(known)}.', source=file)
-        return given
-    if file == STREAM:
-        return default
-    suffix = Path(file).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise DataError(
-            f'the extension "{suffix}" names no format; expected {", ".join(SUFFIXES)}.',
-            source=file,
-        )
-    return SUFFIXES[suffix]
-
-
-def _read(file: str) -> bytes:
-    if file == STREAM:
-        return sys.stdin.buffer.read()
-    try:
-        return Path(file).read_bytes()
-    except OSError as error:
-        raise DataError(f"cannot be read: {error.strerror}.", source=file) from error
-
-
-def _write(file: str, text: bytes) -> None:
-    if file == STREAM:
-        sys.stdout.buffer.write(text)
-        sys.stdout.buffer.flush()
-        return
-    try:
-        _replace_file(Path(file), text)
-    except OSError as error:
-        raise DataError(f"cannot be written: {error.strerror}.", source=file) from error
-
-
-def _replace_file(file: Path, text: bytes) -> None:
-    """Write beside the file and then put it in its place, so that it is never half written."""
-    handle, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(text)
-        Path(name).chmod(0o644)
-        Path(name).replace(file)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

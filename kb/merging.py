@@ -8,7 +8,8 @@ in their order; one that is there already, word for word and to the millisecond,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from ..ontology.vocabulary import Iri, iri
@@ -16,14 +17,16 @@ from . import stars
 from .domain import DOMAIN, DOMAIN_HASH
 from .episodes import EPISODES
 from .history import HISTORY, SEQUENCE, TEXT, Utterance, utterance_iri, utterance_quads
+from .interval import Interval
 from .recall import BASE_GRAPH, BASE_NODE, Recall
 from .rule import DEFAULT_SPEAKER, Rule
 from .stars import BELIEFS
 from .telling import Telling, speaker_quads, to_milliseconds, trust_quads
 from .terms import Quad
 from .validation import rule_nodes
+from .words import LEXICON
 
-LEXICON = iri("graph", "lexicon")
+MAX_LISTED = 20  # contradictions that a summary names
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,7 @@ class Merged:
         utterances: how many of the history were new.
         untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
         statements: how many were read.
+        conflicts: where a new rule contradicts one that the base believes.
     """
 
     new: tuple[Rule, ...]
@@ -43,6 +47,68 @@ class Merged:
     utterances: int
     untrusted: tuple[str, ...]
     statements: int
+    conflicts: tuple[Conflict, ...] = ()
+
+    @property
+    def summary(self) -> Summary:
+        """It in numbers."""
+        return Summary(
+            len(self.new),
+            len(self.known),
+            len(self.conflicts),
+            self.utterances,
+            self.untrusted,
+            self.conflicts[:MAX_LISTED],
+        )
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """A new rule and a believed one that draw the same conclusion and cannot both be right.
+
+    Attributes:
+        new: the rule that came.
+        believed: the rule that was there; their intervals have nothing in common.
+    """
+
+    new: Rule
+    believed: Rule
+
+    def as_json(self) -> dict[str, object]:
+        """As `hilt import --json` prints it."""
+        return {"new": self.new.as_json(), "believed": self.believed.as_json()}
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What came of an import, in numbers.
+
+    Attributes:
+        new: rules that the base did not know.
+        known: rules that it knew already.
+        conflicting: contradictions between a new rule and one that the base believes.
+        utterances: how many of the history were new.
+        untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
+        conflicts: the first of the contradictions, at most `MAX_LISTED`.
+    """
+
+    new: int
+    known: int
+    conflicting: int
+    utterances: int
+    untrusted: tuple[str, ...]
+    conflicts: tuple[Conflict, ...] = ()
+
+    def as_json(self) -> dict[str, object]:
+        """As `hilt import --json` prints it."""
+        return {
+            "new": self.new,
+            "known": self.known,
+            "conflicting": self.conflicting,
+            "utterances": self.utterances,
+            "untrusted": list(self.untrusted),
+            "conflicts": [conflict.as_json() for conflict in self.conflicts],
+        }
 
 
 @dataclass
@@ -76,6 +142,7 @@ def merge(base: Telling, other: Recall, *, source: str, dry_run: bool = False) -
         if plan.last > before:
             plan.delete += base.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
+        found = tuple(conflicts(base, plan.new))
         if not dry_run:
             base.store.apply(insert=plan.insert, delete=plan.delete)
     trusted = {*base.speakers(), *other.speakers()}
@@ -85,7 +152,39 @@ def merge(base: Telling, other: Recall, *, source: str, dry_run: bool = False) -
         len({new for new in plan.numbers.values() if new > before}),
         tuple(sorted({rule.speaker for rule in plan.new} - trusted)),
         sum(1 for _ in other.store.quads()),
+        found,
     )
+
+
+def conflicts(base: Recall, rules: Iterable[Rule]) -> Iterator[Conflict]:
+    """Where rules contradict what a base believes: same premises and conclusion, other interval.
+
+    Args:
+        base: what is believed.
+        rules: what is new to it.
+    """
+    by_node: dict[str, list[Rule]] = defaultdict(list)
+    for rule in rules:
+        if rule.status == "active":
+            by_node[rule.node].append(rule)
+    for node in sorted(by_node):
+        believed: dict[object, list[Rule]] = defaultdict(list)
+        for rule in base.rules_of([node]):
+            believed[claim(rule)].append(rule)
+        for rule in by_node[node]:
+            for other in believed.get(claim(rule), ()):
+                if rule.id != other.id and are_apart(rule.interval, other.interval):
+                    yield Conflict(rule, other)
+
+
+def claim(rule: Rule) -> tuple[object, ...]:
+    """What a rule claims, apart from how sure it is and who says it."""
+    return (rule.features, rule.contexts, rule.functor, rule.argument)
+
+
+def are_apart(one: Interval, other: Interval) -> bool:
+    """Whether two intervals have nothing in common."""
+    return one.lower > other.upper or one.upper < other.lower
 
 
 def _plan_trust(plan: _Plan, base: Telling, other: Recall) -> None:

@@ -12,6 +12,7 @@ so one that may have to be runs elsewhere (`bounded`).
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import re
 import shutil
@@ -19,14 +20,16 @@ import tempfile
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from itertools import islice
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, BinaryIO, cast
 
 import pyoxigraph as engine
 
-from ..ontology.errors import DataError, InUseError, QueryError, StoreError
+from ..ontology.errors import DataError, HiltError, InUseError, QueryError, StoreError
 from ..ontology.vocabulary import PREFIXES, Iri
 from . import snapshots, worker
+from .annotated import Edge, Reified
 from .bounded import Worker
 from .journal import Journal
 from .limits import Limits
@@ -37,14 +40,18 @@ from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 
 # A folder that has this file is one the engine made.
 _MARK = "CURRENT"
+_MAX_KNOWN = 100_000  # terms that are remembered
+_MAX_LINE = 2**20  # bytes of a line that are looked at
 _NO_SPACE = "No space left"
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
-_FORMATS = {
+RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
     "trig": engine.RdfFormat.TRIG,
     "nquads": engine.RdfFormat.N_QUADS,
     "ntriples": engine.RdfFormat.N_TRIPLES,
+    "jsonld": engine.RdfFormat.JSON_LD,
+    "rdfxml": engine.RdfFormat.RDF_XML,
 }
 
 
@@ -307,26 +314,36 @@ def load_file(file: Path) -> OxigraphStore:
     return OxigraphStore(store, str(file), read_only=True)
 
 
-def load_rdf(data: bytes, *, format: str, source: str, default: Iri) -> OxigraphStore:  # noqa: A002
-    """A store in memory with the statements of an RDF text.
+def read_rdf(
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+) -> Iterator[Quad | Reified]:
+    """The statements of an RDF text, one after the other as they are read.
 
     Args:
-        data: the text in UTF-8.
-        format: turtle, trig, nquads or ntriples.
+        stream: the text in UTF-8.
+        format: one of `RDF_FORMATS`.
         source: its name in messages.
         default: the graph of statements that name none.
 
     Raises:
         DataError: it is wrong; says where.
     """
-    store = engine.Store()
+    terms = _Terms()
     try:
-        store.extend(_placed(quad, default) for quad in engine.parse(data, format=_FORMATS[format]))
+        for quad in engine.parse(stream, format=RDF_FORMATS[format]):
+            yield _placed(quad, terms, default)
     except SyntaxError as error:
-        raise _syntax_error(error, data, source) from error
+        raise _syntax_error(error, stream, source) from error
+    except MemoryError as error:
+        raise DataError("has a text or name of more than 16 MB.", source=source) from error
     except (ValueError, OSError) as error:
+        if isinstance(error, HiltError):
+            raise
         raise DataError(_short(error), source=source) from error
-    return OxigraphStore(store, source, read_only=False)
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:
@@ -354,15 +371,23 @@ def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
 
     Args:
         quads: what to write; for turtle and ntriples their graphs are left out.
-        format: as for `parse_rdf`.
+        format: one of `RDF_FORMATS`.
     """
-    chosen = _FORMATS[format]
-    if chosen.supports_datasets:
-        statements = [_engine_quad(quad) for quad in quads]
-    else:
-        statements = [_engine_quad(quad).triple for quad in quads]
-    written = cast(bytes, engine.serialize(statements, format=chosen, prefixes=_PREFIXES))
+    stream = io.BytesIO()
+    write_rdf_to(quads, stream, format=format)
+    written = stream.getvalue()
     return _with_sorted_prefixes(written) if format in _ABBREVIATED else written
+
+
+def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> None:  # noqa: A002
+    """Statements as RDF text into a stream, one after the other; as `write_rdf` otherwise."""
+    chosen = RDF_FORMATS[format]
+    terms = _EngineTerms()
+    if chosen.supports_datasets:
+        statements = (terms.quad(quad) for quad in quads)
+    else:
+        statements = (terms.triple(quad) for quad in quads)
+    engine.serialize(statements, stream, format=chosen, prefixes=_PREFIXES)
 
 
 def _with_sorted_prefixes(written: bytes) -> bytes:
@@ -456,14 +481,25 @@ def _reported(location: str, text: str = "") -> Generator[None]:
         raise QueryError(syntax_problem(str(error), text)) from error
 
 
-def _syntax_error(error: SyntaxError, data: bytes, source: str) -> DataError:
+def _syntax_error(error: SyntaxError, stream: BinaryIO, source: str) -> DataError:
     line, column = error.lineno or 0, error.offset or 0
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
-    lines = data.splitlines()
-    text = lines[line - 1].decode("utf-8", "replace") if 0 < line <= len(lines) else ""
     return DataError(
-        problem.rstrip(".") + ".", source=source, line=line, column=column, text=text[:500]
+        problem.rstrip(".") + ".",
+        source=source,
+        line=line,
+        column=column,
+        text=_line(stream, line),
     )
+
+
+def _line(stream: BinaryIO, number: int) -> str:
+    """A line of what was read, where the stream can go back to it."""
+    if not number or not stream.seekable():
+        return ""
+    stream.seek(0)
+    text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
+    return text.decode("utf-8", "replace").rstrip()[:500]
 
 
 def _term(term: Any) -> Term:
@@ -498,16 +534,61 @@ def _engine_term(term: Term) -> engine.NamedNode | engine.Literal:
     return engine.Literal(text, datatype=engine.NamedNode(datatype))
 
 
-def _placed(quad: engine.Quad, default: Iri) -> engine.Quad:
-    for term in (quad.subject, quad.object):
-        if isinstance(term, engine.BlankNode):
-            raise ValueError(f"A base has no blank nodes; give {term} a name, as rule:1.")
-        if isinstance(term, engine.Triple):
-            raise ValueError("A statement about a statement (RDF 1.2) is not read here.")
-    if isinstance(quad.graph_name, engine.DefaultGraph):
-        graph = engine.NamedNode(default)
-        return engine.Quad(quad.subject, quad.predicate, quad.object, graph)
-    return quad
+class _Terms:
+    """Our terms for those of the engine; the same few names come again and again."""
+
+    def __init__(self) -> None:
+        self._known: dict[object, Any] = {}
+
+    def of(self, term: object) -> Any:
+        """A term; statements about which something is said are not among them."""
+        known = self._known.get(term)
+        if known is None:
+            if len(self._known) > _MAX_KNOWN:
+                self._known.clear()
+            known = self._known[term] = _term(term)
+        return known
+
+
+class _EngineTerms:
+    """The engine's terms for ours; as `_Terms`."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, engine.NamedNode] = {}
+
+    def node(self, node: Iri) -> engine.NamedNode:
+        """An IRI."""
+        known = self._known.get(node)
+        if known is None:
+            if len(self._known) > _MAX_KNOWN:
+                self._known.clear()
+            known = self._known[node] = engine.NamedNode(node)
+        return known
+
+    def triple(self, quad: Quad) -> engine.Triple:
+        """A statement without its graph."""
+        value = quad.object
+        return engine.Triple(
+            self.node(quad.subject),
+            self.node(quad.predicate),
+            self.node(value) if isinstance(value, Iri) else _engine_term(value),
+        )
+
+    def quad(self, quad: Quad) -> engine.Quad:
+        """A statement with its graph."""
+        graph = engine.DefaultGraph() if quad.graph is None else self.node(quad.graph)
+        triple = self.triple(quad)
+        return engine.Quad(triple.subject, triple.predicate, triple.object, graph)
+
+
+def _placed(quad: engine.Quad, terms: _Terms, default: Iri) -> Quad | Reified:
+    value, graph = quad.object, quad.graph_name
+    subject, predicate = terms.of(quad.subject), terms.of(quad.predicate)
+    place = default if isinstance(graph, engine.DefaultGraph) else terms.of(graph)
+    if isinstance(value, engine.Triple):
+        about = Edge(*(terms.of(part) for part in value))
+        return Reified(subject, predicate, about, place)
+    return Quad(subject, predicate, terms.of(value), place)
 
 
 def _engine_quad(quad: Quad) -> engine.Quad:

@@ -16,7 +16,7 @@ import typer
 
 from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
 
-from . import talking, parsing, knowledge, history, querying, safety, reasoning, measuring  # isort: skip - the order in which help lists them
+from . import talking, parsing, knowledge, exchanging, history, querying, safety, reasoning, measuring  # isort: skip - the order in which help lists them
 from .options import app
 from .terminal import FAILED, complain
 
@@ -27,6 +27,7 @@ COMMANDS = (
     talking,
     parsing,
     knowledge,
+    exchanging,
     history,
     querying,
     safety,

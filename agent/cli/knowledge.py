@@ -43,32 +43,6 @@ def rules(
         terminal().print(console.rules(found))
 
 
-@app.command(name="export")
-def export_(
-    file: Annotated[str, typer.Argument(help='A .ttl or .trig file, or "-" for stdout.')],
-    kb: Kb = None,
-) -> None:
-    """Write the rules (Turtle) or the whole base (TriG) to a file."""
-    from ...kb.exchange import export_file
-
-    with open_base(kb) as base:
-        count = export_file(base, file)
-    typer.echo(f"Wrote {count} triples to {file}.", err=True)
-
-
-@app.command(name="import")
-def import_(
-    file: Annotated[str, typer.Argument(help='A .ttl or .trig file, or "-" for stdin.')],
-    kb: Kb = None,
-) -> None:
-    """Read rules (Turtle) or a whole base (TriG): checked first, applied whole or not at all."""
-    from ...kb.exchange import import_file
-
-    with open_base(kb) as base:
-        count = import_file(base, file)
-    typer.echo(f"Read {count} triples from {file}.", err=True)
-
-
 @app.command()
 def trust(
     speaker: Annotated[str | None, typer.Argument(help="Who; by default all are listed.")] = None,

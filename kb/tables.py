@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules as a table: CSV with one rule a row, for spreadsheets and for millions of rules.
+
+The columns may stand in any order; `features`, `functor` and `lower` must be there. Several atoms
+in one cell are separated by a semicolon.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Protocol
+
+from ..ontology.errors import DataError, HiltError
+from . import notation
+from .rule import Atom, Rule
+from .terms import write_time
+
+COLUMNS = (
+    *("features", "contexts", "functor", "argument", "lower", "upper"),
+    *("speaker", "status", "time"),
+)
+REQUIRED = ("features", "functor", "lower")
+MAX_CELL = 10_000  # characters
+_BETWEEN = "; "
+
+
+class _Writable(Protocol):
+    def write(self, text: str, /) -> object: ...
+
+
+def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
+    """The rules of a table, in its order.
+
+    Args:
+        lines: of the CSV, the first with the names of the columns.
+        source: its name in messages.
+
+    Raises:
+        DataError: something is wrong; says in which line.
+    """
+    csv.field_size_limit(MAX_CELL)
+    rows = csv.reader(lines, strict=True)
+    line, names = 1, list[str]()
+    try:
+        names = _header(next(rows, []), source)
+        for row in rows:
+            if row:
+                line = rows.line_num
+                yield _rule(dict(zip(names, row, strict=True)))
+    except DataError:
+        raise
+    except csv.Error as error:
+        raise DataError(f"is no CSV: {error}.", source=source, line=rows.line_num) from error
+    except ValueError as error:  # also what our own errors are
+        problem = (
+            str(error)
+            if isinstance(error, HiltError)
+            else f"expected {len(names)} cells and numbers for bounds: {error}."
+        )
+        raise DataError(problem, source=source, line=line) from error
+
+
+def write_table(rules: Iterable[Rule], target: _Writable) -> None:
+    """Write a table with these rules."""
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(map(_cells, rules))
+
+
+def _header(names: Sequence[str], source: str) -> list[str]:
+    found = [name.strip().lower() for name in names]
+    missing = [name for name in REQUIRED if name not in found]
+    unknown = [name for name in found if name not in COLUMNS]
+    if missing or unknown or len(set(found)) < len(found):
+        raise DataError(
+            f"the first line names the columns; expected {', '.join(COLUMNS)} "
+            f"({', '.join(REQUIRED)} at least), found {', '.join(found)[:200] or 'none'}.",
+            source=source,
+            line=1,
+        )
+    return found
+
+
+def _rule(cells: dict[str, str]) -> Rule:
+    functor = cells["functor"].strip()
+    upper = cells.get("upper", "").strip()
+    return notation.make_rule(
+        _atoms(cells["features"], notation.FEATURE_KIND),
+        _atoms(cells.get("contexts", ""), notation.CONTEXT_KIND),
+        functor,
+        notation.read_argument(cells.get("argument", ""), functor),
+        notation.read_interval(float(cells["lower"]), float(upper) if upper else None),
+        speaker=cells.get("speaker", "").strip(),
+        status=cells.get("status", "").strip(),
+        time=cells.get("time", "").strip(),
+    )
+
+
+def _atoms(cell: str, kind: str) -> frozenset[Atom]:
+    return notation.read_atoms(filter(str.strip, cell.split(";")), kind)
+
+
+def _cells(rule: Rule) -> tuple[str, ...]:
+    argument_kind = notation.ARGUMENT_KINDS.get(rule.functor)
+    return (
+        _joined(rule.features, notation.FEATURE_KIND) or notation.ANY,
+        _joined(rule.contexts, notation.CONTEXT_KIND),
+        rule.functor,
+        notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
+        f"{rule.interval.lower:.6f}".rstrip("0").rstrip("."),
+        f"{rule.interval.upper:.6f}".rstrip("0").rstrip("."),
+        rule.speaker,
+        rule.status,
+        write_time(rule.time) if rule.time else "",
+    )
+
+
+def _joined(atoms: frozenset[Atom], kind: str) -> str:
+    return _BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
