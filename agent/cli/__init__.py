@@ -16,7 +16,9 @@ import typer
 
 from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
 
-from . import talking, parsing, knowledge, exchanging, history, querying, safety, reasoning, measuring  # isort: skip - the order in which help lists them
+# The order in which help lists them.
+from . import talking, parsing, knowledge, exchanging, history, picturing  # isort: skip
+from . import querying, safety, reasoning, measuring  # isort: skip
 from .options import app
 from .terminal import FAILED, complain
 
@@ -29,6 +31,7 @@ COMMANDS = (
     knowledge,
     exchanging,
     history,
+    picturing,
     querying,
     safety,
     reasoning,

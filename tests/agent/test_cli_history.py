@@ -217,3 +217,48 @@ def test_merging_what_is_not_there_is_an_error(run: Run, hilt: Run, tmp_path: Pa
 
     assert code == 1
     assert "neither a knowledge base nor a file" in error
+
+
+# --- The graph
+
+
+def test_graph_is_drawn_and_filtered(run: Run, tmp_path: Path):
+    """All rules, or those of a context."""
+    picture, image = tmp_path / "rules.svg", tmp_path / "rules.png"
+
+    whole = run("graph", picture)
+    some = run("graph", image, "--context", "pass")
+
+    assert (whole[0], some[0]) == (0, 0)
+    assert "Drew 2 rules" in whole[2]
+    assert "Drew 1 rules" in some[2]
+    assert "cutting" in picture.read_text(encoding="utf-8")
+    assert image.read_bytes().startswith(b"\x89PNG")
+
+
+def test_graph_as_json_is_nodes_and_edges(run: Run):
+    """For other programs; nothing is drawn."""
+    found = document(run("graph", "--json", "--object", "knife"))
+
+    assert {node["id"] for node in found["nodes"]} == {
+        "object:knife", "affordance:cutting", "part:blade",
+    }  # fmt: skip
+    assert {(edge["from"], edge["to"]) for edge in found["edges"]} == {
+        ("object:knife", "affordance:cutting"),
+        ("object:knife", "part:blade"),
+    }
+
+
+def test_graph_goes_to_stdout_too(run: Run):
+    """A dash is standard output."""
+    assert run("graph", "-")[1].startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("file", "said"), [("rules.txt", "no picture"), ("no/such/rules.svg", "cannot be written")]
+)
+def test_graph_that_cannot_be_drawn_is_an_error(run: Run, file: str, said: str):
+    """A line, and code 2."""
+    code, _, error = run("graph", file)
+
+    assert (code, said in error) == (2, True)
