@@ -11,18 +11,26 @@ from pathlib import Path
 
 import pytest
 
+from hilt.kb import Interval, KnowledgeBase, functional, grasping
 from hilt.kb.query import query_names
 
 from .test_cli import LESSONS, Hilt
+
+HIGH = Interval(0.95, 1)
+RULES = (
+    functional("knife", "cutting", interval=HIGH),
+    grasping("knife", "handle", "pickUp", interval=HIGH),
+    grasping("knife", "blade", "pass", interval=HIGH),
+)
 
 
 @pytest.fixture
 def taught(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Hilt:
     """The command line over a base that was taught the running example."""
-    hilt = Hilt(tmp_path / "kb", capfd)
-    for sentence in LESSONS:
-        hilt("tell", sentence)
-    return hilt
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+        for sentence, rule in zip(LESSONS, RULES, strict=True):
+            kb.believe(sentence, "implies(x,y,high)", "sam", [rule])
+    return Hilt(tmp_path / "kb", capfd)
 
 
 USES = "SELECT ?object { ?object hilt:usedFor ?use }"

@@ -7,16 +7,19 @@ from pathlib import Path
 
 import pytest
 
+from hilt.kb import KnowledgeBase
+
 from .test_cli import LESSONS, Hilt
+from .test_cli_querying import RULES
 
 
 @pytest.fixture
 def taught(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Hilt:
     """The command line over a base that was taught the running example."""
-    hilt = Hilt(tmp_path / "kb", capfd)
-    for sentence in LESSONS:
-        hilt("tell", sentence)
-    return hilt
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+        for sentence, rule in zip(LESSONS, RULES, strict=True):
+            kb.believe(sentence, "implies(x,y,high)", "sam", [rule])
+    return Hilt(tmp_path / "kb", capfd)
 
 
 def test_backup_is_restored(taught: Hilt, tmp_path: Path):

@@ -17,9 +17,10 @@ from hilt.kb.addresses import parse_address
 from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.interval import Interval
 from hilt.kb.limits import Limits
+from hilt.kb.query import query_names
 from hilt.kb.remote import BATCH, open_remote
 from hilt.kb.results import Answer, Solutions, Statements
-from hilt.kb.rule import grasping
+from hilt.kb.rule import functional, grasping
 from hilt.kb.store import Store, open_store
 from hilt.kb.terms import Literal, Quad, Term
 from hilt.kb.validation import lawful
@@ -27,7 +28,7 @@ from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.vocabulary import GRAPH_NAMES, Iri, iri
 
 from . import endpoints
-from .conftest import BLADE, PAPER, teach
+from .conftest import BLADE, CUTTING, PAPER, teach, ticking
 
 S, P = (Iri(f"urn:{name}") for name in "sp")
 G, H = iri("graph", "beliefs"), iri("graph", "history")
@@ -288,6 +289,49 @@ def test_whole_numbers_are_deleted_by_value(store: Store):
 
 
 # --- A base on every store
+
+
+def questioned(store: Store) -> KnowledgeBase:
+    """A base that was told the paper's sentences, one of them taken back and one doubted."""
+    kb = KnowledgeBase(store, clock=ticking())
+    for text, predicate, rule in PAPER:
+        kb.believe(text, predicate, "sam", [rule])
+    never = functional("knife", "cutting", interval=Interval(0, 0.2))
+    kb.believe("Never.", "", "anna", [never])
+    kb.retract(BLADE.id, "Forget it.", "", "sam")
+    return kb
+
+
+QUESTIONS: list[tuple[str, dict[str, str]]] = [
+    ("best-for", {"affordance": "cutting"}),
+    ("changed-since", {"since": "2"}),
+    ("changed-since", {}),
+    ("contradictions", {}),
+    ("contradictions", {"object": "knife"}),
+    ("counts", {}),
+    ("features-of-node", {"node": "findObject.cutting"}),
+    ("how-to-grasp", {"object": "knife"}),
+    ("how-to-grasp", {"object": "knife", "context": "pickUp"}),
+    ("rules-of-node", {"node": "pickUp.graspObject"}),
+    ("uses-of", {"object": "knife"}),
+    ("who-said", {"rule": CUTTING.id}),
+]
+
+
+def test_every_question_is_answered_alike_everywhere(store: Store):
+    """Each named query gives the same rows on every store as in memory."""
+    asked, reference = questioned(store), questioned(open_store("memory:"))
+
+    for name, arguments in QUESTIONS:
+        expected = reference.answer(name, **arguments)
+        assert expected.rows, name
+        assert asked.answer(name, **arguments).variables == expected.variables
+        assert set(asked.answer(name, **arguments).rows) == set(expected.rows), name
+
+
+def test_every_question_is_tried():
+    """The list above leaves none out."""
+    assert {name for name, _ in QUESTIONS} == set(query_names())
 
 
 def test_base_learns_and_forgets_on_every_store(opener: Opener):

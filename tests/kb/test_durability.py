@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import random
+import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -38,10 +41,10 @@ while True:
 """
 
 
-def teach_and_kill(folder: Path, seconds: float) -> int:
+def teach_and_kill(folder: Path, seconds: float, program: str = TEACHER) -> int:
     """Run the teacher, kill it after a time, and give the last number it acknowledged."""
     teacher = subprocess.Popen(
-        [sys.executable, "-c", TEACHER, str(folder)], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", program, str(folder)], stdout=subprocess.PIPE, text=True
     )
     assert teacher.stdout is not None
     first = teacher.stdout.readline()
@@ -101,3 +104,95 @@ def test_failed_write_leaves_the_base_as_it_was(tmp_path: Path, monkeypatch: pyt
 
         assert (kb.sequence, len(kb.rules())) == (1, 1)
         assert kb.believe("Three.", "", "sam", []).sequence == 2
+
+
+IMPORTER = """
+import sys
+from hilt.kb import Interval, KnowledgeBase, functional
+kb = KnowledgeBase.open(sys.argv[1])
+high = Interval(0.95, 1)
+print(0, flush=True)
+for size in range(1, 10_000):
+    rules = [functional(f"thing {size} {n}", "cutting", interval=high) for n in range(400)]
+    print(kb.believe("Many.", "", "sam", rules).sequence, flush=True)
+"""
+
+
+def test_kill_leaves_large_writes_whole(tmp_path: Path):
+    """A unit of thousands of statements is there with all of them, or not at all."""
+    for seconds in (0.1, 0.3):
+        acknowledged = teach_and_kill(tmp_path / "kb", seconds, IMPORTER)
+
+        with KnowledgeBase.open(tmp_path / "kb") as kb:
+            assert acknowledged <= kb.sequence
+            assert all(len(said.asserts) == 400 for said in kb.history())
+            assert len(kb.rules()) == 400 * len({said.asserts for said in kb.history()})
+            assert list(lawful(kb.store)) == []
+
+
+def test_threads_teach_without_a_lost_sentence(tmp_path: Path):
+    """Numbers are given once, and every rule is there; on disk, where the engine has no lock."""
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+
+        def teach(name: str) -> None:
+            for number in range(25):
+                rule = functional(f"{name} {number}", "cutting", interval=Interval(0.95, 1))
+                kb.believe(name, "", "sam", [rule])
+
+        threads = [threading.Thread(target=teach, args=(f"thread {n}",)) for n in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+
+        assert kb.sequence == len(kb.rules()) == len(list(kb.history())) == 100
+        assert list(lawful(kb.store)) == []
+
+
+FILLER = """
+import resource, signal, sys
+from hilt.kb import Interval, KnowledgeBase, functional
+from hilt.ontology.errors import StoreError
+kb = KnowledgeBase.open(sys.argv[1])
+high = Interval(0.95, 1)
+try:
+    while True:
+        number = kb.sequence + 1
+        names = [f"{'x' * 60} {number} {n}" for n in range(50)]
+        rules = [functional(name, "cutting", interval=high) for name in names]
+        kb.believe("Many.", "", "sam", rules)
+        print(number, flush=True)
+except StoreError as error:
+    print(error, flush=True)
+print(len(kb.rules()), flush=True)
+"""
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 24 MB."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=24m", "tmpfs", str(disk)]
+    if (
+        not shutil.which("mount")
+        or subprocess.run(command, check=False, stderr=subprocess.DEVNULL).returncode
+    ):
+        pytest.skip("only who administers the system may mount a small disk")
+    yield disk
+    subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def test_full_disk_loses_nothing_that_was_acknowledged(small_disk: Path):
+    """It is told in one line, reading goes on, and with room again so does teaching."""
+    folder = small_disk / "kb"
+    command = [sys.executable, "-c", FILLER, str(folder)]
+    told = subprocess.check_output(command, text=True, timeout=120).splitlines()
+
+    *numbers, said, rules = told
+    assert "is full. This was not written" in said and int(rules) >= 50 * len(numbers)
+    shutil.copytree(folder, small_disk.parent / "kb")
+    with KnowledgeBase.open(small_disk.parent / "kb") as kb:
+        assert len(numbers) <= kb.sequence <= len(numbers) + 1
+        assert list(lawful(kb.store)) == []
+        kb.believe("Go on.", "", "sam", [functional("saw", "cutting", interval=Interval(0.9, 1))])
