@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..ontology.errors import DataError, SimulationError
+from ..ontology.errors import DataError, MissingExtraError
 from .camera import Camera
 from .drawings import GraspMark, with_grasps
 from .engine import TIME_STEP
@@ -156,9 +156,7 @@ def _refuse_unwritable(path: Path) -> None:
     if path.suffix.lower() not in ENDINGS:
         raise DataError(f"expected a file ending in {', '.join(ENDINGS)}.", source=str(path))
     if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
-        raise SimulationError(
-            'MP4 needs "imageio-ffmpeg". Run: pip install imageio-ffmpeg, or record a .gif.'
-        )
+        raise MissingExtraError("sim", "imageio-ffmpeg")
 
 
 def strip(pictures: list[Picture]) -> Picture:

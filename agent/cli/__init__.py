@@ -18,7 +18,7 @@ from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, 
 
 # The order in which help lists them.
 from . import talking, parsing, knowledge, exchanging, history, picturing  # isort: skip
-from . import querying, safety, reasoning, measuring  # isort: skip
+from . import querying, safety, reasoning, seeing, measuring  # isort: skip
 from .options import app
 from .terminal import FAILED, complain
 
@@ -35,6 +35,7 @@ COMMANDS = (
     querying,
     safety,
     reasoning,
+    seeing,
     measuring,
 )  # imported for what they add to `app`
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageSequence
 
-from hilt.ontology.errors import DataError, SimulationError
+from hilt.ontology.errors import DataError, MissingExtraError
 from hilt.ontology.objects import load_objects
 from hilt.sim import pictures, poses, recording
 from hilt.sim.drawings import GraspMark
@@ -138,11 +138,24 @@ def test_unknown_ending_is_refused_at_once(world: World):
         Recorder(world, Path("out.avi"))
 
 
+def test_mp4_holds_the_pictures(world: World, tmp_path: Path):
+    """An MP4 plays as long as what happened, at the size of its pictures with caption."""
+    import imageio.v2 as imageio
+
+    path = recorded(world, tmp_path / "out.mp4", ("Reach.", "Grasp."))
+
+    with imageio.get_reader(path) as film:
+        facts = film.get_meta_data()
+        assert facts["duration"] == pytest.approx(1 + recording.HOLD, abs=0.3)
+        assert facts["size"][0] == 120
+        assert facts["size"][1] > 90
+
+
 def test_mp4_without_its_encoder_is_told(world: World, monkeypatch: pytest.MonkeyPatch):
-    """MP4 needs an encoder that Hilt does not bring; GIF does without."""
+    """Where the encoder of MP4 is missing, that is told before anything is recorded."""
     monkeypatch.setattr(recording, "find_spec", lambda _: None)
 
-    with pytest.raises(SimulationError, match=r"pip install imageio-ffmpeg, or record a .gif"):
+    with pytest.raises(MissingExtraError, match=r'"imageio-ffmpeg" is not installed'):
         Recorder(world, Path("out.mp4"))
 
 
