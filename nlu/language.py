@@ -29,7 +29,7 @@ from .interpretation import Interpreter
 from .lexicon import Entry, Lexicon
 from .listening import Listener, Situation, after, decide
 from .meaning import AskBack, Meaning, Misunderstanding, NewWord, Rule, Statement
-from .moves import cuts, main_move
+from .moves import Moves
 from .pragmatics import load_pragmatics
 from .predicates import Form
 from .reference import Discourse, RefusedError
@@ -190,9 +190,10 @@ class Language:
     @cached_property
     def named_words(self) -> frozenset[str]:
         """Every single word that is part of a name: of an object, a use, a property, ..."""
-        entries = self.listener.lexicon.entries()
-        named = (entry for entry in entries if entry.name and str(entry.category) in NOUNS)
-        return frozenset(word for entry in named for word in entry.words)
+        names = self.listener.lexicon.names
+        return frozenset(
+            word for kind in NOUNS for name in names.get(kind, ()) for word in name.split(" ")
+        )
 
     def _problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""
@@ -212,51 +213,14 @@ class Language:
         self, tokens: Tokens, situation: Situation, insist: Collection[str]
     ) -> Understanding | None:
         """An utterance as several moves that come to one meaning; None when they do not."""
-        for moves in cuts(tokens):
-            taken = self._moves(self._in_order(moves, situation), situation, insist)
-            main = main_move([move.meaning for move in taken]) if taken else None
-            if main is not None:
-                place, meaning = main
-                words = tuple(word for move in taken for word in move.new_words)
-                return replace(taken[place], meaning=meaning, new_words=words)
-        return None
 
-    def _moves(
-        self, moves: Sequence[Tokens], situation: Situation, insist: Collection[str]
-    ) -> list[Understanding]:
-        """Each move understood after those before it; none when one of them is not."""
-        taken: list[Understanding] = []
-        topic: Form | None = None
-        for move in moves:
-            found = self._taken(move, situation, insist)
-            if found.reading is None:
-                if topic is not None:
-                    return []
-                topic = self._topic(move, situation)
-                if topic is None:
-                    return []
-                situation = replace(situation, discourse=replace(situation.discourse, object=topic))
-                continue
-            if topic is not None and not self._needs(move, situation, insist):
-                return []
-            topic = None
-            taken.append(found)
-            situation = replace(situation, discourse=found.discourse)
-        return taken if topic is None else []
+        def take(move: Tokens, situation: Situation) -> Understanding:
+            return self._taken(move, situation, insist)
 
-    def _in_order(self, moves: Sequence[Tokens], situation: Situation) -> Sequence[Tokens]:
-        """A thing named at the end goes first: "You pass it by the blade, the knife."."""
-        if self._topic(moves[-1], situation) is None:
-            return moves
-        return moves[-1], *moves[:-1]
+        def topic(move: Tokens, situation: Situation) -> Form | None:
+            return self.listener.topic(self.listener.chart(move, {}), situation)
 
-    def _topic(self, move: Tokens, situation: Situation) -> Form | None:
-        return self.listener.topic(self.listener.chart(move, {}), situation)
-
-    def _needs(self, move: Tokens, situation: Situation, insist: Collection[str]) -> bool:
-        """Whether a move cannot be understood without what was spoken of."""
-        alone = replace(situation, discourse=replace(situation.discourse, object=None))
-        return self._taken(move, alone, insist).reading is None
+        return Moves(take, topic).in_turn(tokens, situation)
 
     def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
         """The question back when a new word is close to a known one of its kind."""

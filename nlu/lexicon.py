@@ -7,8 +7,10 @@ Entries are found by their words, from any token of an utterance on. They are ma
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from .categories import Category
@@ -74,13 +76,27 @@ class Lexicon:
 
     def entries(self) -> Iterator[Entry]:
         """All entries."""
+        yield from self._own()
+        if self._base is not None:
+            yield from self._base.entries()
+
+    def _own(self) -> Iterator[Entry]:
         pending = [self._root]
         while pending:
             node = pending.pop()
             yield from node.entries
             pending += node.below.values()
-        if self._base is not None:
-            yield from self._base.entries()
+
+    @cached_property
+    def names(self) -> Mapping[str, frozenset[str]]:
+        """All that names something, in all its forms, by category."""
+        found: dict[str, set[str]] = defaultdict(set)
+        for category, words in self._base.names.items() if self._base is not None else ():
+            found[category] |= words
+        for entry in self._own():
+            if entry.name:
+                found[str(entry.category)].add(" ".join(entry.words))
+        return {category: frozenset(words) for category, words in found.items()}
 
     def lookup(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, Sequence[Entry]]]:
         """The entries of all spans that begin at a token, with the end of the span."""

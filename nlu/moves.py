@@ -9,10 +9,11 @@ a question whether it is seen, or the same once more.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
+from .listening import Situation
 from .meaning import (
     Acknowledgement,
     Command,
@@ -22,12 +23,73 @@ from .meaning import (
     Rule,
     Statement,
 )
+from .predicates import Form
 from .tokens import BREAK, Tokens
+from .understanding import Understanding
 
 MAX_MOVES = 4
 
 _DECISIVE = frozenset({"yes", "no"})  # what a reply says, whatever politeness is around it
 _CLOSING = frozenset({"thanks", "okay"})
+
+
+@dataclass(frozen=True)
+class Moves:
+    """How moves are understood, one after the other.
+
+    Attributes:
+        take: what one of them means in a situation.
+        topic: the thing that it only names, None when it does not.
+    """
+
+    take: Callable[[Tokens, Situation], Understanding]
+    topic: Callable[[Tokens, Situation], Form | None]
+
+    def in_turn(self, tokens: Tokens, situation: Situation) -> Understanding | None:
+        """An utterance as moves that come to one meaning; None when they do not."""
+        for moves in cuts(tokens):
+            taken = self._taken(self._in_order(moves, situation), situation)
+            main = main_move([move.meaning for move in taken]) if taken else None
+            if main is not None:
+                place, meaning = main
+                words = tuple(word for move in taken for word in move.new_words)
+                return replace(taken[place], text=tokens.text, meaning=meaning, new_words=words)
+        return None
+
+    def _taken(self, moves: Sequence[Tokens], situation: Situation) -> list[Understanding]:
+        """Each move understood after those before it; none when one of them is not."""
+        taken: list[Understanding] = []
+        topic: Form | None = None
+        for move in moves:
+            found = self.take(move, situation)
+            if found.reading is None:
+                if topic is not None:
+                    return []
+                topic = self.topic(move, situation)
+                if topic is None:
+                    return []
+                situation = _speaking_of(topic, situation)
+                continue
+            if topic is not None and not self._needs(move, situation):
+                return []
+            topic = None
+            taken.append(found)
+            situation = replace(situation, discourse=found.discourse)
+        return taken if topic is None else []
+
+    def _in_order(self, moves: Sequence[Tokens], situation: Situation) -> Sequence[Tokens]:
+        """A thing named at the end goes first: "You pass it by the blade, the knife."."""
+        if self.topic(moves[-1], situation) is None:
+            return moves
+        return moves[-1], *moves[:-1]
+
+    def _needs(self, move: Tokens, situation: Situation) -> bool:
+        """Whether a move cannot be understood without what was spoken of."""
+        return self.take(move, _speaking_of(None, situation)).reading is None
+
+
+def _speaking_of(thing: Form | None, situation: Situation) -> Situation:
+    return replace(situation, discourse=replace(situation.discourse, object=thing))
 
 
 def cuts(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:

@@ -77,7 +77,7 @@ def _in_rules(form: Form, discourse: Discourse) -> Form:
         case "implies", _:
             return _in_rule(form, discourse)
         case "within", (occasion, rule):
-            return _in_rule(_on_occasion(occasion, rule), discourse)
+            return _in_rules(_on_occasion(occasion, rule), discourse)
         case "holding", (Form(arguments=(_, held, *_)) as act, place):
             return Form("holding", (act, _replaced(place, held)))
         case "first", (thing, act):
@@ -102,6 +102,10 @@ def _with_thing(thing: Form, act: Form) -> Form:
 
 def _on_occasion(occasion: Form, rule: Form) -> Form:
     """A rule that is said with its occasion: "if I want a mug, pass it by the rim"."""
+    if rule.name == "and":
+        return Form("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
+    if rule.name != "implies":
+        raise RefusedError("not_a_rule")
     context, act, degree = rule.arguments
     if context.name != occasion.name or len(occasion.arguments) < 2:
         raise RefusedError("one_thing_at_a_time")

@@ -50,10 +50,8 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
 
 def names_like(role: str, lexicon: Lexicon) -> Iterator[str]:
     """The words, in all forms, that name what a role may be taken for."""
-    kinds = _LIKE[role]
-    for entry in lexicon.entries():
-        if entry.name and str(entry.category) in kinds:
-            yield " ".join(entry.words)
+    for kind in _LIKE[role]:
+        yield from lexicon.names.get(kind, ())
 
 
 NOUNS = frozenset({"N", "NS", "P", "MS"})
