@@ -93,7 +93,7 @@ _MOST = {
 }
 
 
-class Eyes(Protocol):
+class Source(Protocol):
     """Anything that finds what has one of some features."""
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
@@ -114,7 +114,7 @@ class NoisyVision:
         objects: the types that there are, by name.
     """
 
-    eyes: Eyes
+    eyes: Source
     noise: Noise
     objects: Mapping[str, ObjectType]
 

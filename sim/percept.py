@@ -15,6 +15,8 @@ import numpy as np
 
 from ..ontology.errors import UnknownNameError
 from ..ontology.objects import ObjectType
+from . import poses
+from .clouds import level_direction
 from .poses import Array
 
 
@@ -76,6 +78,21 @@ class Percept:
     def centre(self) -> Array:
         """The middle of the box round its points (3,), in the world [m]."""
         return (self.cloud.min(axis=0) + self.cloud.max(axis=0)) / 2
+
+    @cached_property
+    def world_from_box(self) -> Array:
+        """Where the upright box round its points is (4, 4): a first estimate of its pose.
+
+        The origin is the middle of the box, x runs along the longest level extent, z up.
+        """
+        turn = poses.rotation_about((0.0, 0.0, 1.0), level_direction(self.cloud))
+        along = self.cloud @ turn
+        return poses.pose(turn, turn @ (along.min(axis=0) + along.max(axis=0)) / 2)
+
+    @cached_property
+    def size(self) -> Array:
+        """Length, width and height of that box (3,) [m]."""
+        return np.ptp(self.cloud @ self.world_from_box[:3, :3], axis=0)
 
     def __repr__(self) -> str:
         return f"<Percept {self.name}, {self.object} {self.confidence:.2f}>"

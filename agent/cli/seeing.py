@@ -80,7 +80,7 @@ def _things(body: Body) -> list[dict[str, Any]]:
         {
             "name": name,
             "object": kind.name,
-            "at": [round(float(x), 3) for x in world.pose(name)[:3, 3]],
+            "at": [round(float(x), 3) + 0.0 for x in world.pose(name)[:3, 3]],
             "within": world.support(name),
         }
         for name, kind in world.kinds.items()

@@ -78,6 +78,18 @@ def test_cloud_lies_on_its_part(world: World, vision: Vision):
 
 
 @pytest.mark.sim
+def test_box_lies_along_its_thing(world: World, vision: Vision):
+    """The pose estimated for a knife is along it, and its box is as long as the knife."""
+    (percept,) = vision.search(["object:knife"])
+
+    corners = world.points("knife")
+    along = percept.world_from_box[:3, 0]
+    assert abs(along @ world.pose("knife")[:3, 0]) > 0.995
+    assert percept.size[0] == pytest.approx(np.ptp(corners @ along), abs=0.005)
+    assert np.linalg.norm((percept.world_from_box[:3, 3] - world.top("knife"))[:2]) < 0.01
+
+
+@pytest.mark.sim
 def test_half_hidden_object_is_less_sure():
     """A glass of which only the upper third is in sight is seen with less confidence."""
     with World.build(parse_scene("objects:glass", seed=0, objects=OBJECTS), OBJECTS) as world:
