@@ -20,7 +20,7 @@ from .rule import Rule
 from .stars import BELIEFS, TYPE
 from .store import MEMORY, Store, open_store
 from .terms import Quad
-from .validation import Finding, lawful, rule_nodes, shapes
+from .validation import Finding, Progress, lawful, rule_nodes, shapes
 from .words import LEXICON
 
 MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
@@ -73,10 +73,10 @@ def placed(quads: Iterable[Quad], *, source: str) -> Iterable[Quad]:
         yield quad
 
 
-def findings(staging: Store) -> list[Finding]:
-    """Everything that is wrong with what was staged."""
+def findings(staging: Store, *, progress: Progress | None = None) -> list[Finding]:
+    """Everything that is wrong with what was staged; `progress` as for `shapes`."""
     few = sum(1 for _ in islice(staging.quads(), MAX_SHACL + 1)) <= MAX_SHACL
-    found = [*(shapes(staging) if few else ()), *lawful(staging)]
+    found = [*(shapes(staging, progress=progress) if few else ()), *lawful(staging)]
     # A rule that a person named could not be given its own name because something else is wrong.
     more = {finding.node for finding in found if not finding.problem.startswith(WRONG_NAME)}
     return [

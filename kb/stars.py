@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 from datetime import datetime
 from decimal import Decimal
 from functools import lru_cache
-from typing import cast
+from typing import cast, get_args
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import ATOM_KINDS, HILT, Iri, external, iri, split, term
@@ -44,6 +44,7 @@ _CLASSES = {
 }
 _ARGUMENTS = {"part": PART, "affordance": AFFORDANCE}
 _EDGES = {USED_FOR: term("usedFor"), GRASP_OBJECT: term("graspedBy")}
+_STATUSES: tuple[str, ...] = get_args(Status)
 _OTHER_EDGE = term("affords")
 _KNOWN_FUNCTORS = frozenset({USED_FOR, GRASP_OBJECT})
 
@@ -175,7 +176,7 @@ def _read(found: dict[Iri, list[Term]]) -> Rule:
         split(cast(Iri, _one(found, ATTRIBUTED_TO)))[1],
         int(split(cast(Iri, source[0]))[1]) if source else None,
         cast("datetime | None", found[GENERATED_AT][0] if GENERATED_AT in found else None),
-        cast(Status, cast(Iri, _one(found, STATUS)).removeprefix(HILT)),
+        _status_of(cast(Iri, _one(found, STATUS))),
     )
 
 
@@ -194,6 +195,13 @@ def _functor_iri(functor: str) -> Iri:
 
 def _functor_of(node: Iri) -> str:
     return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
+
+
+def _status_of(node: Iri) -> Status:
+    name = node.removeprefix(HILT)
+    if name not in _STATUSES:
+        raise ValidationError([f"{_shown(node)} is no status; expected {', '.join(_STATUSES)}."])
+    return cast(Status, name)
 
 
 def _decimal(bound: float) -> Decimal:

@@ -9,8 +9,9 @@ that a person wrote for each constraint.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import ValidationError
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from rdflib import Graph
 
 RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule"))
+PORTION = 1000  # nodes that SHACL checks at a time
+Progress = Callable[[int, int], None]  # is told how many are done, and of how many
+
+_SUBJECT = re.compile(r"\s*(<[^<>\s]+>|[\w-]+:[^\s;,<>]+)\s")  # that of a statement, in Turtle
 _OF_SPEAKERS = frozenset({TYPE, stars.LABEL, TRUST_LOWER, TRUST_UPPER})
 _NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
 
@@ -38,13 +43,22 @@ class Finding:
     Attributes:
         node: what it is about, as a prefixed name.
         problem: what was expected, and what was found where that helps.
+        key: the property that is wrong, as a prefixed name; empty where it is more than one.
+        line: 1-based line of the file at which the node is described; 0 when not known.
     """
 
     node: str
     problem: str
+    key: str = field(default="", compare=False)
+    line: int = field(default=0, compare=False)
 
     def __str__(self) -> str:
         return f"{self.node}: {self.problem}"
+
+    def as_json(self) -> dict[str, object]:
+        """As `hilt validate --json` prints it."""
+        where = {"node": self.node, "property": self.key or None, "line": self.line or None}
+        return {**where, "problem": self.problem}
 
 
 def refuse(findings: Iterable[Finding]) -> None:
@@ -68,23 +82,56 @@ def lawful(store: Store) -> Iterator[Finding]:
     for graph, known in expected.items():
         for quad in store.quads(None, None, None, graph):
             if quad not in known and not _stands_alone(quad):
-                yield Finding(shortened(quad.subject), f"{_shown(quad)} belongs to nothing known.")
+                problem = f"{_shown(quad)} belongs to nothing known."
+                yield Finding(shortened(quad.subject), problem, shortened(quad.predicate))
 
 
-def shapes(store: Store) -> Iterator[Finding]:
-    """What breaks the SHACL shapes."""
+def shapes(store: Store, *, progress: Progress | None = None) -> Iterator[Finding]:
+    """What breaks the SHACL shapes.
+
+    A shape looks at one node and what stands at it, so the nodes are checked in portions: that
+    bounds the memory, and tells how far it is.
+
+    Args:
+        store: what is checked.
+        progress: is told how many nodes are done, and of how many.
+    """
     import pyshacl  # slow to import, and only validation needs it
     from rdflib import Graph
 
     shapes_graph = Graph().parse(SHAPES_FILE, format="turtle")
-    _, report, _ = pyshacl.validate(_as_rdflib(store.quads()), shacl_graph=shapes_graph)
-    yield from _findings(report)
+    nodes = sorted({quad.subject for quad in store.quads()})
+    for start in range(0, len(nodes), PORTION):
+        quads = (quad for node in nodes[start : start + PORTION] for quad in store.quads(node))
+        _, report, _ = pyshacl.validate(
+            _as_rdflib(quads), shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
+        )
+        yield from _findings(report)
+        if progress:
+            progress(min(start + PORTION, len(nodes)), len(nodes))
+
+
+def located(found: Iterable[Finding], text: str) -> list[Finding]:
+    """The findings about an RDF text with the lines at which their nodes are described.
+
+    A node is described where a line begins with it, by its prefixed name or its whole address.
+    """
+    lines: dict[str, int] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        start = _SUBJECT.match(line)
+        if start:
+            lines.setdefault(_as_named(start[1]), number)
+    return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
 
 
 def rule_nodes(store: Store) -> list[Iri]:
     """The nodes of all rules, sorted."""
     found = (_of_class(store, kind, BELIEFS) for kind in RULE_CLASSES)
     return sorted({node for nodes in found for node in nodes})
+
+
+def _as_named(subject: str) -> str:
+    return shortened(subject[1:-1]) if subject.startswith("<") else subject
 
 
 def _of_class(store: Store, kind: Iri, graph: Iri) -> list[Iri]:
@@ -157,13 +204,15 @@ def _as_rdflib(quads: Iterable[Quad]) -> Graph:
 
 
 def _findings(report: Any) -> Iterator[Finding]:
-    from rdflib.namespace import RDF, SH
+    from rdflib import RDF, SH, URIRef
 
     for result in report.subjects(RDF.type, SH.ValidationResult):
         found = report.value(result, SH.value)
         text = "" if found is None else f" Found {_brief(found)}."
         message = str(report.value(result, SH.resultMessage))
-        yield Finding(shortened(str(report.value(result, SH.focusNode))), f"{message}{text}")
+        path = report.value(result, SH.resultPath)
+        key = shortened(str(path)) if isinstance(path, URIRef) else ""
+        yield Finding(shortened(str(report.value(result, SH.focusNode))), f"{message}{text}", key)
 
 
 def _brief(node: Any) -> str:

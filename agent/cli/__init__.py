@@ -17,7 +17,7 @@ import typer
 from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
 
 # The order in which help lists them.
-from . import talking, parsing, knowledge, exchanging, history, picturing  # isort: skip
+from . import talking, parsing, knowledge, exchanging, history, picturing, checking  # isort: skip
 from . import querying, safety, reasoning, seeing, measuring  # isort: skip
 from .options import app
 from .terminal import FAILED, complain
@@ -32,6 +32,7 @@ COMMANDS = (
     exchanging,
     history,
     picturing,
+    checking,
     querying,
     safety,
     reasoning,

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb import stars
+from hilt.kb import stars, validation
 from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.rule import Rule
 from hilt.kb.store import open_store
 from hilt.kb.terms import Quad
-from hilt.kb.validation import Finding, lawful, refuse, shapes
+from hilt.kb.validation import Finding, lawful, located, refuse, shapes
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, external, iri, term
 
@@ -42,6 +42,7 @@ FAULTS = {  # what is done to a rule -> what both checks say
     "bound below zero": ({stars.LOWER: Decimal("-0.1")}, "-0.1"),
     "no functor": ({stars.FUNCTOR: None}, "hilt:functor"),
     "no status": ({stars.STATUS: None}, "hilt:status"),
+    "other status": ({stars.STATUS: term("maybe")}, "maybe"),
     "no speaker": ({stars.ATTRIBUTED_TO: None}, "wasAttributedTo"),
     "foreign feature": ({stars.FEATURE: Iri("http://example.org/x")}, "example.org/x"),
     "nothing spoken of": ({stars.FEATURE: None, stars.CONTEXT: None}, "at least one"),
@@ -126,3 +127,31 @@ def test_foreign_kinds_of_literals_are_shown(kb: KnowledgeBase):
     assert [str(one) for one in lawful(kb.store)] == [
         'object:x: rdfs:comment "hm" belongs to nothing known.'
     ]
+
+
+def test_shapes_are_checked_in_portions_with_progress(
+    kb: KnowledgeBase, monkeypatch: pytest.MonkeyPatch
+):
+    """What is wrong is found in whichever portion it is, and the progress is told."""
+    monkeypatch.setattr(validation, "PORTION", 3)
+    teach(kb, BLADE)
+    kb.store.apply(delete=list(kb.store.quads(NODE, stars.STATUS)))
+    told: list[tuple[int, int]] = []
+
+    found = list(shapes(kb.store, progress=lambda done, total: told.append((done, total))))
+
+    assert [(one.node, one.key) for one in found] == [(BLADE.id.replace("/", ":"), "hilt:status")]
+    assert told[-1][0] == told[-1][1] == len({quad.subject for quad in kb.store.quads()})
+
+
+def test_findings_are_located_in_their_text():
+    """By the prefixed name or the whole address; what is not described has no line."""
+    text = (
+        "\n\nrule:1 a hilt:Rule ;\n    hilt:lower 2 .\n<https://w3id.org/hilt/rule/2> a hilt:Rule ."
+    )
+    found = [Finding(f"rule:{name}", "Wrong.") for name in (1, 2, 3)]
+
+    assert [one.line for one in located(found, text)] == [3, 5, 0]
+    assert located(found, text)[0].as_json() == {
+        "node": "rule:1", "property": None, "line": 3, "problem": "Wrong.",
+    }  # fmt: skip
