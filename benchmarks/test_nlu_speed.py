@@ -21,7 +21,7 @@ import yaml
 from hilt.nlu import Language, Session
 
 DATA = Path(__file__).parents[1] / "tests" / "nlu" / "data"
-FILES = ("paper", "paraphrases", "commands", "conversation", "wide", "aside")
+FILES = ("paper", "paraphrases", "commands", "conversation", "wide", "aside", "far")
 
 MEDIAN, NEARLY_ALL, LONG = 1e-3, 5e-3, 5e-3  # [s]: p50, p95, 18 words
 RULE = "To pass a knife generally grab the knife by the blade"

@@ -61,7 +61,6 @@ class Lexicon:
         self._root = _Node()
         self._base = base
         self._words = frozenset(word for entry in entries for word in entry.words)
-        self._seen: set[tuple[tuple[str, ...], Category, Term]] = set()
         for entry in entries:
             self._add(entry)
 
@@ -112,13 +111,16 @@ class Lexicon:
             yield from self._base.lookup(tokens, start)
 
     def _add(self, entry: Entry) -> None:
-        key = (entry.words, entry.category, entry.term)
-        if key in self._seen:
-            return
-        self._seen.add(key)
         node = self._root
         for word in entry.words:
-            node = node.below.setdefault(word, _Node())
+            below = node.below.get(word)
+            if below is None:
+                below = node.below[word] = _Node()
+            node = below
+        # A word has few entries; to compare them is cheaper than to hash every term.
+        for known in node.entries:
+            if known.sign == entry.sign and known.term == entry.term:
+                return
         node.entries.append(entry)
 
 
