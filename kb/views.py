@@ -2,8 +2,8 @@
 """The rules as they were at some time, and as one person sees them.
 
 Nothing is ever deleted, so the history can be gone through again: what was said until a moment
-asserts, takes back and supersedes rules, in the order in which it was said. In one person's view only that person's
-sentences count, and they count whole: nobody distrusts himself.
+asserts, takes back and supersedes rules, in the order in which it was said. In one person's view
+only that person's sentences count, and they count whole: nobody distrusts himself.
 """
 
 from __future__ import annotations
