@@ -33,7 +33,8 @@ from .validation import refuse, rule_nodes
 
 Thing = TypeVar("Thing")
 
-MAX_SORTED = 200_000  # statements; more of them are written in the order in which they are kept
+MAX_SORTED = 200_000  # statements; more of them are neither sorted nor checked by SHACL
+MAX_RULES = 10_000  # of a table; more of them are read as they stream by
 
 
 def export_file(
@@ -96,7 +97,7 @@ def import_file(
     chosen = format_of(str(file), format, "trig")
     is_xml = chosen.name in _XML
     with reading(str(file), most=chosen.most, is_xml=is_xml, progress=progress) as source:
-        return _take(base, source, chosen, dry_run=dry_run).summary
+        return _import(base, source, chosen, dry_run=dry_run)
 
 
 def import_text(
@@ -119,7 +120,7 @@ def import_text(
     chosen = format_of(source, format, "trig")
     is_xml = chosen.name in _XML
     read = Source(io.BytesIO(data), source, most=chosen.most, is_xml=is_xml)
-    return _take(base, read, chosen, dry_run=dry_run)
+    return _take(base, _staged(read, chosen), source, dry_run=dry_run)
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa: A002
@@ -136,11 +137,30 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa:
 _XML = frozenset({"rdfxml", "graphml"})
 
 
-def _take(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: bool) -> Merged:
-    staging = _staged(source, chosen)
+def _import(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: bool) -> Summary:
+    """Small files are checked by SHACL too and explained in full; large ones as they stream by."""
+    from . import streaming  # it needs what this module needs
+
+    name = source.name
+    if chosen.name in RULE_FORMATS:
+        rules = read_rules(source, chosen)
+        some = list(islice(rules, MAX_RULES + 1))
+        if len(some) > MAX_RULES:
+            every = chain(some, rules)
+            return streaming.import_rules(base, every, source=name, dry_run=dry_run)
+        return _take(base, stage_rules(some), name, dry_run=dry_run).summary
+    statements = read_statements(source, chosen)
+    first = list(islice(statements, MAX_SORTED + 1))
+    if len(first) > MAX_SORTED:
+        every = chain(first, statements)
+        return streaming.import_statements(base, every, source=name, dry_run=dry_run)
+    return _take(base, _settled(first, name), name, dry_run=dry_run).summary
+
+
+def _take(base: KnowledgeBase, staging: Store, source: str, *, dry_run: bool) -> Merged:
     try:
         refuse(findings(staging))
-        return merge(base, Recall(staging), source=source.name, dry_run=dry_run)
+        return merge(base, Recall(staging), source=source, dry_run=dry_run)
     finally:
         staging.close()
 
@@ -148,8 +168,11 @@ def _take(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: bool)
 def _staged(source: Source, chosen: Format) -> Store:
     if chosen.name in RULE_FORMATS:
         return stage_rules(read_rules(source, chosen))
-    statements = read_statements(source, chosen)
-    return stage(settled(statements, source=source.name), source=source.name)
+    return _settled(read_statements(source, chosen), source.name)
+
+
+def _settled(statements: Iterable[Quad | Reified], source: str) -> Store:
+    return stage(settled(statements, source=source), source=source)
 
 
 def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:

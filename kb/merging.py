@@ -112,8 +112,17 @@ class Summary:
 
 
 @dataclass
-class _Plan:
-    """What is to be written."""
+class Plan:
+    """What is to be written.
+
+    Attributes:
+        last: the number of the last utterance there will be.
+        insert: statements to add.
+        delete: statements to take away first.
+        numbers: of the other's utterances, and which number each has here.
+        new: rules that the base did not know.
+        known: rules that it knew already.
+    """
 
     last: int
     insert: list[Quad] = field(default_factory=list[Quad])
@@ -134,11 +143,11 @@ def merge(base: Telling, other: Recall, *, source: str, dry_run: bool = False) -
     """
     with base.store.writing():
         before = base.sequence
-        plan = _Plan(before)
-        _plan_trust(plan, base, other)
-        _plan_history(plan, base, other)
+        plan = Plan(before)
+        plan_trust(plan, base, other)
+        plan_history(plan, base, other)
         _plan_rules(plan, base, other, source)
-        _plan_rest(plan, base, other)
+        plan_rest(plan, base, other)
         if plan.last > before:
             plan.delete += base.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
@@ -187,7 +196,7 @@ def are_apart(one: Interval, other: Interval) -> bool:
     return one.lower > other.upper or one.upper < other.lower
 
 
-def _plan_trust(plan: _Plan, base: Telling, other: Recall) -> None:
+def plan_trust(plan: Plan, base: Telling, other: Recall) -> None:
     """Adopt trust in whom the base says nothing about; a base just made adopts all."""
     is_fresh = base.sequence == 0
     for speaker in other.speakers():
@@ -197,7 +206,8 @@ def _plan_trust(plan: _Plan, base: Telling, other: Recall) -> None:
             plan.insert += trust_quads(speaker, theirs)
 
 
-def _plan_history(plan: _Plan, base: Telling, other: Recall) -> None:
+def plan_history(plan: Plan, base: Telling, other: Recall) -> None:
+    """Add the utterances that the base has not, after its own."""
     for utterance in sorted(_utterances(other), key=lambda one: one.sequence):
         there = _same_utterance(base, utterance)
         if there:
@@ -205,10 +215,10 @@ def _plan_history(plan: _Plan, base: Telling, other: Recall) -> None:
             continue
         plan.last = max(utterance.sequence, plan.last + 1)
         plan.numbers[utterance.sequence] = plan.last
-        _add_utterance(plan, replace(utterance, sequence=plan.last))
+        add_utterance(plan, replace(utterance, sequence=plan.last))
 
 
-def _plan_rules(plan: _Plan, base: Telling, other: Recall, source: str) -> None:
+def _plan_rules(plan: Plan, base: Telling, other: Recall, source: str) -> None:
     nameless: list[Rule] = []
     for node in rule_nodes(other.store):
         rule = other.read_rules([(node, other.star(node))])[0]
@@ -222,7 +232,7 @@ def _plan_rules(plan: _Plan, base: Telling, other: Recall, source: str) -> None:
         utterance = _import_of(base, source, plan.last + 1, nameless)
         plan.last = utterance.sequence
         plan.numbers[-1] = utterance.sequence  # it stands for no number of the other's
-        _add_utterance(plan, utterance)
+        add_utterance(plan, utterance)
         plan.new += [
             replace(rule, utterance=utterance.sequence, time=rule.time or utterance.time)
             for rule in nameless
@@ -231,7 +241,7 @@ def _plan_rules(plan: _Plan, base: Telling, other: Recall, source: str) -> None:
         plan.insert += stars.statements(rule)
 
 
-def _plan_rest(plan: _Plan, base: Telling, other: Recall) -> None:
+def plan_rest(plan: Plan, base: Telling, other: Recall) -> None:
     """Episodes and words are added; the domain is taken over where the base has none."""
     renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
     for graph in (EPISODES, LEXICON):
@@ -268,7 +278,8 @@ def _import_of(base: Telling, source: str, number: int, rules: list[Rule]) -> Ut
     return Utterance(number, said, "", DEFAULT_SPEAKER, moment, "import", asserts=ids)
 
 
-def _add_utterance(plan: _Plan, utterance: Utterance) -> None:
+def add_utterance(plan: Plan, utterance: Utterance) -> None:
+    """Add one utterance under the number that it has."""
     plan.insert += utterance_quads(utterance)
     plan.insert += speaker_quads(utterance.speaker, HISTORY)
 

@@ -176,6 +176,12 @@ class OxigraphStore:
         with self._changing(update) as store:
             store.update(update, prefixes=_PREFIXES)
 
+    def load(self, file: Path) -> None:
+        """Add the statements of a file of N-Quads as one unit; the fast way for millions."""
+        with self._changing() as store:
+            store.bulk_load(path=file, format=engine.RdfFormat.N_QUADS)
+            store.flush()
+
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
         return self._lock
