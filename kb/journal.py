@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 CHANGES = 1_000  # after which the tables are written and the journal begins anew
-_PATTERN = "*.log"
+_SUFFIX = ".log"
 # Elsewhere this call does not promise what it does on Linux, so the engine's own way is taken.
 _IS_ENOUGH = sys.platform == "linux"
 
@@ -27,7 +27,7 @@ class Journal:
     def __init__(self, folder: Path | None) -> None:
         """Watch the journal of a folder; None where nothing outlives the process."""
         self._folder = folder
-        self._known: frozenset[str] = frozenset()
+        self._kept: dict[str, int] = {}  # file -> how much of it the disk has [bytes]
         self._changes = 0
 
     @property
@@ -44,24 +44,27 @@ class Journal:
         if self._folder is None:
             return True
         self._changes += 1
-        files = list(self._folder.glob(_PATTERN)) if _IS_ENOUGH else []
-        if not files or self._changes >= CHANGES:
+        sizes = _sizes(self._folder) if _IS_ENOUGH else {}
+        if not sizes or self._changes >= CHANGES:
             return False
-        for file in files:
-            with contextlib.suppress(FileNotFoundError):  # its content is in the tables by now
-                _wait_for(file)
-        self._wait_for_names(frozenset(file.name for file in files))
+        for name, size in sizes.items():
+            if self._kept.get(name) != size:
+                with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
+                    _wait_for(self._folder / name)
+        if not sizes.keys() <= self._kept.keys():
+            _wait_for(self._folder)  # a new file is safe only when the disk has its name, too
+        self._kept = sizes
         return True
 
     def tables_written(self) -> None:
         """Note that the tables have everything."""
         self._changes = 0
 
-    def _wait_for_names(self, names: frozenset[str]) -> None:
-        """A new file is safe only when the disk has its name, too."""
-        if self._folder and not names <= self._known:
-            _wait_for(self._folder)
-            self._known = names
+
+def _sizes(folder: Path) -> dict[str, int]:
+    """The files of the journal, and how long they are."""
+    with os.scandir(folder) as entries:
+        return {one.name: one.stat().st_size for one in entries if one.name.endswith(_SUFFIX)}
 
 
 def _wait_for(path: Path) -> None:

@@ -22,7 +22,7 @@ from .rule import Atom, Rule, Status
 from .sparql import bind
 from .stars import BELIEFS
 from .store import Store
-from .terms import Term
+from .terms import Term, as_sparql
 from .words import Word, read_words
 
 BASE_NODE = Iri("https://w3id.org/hilt/base")
@@ -77,17 +77,16 @@ class Recall:
             speaker: who told them.
             status: active by default; None for every status.
         """
-        wanted = [
-            (stars.STATUS, stars.status_iri(status) if status else None),
+        wanted = [  # what few rules have comes first
             (stars.FEATURE, _atom_iri("object", object)),
             (stars.AFFORDANCE, _atom_iri("affordance", affordance)),
-            (stars.CONTEXT, _atom_iri("action", context)),
             (stars.PART, _atom_iri("part", part)),
+            (stars.CONTEXT, _atom_iri("action", context)),
             (stars.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
+            (stars.STATUS, stars.status_iri(status) if status else None),
         ]
-        nodes = self.having([(key, value) for key, value in wanted if value is not None])
-        found = self.read_rules((node, self.star(node)) for node in nodes)
-        return sorted(found, key=lambda rule: (rule.utterance or 0, rule.id))
+        found = self._stars([(key, value) for key, value in wanted if value is not None])
+        return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
 
     def rule(self, rule_id: str) -> Rule:
         """The rule of an id, whatever its status.
@@ -159,20 +158,27 @@ class Recall:
 
     def _asked(self, name: str, **bindings: list[Iri]) -> list[Star]:
         """The stars that a named query found, as (rule, property, value) rows."""
-        found: dict[Iri, dict[tuple[Iri, Term], None]] = {}
-        for node, key, value in self.store.select(bind(named_query(name).text, dict(bindings))):
-            found.setdefault(cast(Iri, node), {})[(cast(Iri, key), cast(Term, value))] = None
-        return [(node, list(properties)) for node, properties in found.items()]
+        return _gathered(self.store.select(bind(named_query(name).text, dict(bindings))))
+
+    def _stars(self, wanted: Sequence[tuple[Iri, Iri]]) -> list[Star]:
+        """The stars of the rules that have all of these properties."""
+        if self.store.has_cheap_patterns:
+            return [(node, self.star(node)) for node in self.having(wanted)]
+        return _gathered(self.store.select(_having_query(wanted)))
 
     def having(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
-        """The nodes of the rules that have all of these properties; of all when none are given."""
+        """The nodes of the rules that have all of these properties; of all when none are given.
+
+        It takes as long as many have the first of them.
+        """
         pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(stars.STATUS, None)]
-        return set.intersection(
-            *(
-                {quad.subject for quad in self.store.quads(None, key, value, BELIEFS)}
-                for key, value in pairs
-            )
-        )
+        if not self.store.has_cheap_patterns:
+            return {node for node, _ in _gathered(self.store.select(_having_query(wanted)))}
+        first, *others = pairs
+        found = {quad.subject for quad in self.store.quads(None, *first, BELIEFS)}
+        for key, value in others:
+            found = {node for node in found if any(self.store.quads(node, key, value, BELIEFS))}
+        return found
 
     def read_rules(self, found: Iterable[Star]) -> list[Rule]:
         """The rules of stars, weighted by the trust in their speakers."""
@@ -197,3 +203,19 @@ class Recall:
 
 def _atom_iri(kind: str, name: str | None) -> Iri | None:
     return stars.atom_iri(Atom(kind, name)) if name is not None else None
+
+
+def _having_query(wanted: Sequence[tuple[Iri, Iri]]) -> str:
+    """The query for the stars of the rules that have all of these properties."""
+    pairs = " ; ".join(f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted)
+    having = f"?rule {pairs or f'{as_sparql(stars.STATUS)} ?status'} ."
+    inside = f"{having} ?rule ?property ?value ."
+    return f"SELECT ?rule ?property ?value WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
+
+
+def _gathered(rows: Iterable[tuple[Term | None, ...]]) -> list[Star]:
+    """Stars from rows of (rule, property, value)."""
+    found: dict[Iri, dict[tuple[Iri, Term], None]] = {}
+    for node, key, value in rows:
+        found.setdefault(cast(Iri, node), {})[(cast(Iri, key), cast(Term, value))] = None
+    return [(node, list(properties)) for node, properties in found.items()]
