@@ -22,6 +22,7 @@ format: $(READY)  ## put the code into shape
 	@$(BIN)/ruff check --fix .
 
 bench: $(READY)  ## speed, beside named peers where there are any
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[bench]"
 	@$(BIN)/pytest benchmarks --benchmark-only
 
 docs: $(READY)  ## write the page of commands anew
