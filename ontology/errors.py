@@ -20,7 +20,6 @@ Failures that a robot must expect (nothing seen, not sure, dropped) are outcomes
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 
 
 class HiltError(Exception):
@@ -82,6 +81,8 @@ class UnknownNameError(HiltError, LookupError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        from difflib import get_close_matches  # only where something is wrong already
+
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
         close = get_close_matches(name, self.known, n=1)
         hint = f' Did you mean "{close[0]}"?' if close else ""

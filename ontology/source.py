@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -144,6 +143,8 @@ class Field:
 
 
 def _suggestion(name: str, known: Collection[str]) -> str:
+    from difflib import get_close_matches  # only where something is wrong already
+
     close = get_close_matches(name, list(known), n=1)
     return f' (did you mean "{close[0]}"?)' if close else ""
 
