@@ -15,23 +15,30 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import BinaryIO, TypeVar, cast
 
-from ..ontology.vocabulary import split
+from ..ontology.vocabulary import split, term
 from . import stars
 from .annotated import Reified, settled, write_annotated
 from .beliefs import KnowledgeBase
 from .files import Progress, Source, reading, writing
-from .formats import RULE_FORMATS, Format, format_of
+from .formats import FORMATS, RULE_FORMATS, Format, format_of
 from .history import HISTORY
+from .lines import Lines
 from .merging import Merged, Summary, merge
-from .recall import Recall
+from .recall import TRUST_LOWER, TRUST_UPPER, Recall
 from .rule import Rule
-from .staging import findings, stage, stage_rules
+from .staging import GRAPHS, findings, stage, stage_rules
 from .stars import BELIEFS, TYPE
 from .store import Store
 from .terms import Quad, as_sparql
-from .validation import refuse, rule_nodes
+from .validation import RULE_CLASSES, refuse, rule_nodes
 
 Thing = TypeVar("Thing")
+
+# What stands among the beliefs besides the stars of rules.
+_BESIDE_RULES = (
+    *(stars.TYPE, stars.LABEL, stars.RULE, TRUST_LOWER, TRUST_UPPER),
+    *(term("usedFor"), term("graspedBy"), term("affords")),
+)
 
 MAX_SORTED = 200_000  # statements; more of them are neither sorted nor checked by SHACL
 MAX_RULES = 10_000  # of a table; more of them are read as they stream by
@@ -63,11 +70,25 @@ def export_file(
     """
     chosen = format_of(str(file), format, "turtle")
     with writing(str(file)) as stream:
-        if chosen.name in RULE_FORMATS:
-            return _write_rules(base, stream, chosen, progress)
-        return _write_statements(
-            base.store, stream, chosen, progress, rules_only=rules_only or not chosen.whole
+        return write_base(
+            base, stream, format=chosen.name, rules_only=rules_only, progress=progress
         )
+
+
+def write_base(
+    base: KnowledgeBase,
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    rules_only: bool = False,
+    progress: Progress | None = None,
+) -> int:
+    """Write the rules or the whole base into a stream; as `export_file`."""
+    chosen = FORMATS[format]
+    if chosen.name in RULE_FORMATS:
+        return _write_rules(base, stream, chosen, progress)
+    only = rules_only or not chosen.whole
+    return _write_statements(base.store, stream, chosen, progress, rules_only=only)
 
 
 def import_file(
@@ -175,6 +196,16 @@ def _settled(statements: Iterable[Quad | Reified], source: str) -> Store:
     return stage(settled(statements, source=source), source=source)
 
 
+def read_all(source: Source, chosen: Format) -> int:
+    """Read a file to its end and count what it holds, rules or statements; keep nothing.
+
+    Raises:
+        DataError: it cannot be read or parsed; says where.
+    """
+    read = read_rules if chosen.name in RULE_FORMATS else read_statements
+    return sum(1 for _ in read(source, chosen))
+
+
 def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:
     """The rules of a file that holds rules only."""
     match chosen.name:
@@ -237,20 +268,42 @@ def _write_statements(
     *,
     rules_only: bool,
 ) -> int:
-    quads = _exported(store, rules_only=rules_only)
-    first = list(islice(quads, MAX_SORTED + 1))
     count = _Count(progress)
+    first = list(islice(_exported(store, rules_only=rules_only), MAX_SORTED + 1))
     if len(first) <= MAX_SORTED:
         stream.write(write_text(count.over(sorted(first, key=_order)), format=chosen.name))
+        return count.total
+    first.clear()
+    quads = count.over(_together(store, rules_only=rules_only))
+    if chosen.name == "nquads":
+        lines = Lines(stream)
+        lines.quads(quads)
+        lines.flush()
     elif chosen.name == "turtle12":
-        stream.writelines(
-            line.encode() for line in write_annotated(count.over(chain(first, quads)))
-        )
+        stream.writelines(line.encode() for line in write_annotated(quads))
     else:
         from .oxigraph import write_rdf_to
 
-        write_rdf_to(count.over(chain(first, quads)), stream, format=chosen.name)
+        write_rdf_to(quads, stream, format=chosen.name)
     return count.total
+
+
+def _together(store: Store, *, rules_only: bool) -> Iterator[Quad]:
+    """The statements of an export, those of one rule together: so that they can be streamed."""
+    sources: set[object] = set()
+    for node in rule_nodes(store):
+        for key, value in store.properties(node, BELIEFS):
+            if key == stars.DERIVED_FROM:
+                sources.add(value)
+            yield Quad(node, key, value, BELIEFS)
+    rules = set(RULE_CLASSES)
+    for key in _BESIDE_RULES:
+        found = store.quads(None, key, None, BELIEFS)
+        yield from (quad for quad in found if key != TYPE or quad.object not in rules)
+    for graph in sorted(GRAPHS - {BELIEFS}):
+        if graph == HISTORY or not rules_only:
+            found = store.quads(None, None, None, graph)
+            yield from (q for q in found if not rules_only or q.subject in sources)
 
 
 def _write_rules(

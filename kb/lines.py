@@ -40,6 +40,7 @@ class Lines:
         self._stream = stream
         self._atoms: dict[Atom, str] = {}
         self._nodes: dict[str, str] = {}
+        self._names: dict[Iri, str] = {}
         self._forms: dict[object, str] = {}
         self._edges: set[object] = set()
         self._held: list[str] = []
@@ -82,8 +83,19 @@ class Lines:
 
     def quads(self, quads: Iterable[Quad]) -> None:
         """Other statements."""
-        for quad in quads:
-            self._write(_line(quad))
+        for subject, key, value, graph in quads:
+            end = self._text(value) if isinstance(value, Iri) else as_sparql(value)
+            self._write(
+                f"{self._text(subject)} {self._text(key)} {end} {self._text(graph or BELIEFS)} .\n"
+            )
+
+    def _text(self, node: Iri) -> str:
+        known = self._names.get(node)
+        if known is None:
+            if len(self._names) > _MAX_KNOWN:
+                self._names.clear()
+            known = self._names[node] = as_sparql(node)
+        return known
 
     def flush(self) -> None:
         """Write what is still held."""

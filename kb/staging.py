@@ -34,7 +34,7 @@ _GRAPHS = {
     "Word": LEXICON,
     "Base": BASE_GRAPH,
 }
-_KNOWN_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
+GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
 
 
 def stage(quads: Iterable[Quad], *, source: str) -> Store:
@@ -64,10 +64,10 @@ def placed(quads: Iterable[Quad], *, source: str) -> Iterable[Quad]:
         DataError: one is in a graph that a base has not.
     """
     for quad in quads:
-        if quad.graph not in _KNOWN_GRAPHS:
+        if quad.graph not in GRAPHS:
             raise DataError(
                 f"the graph {shortened(str(quad.graph))} is none of a base's; expected "
-                f"{', '.join(sorted(map(shortened, _KNOWN_GRAPHS)))}.",
+                f"{', '.join(sorted(map(shortened, GRAPHS)))}.",
                 source=source,
             )
         yield quad

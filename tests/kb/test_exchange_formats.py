@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about the formats of files: what comes back, and what is refused."""
+
+from __future__ import annotations
+
+import gzip
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rdflib import Graph
+
+from hilt.kb import exchange, streaming
+from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.exchange import export_file, import_file, import_text
+from hilt.kb.files import Source
+from hilt.kb.formats import FORMATS
+from hilt.kb.graph import graph_of, rules_of_graph
+from hilt.kb.interval import Interval
+from hilt.kb.lines import Lines
+from hilt.kb.oxigraph import read_rdf
+from hilt.kb.rule import Rule, grasping
+from hilt.kb.sheet import read_sheet, write_sheet
+from hilt.kb.stars import BELIEFS, statements
+from hilt.kb.store import open_store
+from hilt.kb.tables import read_table, write_table
+from hilt.ontology.errors import DataError, HiltError, ValidationError
+
+from .conftest import BLADE, CUTTING, teach, ticking
+from .strategies import rules
+
+SHEET = """
+speaker: sam
+rules:
+  - {object: knife, affordance: cutting, interval: [0.95, 1]}
+  - {object: knife, context: pass, part: blade, interval: 0.95}
+  - features: [mug, property:hot]
+    contexts: [pass, place:kitchen]
+    functor: moveTo
+    argument: place:table
+    interval: [0.6, 0.9]
+    speaker: anna
+"""
+
+
+def fresh() -> KnowledgeBase:
+    """An empty base."""
+    return KnowledgeBase(open_store("memory:"), clock=ticking())
+
+
+def contents(base: KnowledgeBase) -> set[object]:
+    """All statements of a base."""
+    return set(base.store.quads())
+
+
+@pytest.fixture
+def streamed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every file is large."""
+    monkeypatch.setattr(exchange, "MAX_SORTED", 0)
+    monkeypatch.setattr(exchange, "MAX_RULES", 0)
+
+
+# --- Round trips
+
+
+@given(st.lists(rules, max_size=5, unique_by=lambda rule: rule.id))
+@settings(max_examples=20, deadline=None)
+@pytest.mark.parametrize("name", sorted(FORMATS))
+def test_rules_come_back_from_every_format(name: str, some: list[Rule]):
+    """Everything that a rule says, in all formats."""
+    base, again = fresh(), fresh()
+    teach(base, *some)
+    target = io.BytesIO()
+    exchange.write_base(base, target, format=name)
+
+    import_text(again, target.getvalue(), format=name, source=f"x.{name}")
+
+    assert {rule.id for rule in again.rules()} == {rule.id for rule in base.rules()}
+
+
+@pytest.mark.parametrize("suffix", ["trig", "nq", "jsonld", "trig.gz", "nq.gz"])
+def test_whole_base_comes_back(paper: KnowledgeBase, tmp_path: Path, suffix: str):
+    """Formats with named graphs carry every statement."""
+    paper.record("pass me the knife", "", "sam", "command", accepted=True)
+    export_file(paper, tmp_path / f"base.{suffix}")
+    again = fresh()
+
+    import_file(again, tmp_path / f"base.{suffix}")
+
+    assert contents(again) == contents(paper)
+
+
+@pytest.mark.parametrize("suffix", ["nq", "trig", "csv", "nt", "rdf"])
+@pytest.mark.usefixtures("streamed")
+def test_large_files_bring_the_same(paper: KnowledgeBase, tmp_path: Path, suffix: str):
+    """What streams by is read as what is held in memory."""
+    paper.retract(CUTTING.id, "Forget it.", "", "sam")
+    export_file(paper, tmp_path / f"base.{suffix}")
+    again = fresh()
+
+    found = import_file(again, tmp_path / f"base.{suffix}")
+
+    assert found.new == 3
+    told = {rule.id: rule.status for rule in paper.rules(status=None)}
+    assert {rule.id: rule.status for rule in again.rules(status=None)} == told
+    assert import_file(again, tmp_path / f"base.{suffix}").known == 3
+
+
+@given(rules, st.sampled_from(["active", "retracted"]))
+@settings(deadline=None)
+def test_lines_are_the_statements_of_a_rule(rule: Rule, status: str):
+    """The fast way to write a rule agrees with the plain one."""
+    told = replace(rule, status=status)
+    target = io.BytesIO()
+    lines = Lines(target)
+    lines.rule(told)
+    lines.flush()
+    target.seek(0)
+
+    read = set(read_rdf(target, format="nquads", source="x", default=BELIEFS))
+
+    assert read == set(statements(told))
+
+
+@given(st.lists(rules, max_size=4, unique_by=lambda rule: rule.id))
+@settings(deadline=None)
+def test_sheet_and_table_and_graph_hold_whole_rules(some: list[Rule]):
+    """As values, without a base between."""
+    table = io.StringIO()
+    write_table(some, table)
+
+    assert list(read_sheet("".join(write_sheet(some)), source="x")) == some
+    assert list(read_table(table.getvalue().splitlines(True), source="x")) == some
+    assert {rule.id for rule in rules_of_graph(graph_of(some))} == {rule.id for rule in some}
+
+
+def test_sheet_is_written_by_hand():
+    """A person leaves out what is plain, and can say the general form."""
+    first, second, third = read_sheet(SHEET, source="x")
+
+    assert (first.id, second.id) == (CUTTING.id, BLADE.id)
+    assert repr(third) == (
+        "<Rule pass, place:kitchen, object:mug, property:hot => moveTo(table) [0.60, 0.90]>"
+    )
+    assert third.speaker == "anna"
+
+
+def test_annotated_edge_is_a_rule(kb: KnowledgeBase):
+    """RDF 1.2: the edge says what the annotation leaves out."""
+    text = """PREFIX hilt: <https://w3id.org/hilt#>
+    PREFIX object: <https://w3id.org/hilt/object/>
+    PREFIX affordance: <https://w3id.org/hilt/affordance/>
+    object:knife hilt:usedFor affordance:cutting {| hilt:lower 0.95 ; hilt:upper 1.0 |} ."""
+
+    found = import_text(kb, text.encode(), format="turtle12", source="x.ttl")
+
+    assert [rule.id for rule in found.new] == [CUTTING.id]
+
+
+def test_another_library_reads_rdf_xml(paper: KnowledgeBase, tmp_path: Path):
+    """The same triples as in Turtle."""
+    export_file(paper, tmp_path / "x.rdf")
+    export_file(paper, tmp_path / "x.ttl")
+
+    xml, turtle = (Graph().parse(tmp_path / f"x.{suffix}") for suffix in ("rdf", "ttl"))
+
+    assert len(xml) == len(turtle) > 50
+
+
+# --- Summaries
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_summary_tells_what_is_new_known_and_conflicting(
+    kb: KnowledgeBase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, large: bool
+):
+    """A dry run says the same and changes nothing."""
+    if large:
+        monkeypatch.setattr(exchange, "MAX_RULES", 0)
+    against = grasping("knife", "blade", "pass", interval=Interval(0, 0.1))
+    teach(kb, CUTTING, against)
+    before = contents(kb)
+    (tmp_path / "x.yaml").write_text(SHEET)
+
+    dry = import_file(kb, tmp_path / "x.yaml", dry_run=True)
+
+    assert (dry.new, dry.known, dry.conflicting, dry.untrusted) == (2, 1, 1, ("anna",))
+    assert (dry.conflicts[0].new.id, dry.conflicts[0].believed.id) == (BLADE.id, against.id)
+    assert contents(kb) == before
+    wet = import_file(kb, tmp_path / "x.yaml")
+    assert (wet.new, wet.known, wet.conflicting, wet.untrusted) == (2, 1, 1, ("anna",))
+
+
+def test_large_table_is_told_in_parts(
+    kb: KnowledgeBase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """No utterance of the history stands for more rules than can be read at once."""
+    monkeypatch.setattr(exchange, "MAX_RULES", 0)
+    monkeypatch.setattr(streaming, "PER_UTTERANCE", 2)
+    (tmp_path / "x.csv").write_text(
+        "features,functor,argument,lower\n"
+        + "".join(f"knife,usedFor,cutting,0.{digit}\n" for digit in range(1, 6))
+    )
+
+    import_file(kb, tmp_path / "x.csv")
+
+    assert [len(one.asserts) for one in kb.history()] == [2, 2, 1]
+    assert kb.utterance(2).text == f"import of {tmp_path / 'x.csv'}, rules 3 to 4"
+    assert all(rule.time and rule.utterance for rule in kb.rules())
+
+
+# --- What is refused
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("x.yaml", "rules: [{object: knife, part: blade, interval: [0.9, 0.1]}]", ":1:.*upper"),
+        (
+            "x.yaml",
+            "rules:\n- {object: knife, parts: blade, interval: 1}",
+            ':2:.*did you mean "part',
+        ),
+        ("x.yaml", "rules:\n- {object: knife, interval: 1}", ":2:.*found none"),
+        ("x.yaml", "a: &x [1]\nrules: *x", "aliases are not allowed"),
+        ("x.yaml", "rules: !!python/object:os.system [x]", "not allowed"),
+        ("x.csv", "features,functor,lower\nknife,usedFor,1.5", "x.csv:2: .*not an interval"),
+        ("x.csv", "features,functor,lower\nknife,usedFor", "x.csv:2: "),
+        ("x.csv", "a,b\n", "x.csv:1: .*names the columns"),
+        ("x.csv", "features,functor,lower\n" + "k" * 20_000 + ",a,1", "x.csv:2: is no CSV"),
+        ("x.graphml", "<graphml", "is no GraphML"),
+        ("x.rdf", "<!DOCTYPE x [<!ENTITY a 'b'>]><rdf:RDF/>", "document type"),
+        ("x.graphml", "<!DOCTYPE x [<!ENTITY a 'b'>]><graphml/>", "document type"),
+        ("x.jsonld", '{"@context": "http://127.0.0.1:9/x", "@id": "a:b"}', "x.jsonld"),
+        ("x.ttl", "[] <urn:p> 1 .", "no blank nodes"),
+        ("x.ttl", "<urn:s> <urn:p> <<( <urn:a> <urn:b> 1 )>> .", r"RDF 1\.2"),
+    ],
+)
+def test_bad_file_is_refused_with_its_place(
+    kb: KnowledgeBase, tmp_path: Path, name: str, text: str, said: str
+):
+    """One line that says where and why, and nothing is changed."""
+    (tmp_path / name).write_text(text)
+    before = contents(kb)
+
+    with pytest.raises(HiltError, match=said):
+        import_file(kb, tmp_path / name)
+
+    assert contents(kb) == before
+
+
+@pytest.mark.parametrize("name", ["x.csv", "x.yaml", "x.ttl", "x.nq", "x.rdf", "x.jsonld"])
+@pytest.mark.parametrize("data", ["rules: []".encode("utf-16"), b"\xff\xfe\x00\xd8", b"\x1f\x8bxx"])
+def test_wrong_encoding_is_refused(kb: KnowledgeBase, tmp_path: Path, name: str, data: bytes):
+    """UTF-8 it is, or what gzip packed."""
+    (tmp_path / name).write_bytes(data)
+
+    with pytest.raises(DataError, match=name):
+        import_file(kb, tmp_path / name)
+
+
+class Endless(io.RawIOBase):
+    """A text that begins well and never ends."""
+
+    def __init__(self, head: bytes) -> None:
+        super().__init__()
+        self._head = head
+        self.given = 0
+
+    def read(self, size: int = -1) -> bytes:
+        """More of it."""
+        found, self._head = self._head or b"a" * size, b""
+        self.given += len(found)
+        return found
+
+
+@pytest.mark.parametrize(
+    ("name", "head"),
+    [
+        ("turtle", b'<urn:s> <urn:p> "'),
+        ("nquads", b'<urn:s> <urn:p> "'),
+        ("jsonld", b'{"@id": "urn:s", "urn:p": "'),
+        ("rdfxml", b'<rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#"><a>'),
+        ("csv", b'features,functor,lower\n"'),
+        ("sheet", b"rules: ["),
+        ("graphml", b"<graphml>"),
+    ],
+)
+def test_endless_literal_is_refused_early(name: str, head: bytes):
+    """Before the memory is full, whatever the format."""
+    endless, chosen = Endless(head), FORMATS[name]
+    source = Source(endless, "x", most=chosen.most)  # pyright: ignore[reportArgumentType]
+
+    with pytest.raises(DataError, match="x"):
+        exchange.read_all(source, chosen)
+
+    assert endless.given < 70 * 2**20
+
+
+def test_bomb_of_zeros_is_refused(kb: KnowledgeBase, tmp_path: Path):
+    """What was packed is counted as it unfolds."""
+    with gzip.open(tmp_path / "x.yaml.gz", "wb") as packed:
+        packed.write(b"#\n" * (5 * 2**20))
+
+    with pytest.raises(DataError, match="larger than 8 MB"):
+        import_file(kb, tmp_path / "x.yaml.gz")
+
+
+@pytest.mark.usefixtures("streamed")
+def test_large_invalid_file_changes_nothing(paper: KnowledgeBase, tmp_path: Path):
+    """One bad rule among many refuses all of them."""
+    export_file(paper, tmp_path / "x.nq")
+    text = (tmp_path / "x.nq").read_text()
+    (tmp_path / "x.nq").write_text(text.replace('"0.95"', '"1.95"', 1))
+    base = fresh()
+    before = contents(base)
+
+    with pytest.raises(ValidationError, match="not an interval"):
+        import_file(base, tmp_path / "x.nq")
+
+    assert contents(base) == before
