@@ -25,6 +25,7 @@ from .percept import Percept
 from .poses import Array
 from .reach import Reach, Reacher
 from .report import MotionReport
+from .resting import Resting
 from .robot import Robot
 from .robots import find_robot
 from .scene import Scene
@@ -83,7 +84,8 @@ class Body:
     ) -> None:
         kind = find_robot(robot)
         self.world = World.build(scene, objects, gui=gui)
-        self.robot = Robot(self.world.engine, kind, step=self.world.step)
+        self._resting = Resting(self.world.engine, self._loose())
+        self.robot = Robot(self.world.engine, kind, step=self._step)
         self.vision = Vision(self.world.engine, self.world.kinds, self.world.models)
         self.motion = Motion(
             self.robot,
@@ -95,7 +97,7 @@ class Body:
         self._held: Held | None = None
         self._sight: Sight | None = None
         self._aim = _Aim("", None)
-        self._resting: dict[str, Array] = {}
+        self._places: dict[str, Array] = {}
         self._views: tuple[View, ...] = ()
         self._seen_at = -1
 
@@ -158,7 +160,8 @@ class Body:
         if self._held:
             self.put_back()
         self._aim = _Aim(percept.name, part)
-        self._resting = {name: self.world.pose(name) for name in self.world.kinds}
+        self._places = {name: self.world.pose(name) for name in self.world.kinds}
+        self._resting.settle(but=percept.name)
         return self._grasp_again()
 
     def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
@@ -214,6 +217,17 @@ class Body:
         return MotionReport("point_at", ok=not reason, reason=reason)
 
     # --- how ----------------------------------------------------------------------------------
+
+    def _loose(self) -> tuple[str, ...]:
+        """What lies loose on the table, and nothing stands in it."""
+        stand = {name: self.world.support(name) for name in self.world.kinds}
+        return tuple(name for name in stand if not stand[name] and name not in stand.values())
+
+    def _step(self, count: int) -> None:
+        """Let time pass, and notice what is moved."""
+        for _ in range(count):
+            self.world.step()
+            self._resting.watch(1)
 
     def _grasp_again(self) -> MotionReport:
         """Look, plan and close the hand until it holds the part, or the attempts are used up."""
@@ -335,7 +349,7 @@ class Body:
         """The neighbours that have moved since the hand went for its aim."""
         moved = {
             name: float(np.linalg.norm(self.world.pose(name)[:3, 3] - before[:3, 3]))
-            for name, before in self._resting.items()
+            for name, before in self._places.items()
             if name != self._aim.name
         }
         return tuple(name for name, distance in moved.items() if distance > BUMP)

@@ -100,15 +100,39 @@ class Chain:
         """Speed limits (k,) [rad/s]."""
         return np.array([joint.speed for joint in self.moving])
 
+    @cached_property
+    def _terms(self) -> tuple[Array, Array, Array, Array]:
+        """What `frames` multiplies: (links, 4, 4) each, for 1, the sine, 1 - cosine, the value."""
+        constant = np.stack([joint.parent_from_joint for joint in self.joints])
+        sine, cosine, value = (np.zeros_like(constant) for _ in range(3))
+        for index, joint in enumerate(self.joints):
+            if joint.kind == "revolute":
+                cross = poses.cross_matrix(joint.axis)
+                sine[index, :3, :3] = constant[index, :3, :3] @ cross
+                cosine[index, :3, :3] = sine[index, :3, :3] @ cross
+            elif joint.kind != "fixed":
+                value[index, :3, 3] = constant[index, :3, :3] @ joint.axis
+        return constant, sine, cosine, value
+
+    @cached_property
+    def _is_moving(self) -> np.ndarray:
+        """Which of the links (links,) have a joint that moves."""
+        return np.array([joint.kind != "fixed" for joint in self.joints])
+
+    @cached_property
+    def _turning(self) -> Array:
+        """1 for each moving joint that turns, 0 for one that slides (k, 1)."""
+        return np.array([[float(joint.kind == "revolute")] for joint in self.moving])
+
     def frames(self, joints: Array) -> Array:
         """`base_from_link` of each link: (n, len(links), 4, 4) for joints (n, k)."""
-        values = np.zeros((len(joints), len(self.joints)))
-        values[:, [joint.kind != "fixed" for joint in self.joints]] = joints
-        base_from_link = np.broadcast_to(np.eye(4), (len(joints), 4, 4))
-        result = np.empty((len(joints), len(self.joints), 4, 4))
-        for index, joint in enumerate(self.joints):
-            base_from_link = base_from_link @ _link_pose(joint, values[:, index])
-            result[:, index] = base_from_link
+        constant, sine, cosine, value = self._terms
+        values = np.zeros((len(joints), len(self.joints), 1, 1))
+        values[:, self._is_moving, 0, 0] = joints
+        # Rodrigues for all joints at once: R = 1 + sin K + (1 - cos) K^2.
+        result = constant + np.sin(values) * sine + (1 - np.cos(values)) * cosine + values * value
+        for index in range(1, len(self.joints)):
+            result[:, index] = result[:, index - 1] @ result[:, index]
         return result
 
     def forward(self, joints: Array) -> Array:
@@ -117,17 +141,20 @@ class Chain:
 
     def jacobian(self, frames: Array) -> Array:
         """How tip position and rotation change with the joints (n, 6, k), from `frames`."""
-        tip = frames[:, -1, :3, 3]
-        columns: list[Array] = []
-        for index, joint in enumerate(self.joints):
-            if joint.kind == "fixed":
-                continue
-            axis = frames[:, index, :3, :3] @ joint.axis
-            arm = tip - frames[:, index, :3, 3]
-            turning = joint.kind == "revolute"
-            linear = np.cross(axis, arm) if turning else axis
-            columns.append(np.concatenate([linear, axis if turning else 0 * axis], axis=1))
-        return np.stack(columns, axis=-1)
+        moving = frames[:, self._is_moving]
+        axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self._axes)
+        x, y, z = np.moveaxis(axes, -1, 0)
+        arm_x, arm_y, arm_z = np.moveaxis(frames[:, -1:, :3, 3] - moving[..., :3, 3], -1, 0)
+        sweep = np.stack(
+            [y * arm_z - z * arm_y, z * arm_x - x * arm_z, x * arm_y - y * arm_x], axis=-1
+        )
+        linear = self._turning * sweep + (1 - self._turning) * axes
+        return np.swapaxes(np.concatenate([linear, self._turning * axes], axis=-1), 1, 2)
+
+    @cached_property
+    def _axes(self) -> Array:
+        """The axes of the moving joints, each in its own frame (k, 3)."""
+        return np.stack([joint.axis for joint in self.moving])
 
     def solve(self, base_from_tip: Array, starts: Array) -> Solution:
         """Joints that put the tip at each of m targets.
@@ -214,19 +241,6 @@ def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
     return Chain(tuple(_read_joint(each, fixed) for each in elements), tuple(links))
-
-
-def _link_pose(joint: Joint, values: Array) -> Array:
-    if joint.kind == "fixed":
-        return joint.parent_from_joint
-    moved = np.zeros((len(values), 4, 4))
-    moved[:, :3, :3] = np.eye(3)
-    moved[:, 3, 3] = 1.0
-    if joint.kind == "revolute":
-        moved[:, :3, :3] = poses.rotation_about(joint.axis, values)
-    else:
-        moved[:, :3, 3] = values[:, None] * joint.axis
-    return joint.parent_from_joint @ moved
 
 
 def _damped_step(jacobian: Array, error: Array) -> Array:

@@ -48,10 +48,15 @@ def transform(a_from_b: Array, points: Array) -> Array:
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     """The rotation (..., 3, 3) about one unit axis (3,) by angles (...) [rad], by Rodrigues."""
-    x, y, z = np.asarray(axis, float)
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    cross = cross_matrix(axis)
     angle = np.asarray(angle, float)[..., None, None]
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
+
+
+def cross_matrix(vector: ArrayLike) -> Array:
+    """The matrix (3, 3) that makes the cross product of a vector (3,) with what follows it."""
+    x, y, z = np.asarray(vector, float)
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
@@ -78,6 +83,8 @@ def rotation_vector(rotation: Array) -> Array:
     angle = np.arctan2(sine, cosine)
     scale = np.where(sine > _SMALL_ANGLE, angle / np.maximum(2.0 * sine, _SMALL_ANGLE), 0.5)
     half_turn = (sine <= _SMALL_ANGLE) & (cosine < 0)
+    if not half_turn.any():
+        return scale[..., None] * skew
     return np.where(
         half_turn[..., None], np.pi * _half_turn_axis(rotation), scale[..., None] * skew
     )
