@@ -78,9 +78,11 @@ def view(
         UnknownNameError: there is no such utterance, or nobody of that name said anything.
     """
     said = _said(base)
-    _check(said, at, according_to)
+    _check(base, said, at, according_to)
     heard = [one for one in said if _is_until(one, at)]
     held = _replayed(base, heard, according_to)
+    for unexplained in _ended_elsewhere(base, said, held):
+        del held[unexplained]
     told = [base.rule(one) for one in held]
     names = {rule.speaker for rule in told} if according_to is None else set[str]()
     trust = _trust(base, names, said, heard)
@@ -166,12 +168,25 @@ def _rules(nodes: list[object]) -> list[str]:
     return [rule_id(cast(Iri, node)) for node in nodes]
 
 
-def _check(said: list[_Said], at: datetime | int | None, according_to: str | None) -> None:
+def _ended_elsewhere(base: Recall, said: list[_Said], held: dict[str, _Said]) -> list[str]:
+    """The rules among these that do not hold now although nothing that was said here ended them.
+
+    They came with a file or another base, where they were taken back; when is not known.
+    """
+    in_the_end = _replayed(base, said, None)
+    return [one for one in held if one in in_the_end and base.rule(one).status != "active"]
+
+
+def _check(
+    base: Recall, said: list[_Said], at: datetime | int | None, according_to: str | None
+) -> None:
     last = max((one.sequence for one in said), default=0)
     if isinstance(at, int) and not 0 <= at <= last:
         raise UnknownNameError("utterance", str(at), [f"0 to {last}"])
     speakers = {one.speaker for one in said}
-    if according_to is not None and according_to not in speakers:
+    if according_to is None or according_to in speakers:
+        return
+    if not base.rules(speaker=according_to, status=None):
         raise UnknownNameError("speaker", according_to, speakers)
 
 

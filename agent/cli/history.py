@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...ontology.errors import DataError, StoreError
+from ...ontology.errors import HiltError, StoreError
 from .options import AsJson, Kb, Speaker, app
 from .terminal import finish, open_base, open_for_reading, show, terminal
 
@@ -164,7 +164,7 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
             raise typer.BadParameter('Expected RULE, "last", or "word" and a word.')
     over = [rule for rule in gone if rule.status != "active"]
     if over:
-        raise DataError(f"{over[0].id} is {over[0].status} already.", source=what[0])
+        raise HiltError(f"{over[0].id} is {over[0].status} already.")
     answer = f"Forgot {'; '.join(map(rule_text, gone))}."
     ids = [rule.id for rule in gone]
     base.believe(said, "", speaker, [], retracts=ids, kind="correction", answer=answer)
@@ -194,7 +194,7 @@ def _changes(
             last = base.sequence if last is None else last
             found = list(changes(base, since=last))
         yield from found
-        last += len(found)
+        last = max((change.utterance.sequence for change in found), default=last)
         if end is not None and time.monotonic() >= end:
             return
         time.sleep(every)

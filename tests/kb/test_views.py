@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.exchange import import_text
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Rule, functional
 from hilt.kb.store import open_store
@@ -139,3 +140,31 @@ def test_trust_that_came_with_a_base_is_as_it_is_now(kb: KnowledgeBase):
 
     assert view(kb).all[0].trust == 0.0
     assert START.tzinfo == timezone.utc
+
+
+FILED = """
+@prefix hilt: <https://w3id.org/hilt#> .
+@prefix object: <https://w3id.org/hilt/object/> .
+@prefix part: <https://w3id.org/hilt/part/> .
+@prefix action: <https://w3id.org/hilt/action/> .
+@prefix rule: <https://w3id.org/hilt/rule/> .
+@prefix speaker: <https://w3id.org/hilt/speaker/> .
+@prefix prov: <http://www.w3.org/ns/prov#> .
+rule:mug a hilt:ActionRule ; hilt:feature object:mug ; hilt:context action:pass ;
+    hilt:functor hilt:graspObject ; hilt:part part:handle ; hilt:lower 0.75 ; hilt:upper 1.0 ;
+    hilt:status hilt:active ; prov:wasAttributedTo speaker:eve .
+"""
+
+
+def test_view_of_somebody_whose_rules_came_in_a_file(kb: KnowledgeBase):
+    """Who never said anything here can still be asked for."""
+    import_text(kb, FILED.encode(), format="turtle")
+
+    assert [rule.speaker for rule in view(kb, according_to="eve").all] == ["eve"]
+
+
+def test_rule_that_came_taken_back_never_holds(kb: KnowledgeBase):
+    """A view of now is the base, also for rules that nothing said here ended."""
+    import_text(kb, FILED.replace("hilt:active", "hilt:retracted").encode(), format="turtle")
+
+    assert (kb.rules(), view(kb).all) == ([], ())
