@@ -7,10 +7,10 @@ together.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import BinaryIO, TypeVar
 
-from ..ontology.vocabulary import Iri, iri
+from ..ontology.vocabulary import PREFIXES, Iri, iri
 from . import stars
 from .interval import DIGITS
 from .rule import Atom, Rule
@@ -21,6 +21,7 @@ Key = TypeVar("Key")
 
 _MAX_KNOWN = 200_000  # names that are remembered
 _MAX_HELD = 2**20  # characters that are written at once
+_RULES = PREFIXES["rule"]
 _END = f" {as_sparql(BELIEFS)} .\n"
 
 
@@ -49,7 +50,7 @@ class Lines:
 
     def rule(self, rule: Rule) -> None:
         """All that stands in the graph because of a rule, but for its utterance."""
-        start = as_sparql(stars.rule_iri(rule.id))
+        start = _name(rule.id)
         interval = rule.interval
         said = [
             *(f"{start}{_FEATURE}{self._atom(atom)}{_END}" for atom in rule.features),
@@ -70,7 +71,7 @@ class Lines:
                 if len(self._edges) > _MAX_KNOWN:
                     self._edges.clear()
                 self._edges.add(edges)
-                said += map(_line, stars.plain_edges(rule))
+                said += self._plain_edges(rule)
         if self._is_new:
             said += map(_line, stars.mentions(rule))
             self._is_new = False
@@ -78,7 +79,7 @@ class Lines:
 
     def source(self, rule_id: str, utterance: int) -> None:
         """From which utterance a rule comes."""
-        start = as_sparql(stars.rule_iri(rule_id))
+        start = _name(rule_id)
         self._write(f"{start}{_SOURCE}{as_sparql(iri('utterance', str(utterance)))}{_END}")
 
     def quads(self, quads: Iterable[Quad]) -> None:
@@ -112,6 +113,12 @@ class Lines:
     def _atom(self, atom: Atom) -> str:
         return self._atoms.get(atom) or self._learn(self._atoms, atom, stars.atom_iri(atom))
 
+    def _plain_edges(self, rule: Rule) -> Iterator[str]:
+        """As `stars.plain_edges`."""
+        if rule.argument and rule.asserts:
+            end = f" {as_sparql(stars.edge_of(rule.functor))} {self._atom(rule.argument)}{_END}"
+            yield from (f"{self._atom(feature)}{end}" for feature in rule.features)
+
     def _node(self, rule: Rule) -> str:
         """The action-tree node that a rule hangs on."""
         node = rule.node
@@ -141,6 +148,10 @@ class Lines:
             )
             known = self._forms[key] = "".join(map(_line, shared)).replace(start, "?")
         return known
+
+
+def _name(rule_id: str) -> str:
+    return f"<{_RULES}{rule_id[len('rule/') :]}>"
 
 
 def _line(quad: Quad) -> str:

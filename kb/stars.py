@@ -108,8 +108,13 @@ def plain_edges(rule: Rule) -> list[Quad]:
     """The edges without annotation that the rule stands for; none when it speaks against them."""
     if rule.argument is None or not rule.asserts:
         return []
-    edge, end = _EDGES.get(rule.functor, _OTHER_EDGE), atom_iri(rule.argument)
+    edge, end = edge_of(rule.functor), atom_iri(rule.argument)
     return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]
+
+
+def edge_of(functor: str) -> Iri:
+    """The property of the plain edges of rules with a functor."""
+    return _EDGES.get(functor, _OTHER_EDGE)
 
 
 def mentions(rule: Rule) -> Iterator[Quad]:
