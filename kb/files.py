@@ -142,6 +142,9 @@ class Source(io.RawIOBase):
 
     def _refuse_doctype(self, found: bytes) -> None:
         """XML entities unfold: some hundred bytes become gigabytes."""
+        # In UTF-16 and UTF-32 every ASCII character has a zero byte, so the search would miss it.
+        if b"\0" in found:
+            raise self._refused("expected UTF-8 text, found bytes that are zero.")
         if _DOCTYPE in (self._tail + found).upper():
             raise self._refused("has a document type (<!DOCTYPE), which is refused.")
         self._tail = found[-len(_DOCTYPE) :]

@@ -322,3 +322,16 @@ def test_large_invalid_file_changes_nothing(paper: KnowledgeBase, tmp_path: Path
         import_file(base, tmp_path / "x.nq")
 
     assert contents(base) == before
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be", "utf-32"])
+@pytest.mark.parametrize("name", ["x.graphml", "x.rdf"])
+def test_document_type_cannot_hide_in_another_encoding(
+    kb: KnowledgeBase, tmp_path: Path, name: str, encoding: str
+):
+    """Entities are refused before they unfold, however they are written."""
+    text = '<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "bbbb">]><graphml>&a;</graphml>'
+    (tmp_path / name).write_bytes(text.encode(encoding))
+
+    with pytest.raises(DataError, match="expected UTF-8 text"):
+        import_file(kb, tmp_path / name)
