@@ -17,7 +17,8 @@ from hilt.ontology.errors import SimulationError
 from hilt.ontology.objects import load_objects
 from hilt.sim.camera import View
 from hilt.sim.descriptors import describe
-from hilt.sim.network import Network, fit
+from hilt.sim.familiarity import Familiarity
+from hilt.sim.network import fit
 from hilt.sim.noise import Noise
 from hilt.sim.recognition import NETWORKS_FILE, Recogniser, point_inputs
 from hilt.sim.scene import Placement, Scene, graspable, scene_of
@@ -31,6 +32,7 @@ PARTS = tuple((kind, part) for kind in KINDS for part in OBJECTS[kind].parts)
 UNUSUAL = 0.3  # how often a thing lies in any way it can, usual or not
 NAIL, LOOSE_NAIL = 0.25, 0.15  # how often there is one
 POINTS = 80  # of a segment, for the part network
+EXAMPLES = 100  # of each kind, to tell what is familiar
 NOISY = 0.3  # share of the scenes with some depth noise
 Rows = list[tuple[np.ndarray, int, np.ndarray, np.ndarray]]  # thing, kind, points, their parts
 
@@ -102,15 +104,12 @@ def main() -> None:
         if i % 20 == 19:
             print(f"  {i + 1} scenes rendered", flush=True)
     held = given.scenes // 5
-    things, points = _train(scenes[held:], scenes[:held], np.random.default_rng(given.seed))
-    Recogniser(KINDS, PARTS, things, points).save(given.out)
+    _train(scenes[held:], scenes[:held], np.random.default_rng(given.seed)).save(given.out)
     print(f"{given.out}: {given.out.stat().st_size / 1000:.0f} kB")
 
 
-def _train(
-    scenes: list[Rows], held: list[Rows], rng: np.random.Generator
-) -> tuple[Network, Network]:
-    """Both networks, calibrated on the scenes that were held back."""
+def _train(scenes: list[Rows], held: list[Rows], rng: np.random.Generator) -> Recogniser:
+    """Both networks and what is usual, calibrated on the scenes that were held back."""
     things, kinds, inputs, parts = _stacked(scenes)
     held_things, held_kinds, held_inputs, held_parts = _stacked(held)
     named = fit(things, kinds, count=len(KINDS), units=48, epochs=60, rng=rng)
@@ -123,7 +122,8 @@ def _train(
     ):
         right = (network.shares(rows).argmax(axis=1) == wanted).mean()
         print(f"{what}: {right:.4f} of {len(rows)} right, temperature {network.temperature:.2f}")
-    return named, shared
+    usual = Familiarity.learned(things, kinds, held_things, held_kinds, count=EXAMPLES)
+    return Recogniser(KINDS, PARTS, named, shared, usual)
 
 
 def _stacked(scenes: list[Rows]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

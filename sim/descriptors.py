@@ -13,7 +13,7 @@ import numpy as np
 
 from . import poses
 from .poses import Array
-from .segmentation import Segment
+from .segmentation import Segment, cube_numbers
 
 SLICES = 12  # along the longest extent
 RINGS = 8  # of distance from the middle
@@ -47,7 +47,7 @@ def describe(segment: Segment) -> Array:
     points = poses.transform(poses.inverse(segment_frame(segment.points)), segment.points)
     spread = np.quantile(points, (0.02, 0.5, 0.98), axis=0)
     extent = spread[2] - spread[0]
-    area = len(np.unique(np.floor(points[:, :2] / CELL), axis=0)) * CELL**2
+    area = len(np.unique(cube_numbers(points[:, :2], CELL))) * CELL**2
     radius = np.linalg.norm(points[:, :2], axis=1)
     numbers = (
         SCALE * spread.ravel(),

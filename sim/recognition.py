@@ -4,7 +4,8 @@
 What stands on the table is segmented by depth, each segment is named by one small network and its
 points are shared out to parts by another. Both were trained on rendered views
 (`examples/train_recognition.py`) and are kept in `recognition.npz`. The confidence of a percept is
-the first network's, calibrated: of all percepts with 0.8, eight in ten are right.
+the first network's, calibrated (of all percepts with 0.8, eight in ten are right), and less where
+the thing looks like nothing that was learned.
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ from ..ontology.objects import ObjectType
 from .camera import Camera, View, cameras_round_table
 from .descriptors import describe, describe_points
 from .engine import Engine
+from .familiarity import Familiarity
 from .network import Network
 from .noise import Noise
 from .percept import PartPercept, Percept, visible_features
 from .poses import Array
-from .segmentation import TABLE_MARGIN, Segment, segments
+from .segmentation import TABLE_MARGIN, Segment, cube_numbers, segments
 from .vision import OBSTACLE_SPACING, look, thinned
 
 NETWORKS_FILE = Path(__file__).with_name("recognition.npz")
@@ -43,12 +45,14 @@ class Recogniser:
         parts: (type, part) in the order of the outputs of the part network.
         things: names segments.
         points: names points, given the type.
+        usual: what segments of each type usually look like.
     """
 
     kinds: tuple[str, ...]
     parts: tuple[tuple[str, str], ...]
     things: Network
     points: Network
+    usual: Familiarity
 
     @classmethod
     def load(cls, path: Path = NETWORKS_FILE) -> Recogniser:
@@ -64,6 +68,7 @@ class Recogniser:
                     tuple(_pair(str(text)) for text in kept["parts"]),
                     Network.from_arrays(kept, "things"),
                     Network.from_arrays(kept, "points"),
+                    Familiarity.from_arrays(kept, "usual"),
                 )
         except (OSError, ValueError, KeyError) as error:
             raise DataError(f"cannot be read: {error}.", source=str(path)) from error
@@ -77,13 +82,16 @@ class Recogniser:
             parts=np.array(["/".join(pair) for pair in self.parts]),
             **self.things.as_arrays("things"),
             **self.points.as_arrays("points"),
+            **self.usual.as_arrays("usual"),
         )
 
     def name(self, segment: Segment) -> tuple[str, float]:
         """What a segment is taken for, and how sure that is, in [0, 1]."""
-        shares = self.things.shares(describe(segment)[None])[0]
+        described = describe(segment)[None]
+        shares = self.things.shares(described)[0]
         best = int(np.argmax(shares))
-        return self.kinds[best], float(shares[best])
+        familiar = self.usual.of(described, np.array([best]))[0]
+        return self.kinds[best], float(shares[best] * familiar)
 
     def share_out(
         self, segment: Segment, kind: str, candidates: Sequence[tuple[str, str]]
@@ -114,9 +122,7 @@ def point_inputs(segment: Segment, kind: int, count: int) -> Array:
 
 def _agreed(points: Array, scores: Array) -> Array:
     """Scores (n, c) averaged over the points of each small cube: neighbours are mostly alike."""
-    cubes = np.floor(points / SMOOTHING).astype(np.int64)
-    _, index = np.unique(cubes, axis=0, return_inverse=True)
-    index = index.ravel()
+    _, index = np.unique(cube_numbers(points, SMOOTHING), return_inverse=True)
     counts = np.bincount(index)
     sums = [np.bincount(index, weights=column) for column in scores.T]
     return np.column_stack(sums)[index] / counts[index, None]

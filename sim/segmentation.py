@@ -27,6 +27,8 @@ CEILING = 0.30  # [m]; what reaches higher is the arm and no thing on the table
 LOOKED_AT = 0.45  # [m], so far up it is found out whether something goes on
 SPACING = 0.0012  # [m], one point is kept of each cube of this size
 CELL = 0.004  # [m], of the plan in which groups are found
+LEAST_IN_CELL = 3  # points in a cell and those round it; fewer are errors of depth
+_HALF = 2**20  # more cubes than there are in any direction of a room
 LEAST_POINTS = 80  # fewer are not taken for anything
 
 
@@ -108,9 +110,19 @@ def _groups(points: Array) -> Integers:
     from scipy import ndimage
 
     cells = np.floor((points[:, :2] - np.array(REGION)[:, 0]) / CELL).astype(np.int64) + 2
-    plan = np.zeros(np.ceil(np.ptp(REGION, axis=1) / CELL).astype(int) + 5, dtype=bool)
-    plan[tuple(cells.T)] = True
+    plan = np.zeros(np.ceil(np.ptp(REGION, axis=1) / CELL).astype(int) + 5)
+    np.add.at(plan, tuple(cells.T), 1)
     square = np.ones((3, 3), dtype=bool)
+    plan = (plan > 0) & (ndimage.convolve(plan, square.astype(float)) >= LEAST_IN_CELL)
     labels = np.zeros(plan.shape, dtype=np.int64)
     ndimage.label(ndimage.binary_dilation(plan, square), square, output=labels)
-    return labels[tuple(cells.T)]
+    return np.where(plan, labels, 0)[tuple(cells.T)]
+
+
+def cube_numbers(points: Array, side: float) -> Integers:
+    """One number (n,) for the cube of `side` [m] in which each point (n, 3) or (n, 2) lies."""
+    cubes = np.floor(points / side).astype(np.int64) + _HALF
+    numbers = cubes[:, 0]
+    for column in cubes.T[1:]:
+        numbers = numbers * 2 * _HALF + column
+    return numbers

@@ -46,6 +46,7 @@ class World:
     Attributes:
         scene: what was asked for.
         engine: the simulator it lives in.
+        objects: the types there are, by name.
         kinds: name of each object on the table -> its type.
         models: type -> its model.
         watcher: called after every step while it is not None.
@@ -53,6 +54,7 @@ class World:
 
     scene: Scene
     engine: Engine
+    objects: Mapping[str, ObjectType]
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, Model]
     watcher: Callable[[], None] | None = None
@@ -75,6 +77,7 @@ class World:
         world = cls(
             scene,
             Engine(gui=gui),
+            objects,
             {spot.placement.name: objects[spot.placement.object] for spot in spots},
             models,
         )

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Learned vision: names and parts from pictures alone, and doubt where it is due."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hilt.ontology.errors import DataError
+from hilt.ontology.objects import ObjectType, load_household, load_objects
+from hilt.sim import poses
+from hilt.sim.camera import View
+from hilt.sim.descriptors import describe, segment_frame
+from hilt.sim.recognition import LearnedVision, Recogniser
+from hilt.sim.scene import Placement, Scene, graspable, parse_scene
+from hilt.sim.segmentation import Segment, cube_numbers, segments
+from hilt.sim.vision import Vision
+from hilt.sim.world import World
+
+pytestmark = pytest.mark.sim
+
+OBJECTS = load_objects()
+ALL = [f"object:{name}" for name in OBJECTS]
+BOTTLE = """
+objects:
+  bottle:
+    is_a: vessel
+    parts:
+      body:
+        role: container
+        material: glass
+        colour: "#d060c0"
+        mass: 0.4
+        shape:
+          - cylinder: {radius: 0.03, length: 0.24}
+            at: [0, 0, 0.12]
+    rests:
+      upright: {turn_deg: [0, 0, 0]}
+"""
+
+
+@pytest.fixture(scope="module")
+def world() -> Iterator[World]:
+    """All eight objects on the table."""
+    with World.build(parse_scene("all", seed=11, objects=OBJECTS), OBJECTS) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def views(world: World) -> tuple[View, ...]:
+    """What the cameras see of them; the mask is of no use any more."""
+    seen = Vision(world.engine, world.kinds, world.models).look()
+    return tuple(replace(view, labels=np.full_like(view.labels, -1), names={}) for view in seen)
+
+
+@pytest.fixture(scope="module")
+def eyes(world: World) -> LearnedVision:
+    """What has learned to see."""
+    return LearnedVision(world.engine, OBJECTS)
+
+
+def test_each_thing_is_one_segment(views: tuple[View, ...]):
+    """Eight things on a table are eight segments, above the table and apart."""
+    found = segments(views)
+
+    assert len(found) == 8
+    for segment in found:
+        assert segment.points[:, 2].min() > 0
+        assert len(np.unique(cube_numbers(segment.points, 0.0012))) == len(segment)
+
+
+def test_empty_table_has_no_segments():
+    """Where nothing stands nothing is found."""
+    with World.build(Scene((), 0), OBJECTS) as world:
+        eyes = LearnedVision(world.engine, OBJECTS)
+
+        assert segments(eyes.look()) == ()
+        assert eyes.search(ALL) == ()
+
+
+def test_all_things_are_recognised_without_the_mask(
+    world: World, eyes: LearnedVision, views: tuple[View, ...]
+):
+    """Each thing gets its name, surely, at its place."""
+    percepts = eyes.search(ALL, views=views)
+
+    assert {percept.object for percept in percepts} == set(graspable(OBJECTS))
+    for percept in percepts:
+        assert percept.confidence > 0.8
+        assert np.linalg.norm((percept.centre - world.top(percept.object))[:2]) < 0.03
+
+
+def test_points_are_shared_out_to_their_parts(
+    world: World, eyes: LearnedVision, views: tuple[View, ...]
+):
+    """Nineteen of twenty points at least lie in the box round their part."""
+    for percept in eyes.search(ALL, views=views):
+        object_from_world = poses.inverse(world.pose(percept.name))
+        assert set(percept.parts) == set(OBJECTS[percept.object].parts)
+        for name, part in percept.parts.items():
+            points = poses.transform(object_from_world, part.cloud)
+            corners = world.models[percept.object].corners[name]
+            low, high = corners.min(axis=0) - 0.004, corners.max(axis=0) + 0.004
+            assert ((points > low) & (points < high)).all(axis=1).mean() > 0.95
+
+
+def test_only_what_is_asked_is_found(eyes: LearnedVision, views: tuple[View, ...]):
+    """Learned eyes search for features just as the others do."""
+    assert {p.name for p in eyes.search(["property:sharp"], views=views)} == {"knife"}
+    assert eyes.search(["action:pass"], views=views) == ()
+
+
+def test_obstacles_are_all_the_others(world: World, eyes: LearnedVision, views: tuple[View, ...]):
+    """What is in the way is all that stands there, besides the thing itself."""
+    obstacles = eyes.obstacles("mug", views=views)
+
+    distance = np.linalg.norm(obstacles[:, :2] - world.pose("mug")[:2, 3], axis=1)
+    assert len(obstacles) > 1000
+    assert distance.min() > 0.03
+
+
+def test_things_are_tracked_by_the_name_that_they_are_given(views: tuple[View, ...], world: World):
+    """Whoever keeps track of things may name them; twins get numbers."""
+    eyes = LearnedVision(world.engine, OBJECTS, track=lambda percept: "thing")
+
+    names = {percept.name for percept in eyes.search(ALL, views=views)}
+
+    assert names == {"thing", *(f"thing {number}" for number in range(2, 9))}
+
+
+def test_nail_is_seen_in_its_block():
+    """A nail and the block in which it stands are one segment and two things."""
+    with World.build(parse_scene("objects:nail", seed=2, objects=OBJECTS), OBJECTS) as world:
+        percepts = {p.object: p for p in LearnedVision(world.engine, OBJECTS).search(ALL)}
+
+        assert percepts.keys() == {"nail", "block"}
+        away = percepts["nail"].part("head").cloud.mean(axis=0) - world.top("nail")
+        assert np.linalg.norm(away) < 0.01
+
+
+def test_what_was_never_learned_is_not_sure(tmp_path: Path):
+    """A bottle is taken for something known, for want of a better word, but not surely."""
+    (tmp_path / "mine.yaml").write_text(BOTTLE, encoding="utf-8")
+    objects: dict[str, ObjectType] = dict(
+        load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
+    )
+    with World.build(Scene((Placement("it", "bottle", (0.5, 0.1)),), 0), objects) as world:
+        percepts = LearnedVision(world.engine, objects).search(ALL)
+
+    assert all(percept.confidence < 0.15 for percept in percepts)
+
+
+def test_description_does_not_change_with_place_and_turn(views: tuple[View, ...]):
+    """A segment that is moved and turned on the table is described nearly alike."""
+    segment = max(segments(views), key=len)
+    moved = poses.pose(poses.rotation_from_rpy(0, 0, 0.8), (0.05, -0.1, 0))
+
+    turned = Segment(poses.transform(moved, segment.points), segment.colours, segment.sources)
+
+    assert describe(turned) == pytest.approx(describe(segment), abs=0.15)
+    assert segment_frame(turned.points)[:3, :3] == pytest.approx(
+        (moved @ segment_frame(segment.points))[:3, :3], abs=1e-6
+    )
+
+
+def test_file_of_networks_is_small_and_read_back(tmp_path: Path):
+    """What is kept of the networks is below a megabyte and reads as it was."""
+    recogniser = Recogniser.load()
+
+    recogniser.save(tmp_path / "it.npz")
+
+    assert (tmp_path / "it.npz").stat().st_size < 1_000_000
+    assert Recogniser.load(tmp_path / "it.npz").parts == recogniser.parts
+
+
+def test_unreadable_networks_are_told(tmp_path: Path):
+    """A file that holds no networks is named."""
+    (tmp_path / "it.npz").write_text("nothing")
+
+    with pytest.raises(DataError, match=r"it\.npz: cannot be read"):
+        Recogniser.load(tmp_path / "it.npz")
