@@ -40,7 +40,6 @@ SKIPPED = {
     "I need a hand with cutting, pass me something for it": "too far off",
     "give me something to do some cutting with": "too far off",
     "Give me the names of things used for cutting": "too far off",
-    "And a knife, what's that for?": "too far off",
     "What's a knife do?": "too far off",
     "The best thing for cutting is what?": "too far off",
     "What's the deal with passing knives?": "too far off",
@@ -98,15 +97,13 @@ def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
 
 BLIND = [
     json.loads(line)
-    for line in (DATA / "blind.jsonl").read_text(encoding="utf-8").splitlines()
+    for name in ("blind.jsonl", "blind_far.jsonl")
+    for line in (DATA / name).read_text(encoding="utf-8").splitlines()
     if line.strip()
 ]
-NOT_YET = {"My hands are full, so could you please pick up the spatula for me?"}
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(each, id=each["text"]) for each in BLIND if each["text"] not in NOT_YET]
-)
+@pytest.mark.parametrize("case", [pytest.param(each, id=each["text"]) for each in BLIND])
 def test_utterances_written_without_the_lexicon(
     language: Language, case: dict[str, object]
 ) -> None:
