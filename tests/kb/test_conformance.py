@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from hilt.agent.agent import Agent
 from hilt.kb.addresses import parse_address
 from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.interval import Interval
@@ -24,8 +25,12 @@ from hilt.kb.rule import functional, grasping
 from hilt.kb.store import Store, open_store
 from hilt.kb.terms import Literal, Quad, Term
 from hilt.kb.validation import lawful
+from hilt.nlu.language import Language
+from hilt.ontology.actions import load_actions
 from hilt.ontology.errors import QueryError, StoreError
+from hilt.ontology.objects import load_objects
 from hilt.ontology.vocabulary import GRAPH_NAMES, Iri, iri
+from hilt.sim.scene import parse_scene
 
 from . import endpoints
 from .conftest import BLADE, CUTTING, PAPER, teach, ticking
@@ -371,3 +376,19 @@ def test_rules_of_a_node_are_asked_in_one_query(store: Store):
     found = kb.rules_of(["pass.graspObject", "graspObject", "findObject.cutting"])
 
     assert {rule.id for rule in found} == {PAPER[0][2].id, BLADE.id}
+
+
+def test_whole_agent_works_on_every_store(opener: Opener):
+    """It learns by sentences, decides by what it learned, and keeps what it did."""
+    base = KnowledgeBase(opener())
+    base.load_domain(load_objects(), load_actions())
+    scene = parse_scene("all", seed=0, objects=load_objects())
+
+    with Agent(base, Language.load(), load_actions(), scene, simulate=False) as agent:
+        for text, _, _ in PAPER:
+            assert agent.hear(text).rules
+        reply = agent.hear("pass me something used for cutting")
+
+        decision = reply.as_do_json()["decision"]
+        assert (decision["object"], decision["part"]) == ("knife", "blade")
+        assert [episode.object for episode in base.episodes()] == ["knife"]
