@@ -10,7 +10,7 @@ The body is made when the first command comes: teaching and asking need no robot
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from functools import cache, cached_property
 from pathlib import Path
@@ -25,7 +25,7 @@ from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
 from ..nlu.language import Language
 from ..ontology.actions import Actions, load_actions
-from ..ontology.objects import load_household
+from ..ontology.objects import ObjectType, load_household
 from ..sim.scene import Scene, parse_scene
 from .dialogue import Dialogue
 from .goals import GoalManager
@@ -203,9 +203,13 @@ class Agent:
     def goals(self) -> GoalManager:
         """The goal manager over this agent's eyes and hands."""
         if self.simulate:
-            return GoalManager(self.actions, self.affordances, self.body, self.body)
-        vision = self._vision or PerfectVision(self.scene, self.objects)
-        return GoalManager(self.actions, self.affordances, vision, self._motion)
+            vision, motion = self.body, self.body
+        else:
+            vision = self._vision or PerfectVision(self.scene, self.objects)
+            motion = self._motion
+        return GoalManager(
+            self.actions, self.affordances, vision, motion, grips=_grips(self.objects)
+        )
 
     @contextmanager
     def recorded(self, folder: Path) -> Generator[list[str]]:
@@ -249,3 +253,13 @@ class Agent:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _grips(objects: Mapping[str, ObjectType]) -> dict[str, str]:
+    """Object -> the part that is made for holding it, where there is one."""
+    return {
+        name: part.name
+        for name, kind in objects.items()
+        for part in kind.parts.values()
+        if part.role == "grip"
+    }

@@ -22,12 +22,15 @@ from ..kb.rule import Atom
 from ..ontology.actions import FIXED, Actions, ActionTree, Affords, Loop
 from ..ontology.actions import Step as TreeStep
 from ..sim.percept import Percept
+from ..sim.report import MotionReport
 from . import answers
 from .outcome import Achievement, Answer, Constraint, Decision, Step, World
 from .perception import observed
 from .protocols import Motion, Vision
 
 Argument = Target | str
+DRIVEN = "driven"  # what the robot senses when something is in all the way
+MM = 1e3  # in a metre
 
 
 @dataclass(frozen=True)
@@ -65,14 +68,23 @@ class GoalManager:
         affordances: inference over the rules.
         vision: the eyes.
         motion: the hands; None decides but does not move.
+        grips: object -> the part that is made for holding it, by which a tool is taken when
+            nobody has said by which.
 
     Attributes:
         watchers: called after every node of a walk, with what was done there.
     """
 
     def __init__(
-        self, actions: Actions, affordances: Affordances, vision: Vision, motion: Motion | None
+        self,
+        actions: Actions,
+        affordances: Affordances,
+        vision: Vision,
+        motion: Motion | None,
+        *,
+        grips: Mapping[str, str] | None = None,
     ) -> None:
+        self.grips = grips or {}
         self.actions = actions
         self.affordances = affordances
         self.vision = vision
@@ -133,6 +145,7 @@ class _Walk:
         self.steps: list[Step] = []
         self.decision: Decision | None = None
         self.world = World()
+        self._depth_before_mm = 0.0
         self._found: dict[Target, tuple[Percept, Candidate]] = {}
         self._primitives: dict[str, Callable[[Mapping[str, Argument], Inference], Answer | None]]
         self._primitives = {
@@ -141,7 +154,11 @@ class _Walk:
             "moveTo": self._move_to,
             "handOver": self._hand_over,
             "pointAt": self._point_at,
+            "moveAbove": self._move_above,
+            "raise": self._raise,
+            "lower": self._lower,
         }
+        self._sensed: set[str] = set()
 
     # --- The four operations ---------------------------------------------------------------
 
@@ -207,11 +224,24 @@ class _Walk:
         self, node: str, tree: ActionTree, arguments: Mapping[str, Argument]
     ) -> Answer | None:
         for step in tree.steps:
-            for inner in step.steps if isinstance(step, Loop) else (step,):
-                failure = self.visit(f"{node}/{inner.action}", self._passed(inner, arguments))
+            if isinstance(step, Loop):
+                failure = self._repeat(node, step, arguments)
+            else:
+                failure = self.visit(f"{node}/{step.action}", self._passed(step, arguments))
+            if failure:
+                return failure
+        return None
+
+    def _repeat(self, node: str, loop: Loop, arguments: Mapping[str, Argument]) -> Answer | None:
+        # Without a robot nothing can be sensed: what would be done once is told once.
+        for _ in range(loop.times if self.motion else 1):
+            for step in loop.steps:
+                failure = self.visit(f"{node}/{step.action}", self._passed(step, arguments))
                 if failure:
                     return failure
-        return None
+            if loop.until in self._sensed:
+                return None
+        return self._not_driven() if loop.until == DRIVEN and self.motion else None
 
     def _passed(self, step: TreeStep, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
         """The arguments that a step hands down, reviewed if it is a tree of its own."""
@@ -253,11 +283,14 @@ class _Walk:
         return answers.motion_failed(report.reason, percept.object, part)
 
     def _part(self, percept: Percept, inference: Inference) -> str | None:
-        """The part to grasp by: named, concluded, or the only one not forbidden."""
+        """The part to grasp by: named, concluded, the only one not forbidden, a tool's grip."""
         chosen = self.decision.chosen_part if self.decision else None
         forbidden = {c.argument.name for c in inference.denied if c.argument}
         allowed = [part for part in percept.parts if part not in forbidden]
-        return chosen or (allowed[0] if forbidden and allowed else None)
+        if chosen or (forbidden and allowed):
+            return chosen or allowed[0]
+        is_tool = "patient" in self.request.arguments
+        return self.manager.grips.get(percept.object) if is_tool else None
 
     def _move_to(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
         if self.motion is None:
@@ -286,6 +319,46 @@ class _Walk:
         report = self.motion.point_at(percept)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, arguments)
+
+    def _move_above(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
+        if self.motion is None:
+            return None
+        wanted = arguments.get("patient")
+        name = wanted.object if isinstance(wanted, Target) else wanted
+        seen = self.manager.vision.search([f"object:{name}"])
+        if not seen:
+            return Answer("nothing_seen", {"object": name or "thing"}, "failed")
+        report = self.motion.move_above(seen[0])
+        self._depth_before_mm = report.depth_m * MM
+        return self._struck(report)
+
+    def _raise(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
+        return self._struck(self.motion.raise_()) if self.motion else None
+
+    def _lower(self, arguments: Mapping[str, Argument], inference: Inference) -> Answer | None:
+        return self._struck(self.motion.lower()) if self.motion else None
+
+    def _struck(self, report: MotionReport) -> Answer | None:
+        depth_mm = report.depth_m * MM
+        self.world = replace(
+            self.world, nail_depth_mm=depth_mm, driven_mm=depth_mm - self._depth_before_mm
+        )
+        if report.driven:
+            self._sensed.add(DRIVEN)
+            return None  # it is in: what else went wrong with the last blow does not matter
+        if report.ok:
+            return None
+        return self._not_driven(report.reason)
+
+    def _not_driven(self, reason: str = "not_driven") -> Answer:
+        """The answer when what was to be driven in is not."""
+        best = self.decision.object.best if self.decision else None
+        tool = best.object if best else "thing"
+        if reason in {"dropped", "nothing_held"}:
+            return Answer("dropped", {"object": tool}, "failed")
+        patient = (self.decision.patient if self.decision else None) or "thing"
+        key = "not_driven" if reason == "not_driven" else "cannot_strike"
+        return Answer(key, {"patient": patient, "tool": tool}, "failed")
 
     def _failed(self, reason: str, arguments: Mapping[str, Argument]) -> Answer:
         percept, _ = self._found[self._target(arguments)]

@@ -175,6 +175,8 @@ class World:
         held_s: how long it was held [s].
         handed_over: whether it was still held at the hand-over pose.
         attempts: how often the hand had to close.
+        nail_depth_mm: how deep what was pounded stands in [mm]; None when nothing was.
+        driven_mm: by how much it was driven in [mm].
         pictures: files that were written.
     """
 
@@ -184,6 +186,8 @@ class World:
     held_s: float = 0.0
     handed_over: bool = False
     attempts: int = 0
+    nail_depth_mm: float | None = None
+    driven_mm: float = 0.0
     pictures: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
@@ -198,6 +202,14 @@ class World:
             "handed_over": self.handed_over,
             "attempts": self.attempts,
             "pictures": list(self.pictures),
+        } | self._pounded()
+
+    def _pounded(self) -> Json:
+        if self.nail_depth_mm is None:
+            return {}
+        return {
+            "nail_depth_mm": round(self.nail_depth_mm, 2),
+            "driven_mm": round(self.driven_mm, 2),
         }
 
 

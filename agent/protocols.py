@@ -50,3 +50,15 @@ class Motion(Protocol):
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at a thing without touching it."""
         ...
+
+    def move_above(self, percept: Percept) -> MotionReport:
+        """Bring what is held above a thing that is to be driven in."""
+        ...
+
+    def raise_(self) -> MotionReport:
+        """Bring what is held back above it, ready for a blow."""
+        ...
+
+    def lower(self) -> MotionReport:
+        """Strike once; the report says how deep it is in, and whether all the way."""
+        ...

@@ -58,6 +58,18 @@ class Arm:
         """This arm cannot point; Hilt does not ask for what is not among the abilities."""
         raise NotImplementedError(percept.name)
 
+    def move_above(self, percept: Percept) -> MotionReport:
+        """This arm does not use tools."""
+        raise NotImplementedError(percept.name)
+
+    def raise_(self) -> MotionReport:
+        """This arm does not use tools."""
+        raise NotImplementedError
+
+    def lower(self) -> MotionReport:
+        """This arm does not use tools."""
+        raise NotImplementedError
+
 
 def main() -> None:
     """Teach, ask, and show what the arm was told to do."""

@@ -47,6 +47,10 @@ BUMP = 0.01  # [m], a neighbour that moved more was bumped
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
 RECEIVER = (1.15, 0.0, 0.40)  # [m], the one who gets things sits across the table
 MEETING = (0.58, 0.0, 0.40)  # [m], where things are handed over
+HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lower"}
+AFTER_BLOW = 0.15  # [s], until all is quiet
+IN = 0.003  # [m], what lacks less is in all the way
+TOP = 0.0015  # [m], what is so little below the highest point is the top
 _OBSTACLE_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
@@ -98,6 +102,8 @@ class Body:
         self._sight: Sight | None = None
         self._aim = _Aim("", None)
         self._places: dict[str, Array] = {}
+        self._struck: str | None = None
+        self._target, self._depth_seen = np.zeros(3), 0.0
         self._views: tuple[View, ...] = ()
         self._seen_at = -1
 
@@ -119,7 +125,7 @@ class Body:
     @property
     def abilities(self) -> frozenset[str]:
         """The primitives of the action trees that it can perform."""
-        hand = {"graspObject", "moveTo", "handOver"} if self.robot.kind.gripper else set[str]()
+        hand = HAND_ABILITIES if self.robot.kind.gripper else set[str]()
         return frozenset({"findObject", "pointAt", *hand})
 
     @property
@@ -215,6 +221,37 @@ class Body:
             return MotionReport("point_at", ok=False, reason="nothing_seen")
         reason = self.motion.point_at(sight.percept.cloud, self._reacher(sight))
         return MotionReport("point_at", ok=not reason, reason=reason)
+
+    def move_above(self, percept: Percept) -> MotionReport:
+        """Bring what is held above a thing that is to be driven in, a face of it downwards."""
+        if self._held is None or self._sight is None:
+            return MotionReport("move_above", ok=False, reason="nothing_held")
+        if self.world.support(percept.name) is None:
+            return self._report("move_above", "nothing_to_strike")
+        self._struck = percept.name
+        self._depth_seen = self.world.depth(percept.name)
+        self._target = top_of(percept.cloud)
+        return self._report(
+            "move_above",
+            self.motion.move_above(
+                self._held, self._target, self._reacher(self._sight), self._sight.percept.cloud
+            ),
+        )
+
+    def raise_(self) -> MotionReport:
+        """Bring what is held back above what it strikes, ready for a blow."""
+        if self._held is None or self._sight is None or self._struck is None:
+            return MotionReport("raise", ok=False, reason="nothing_held")
+        reacher, cloud = self._reacher(self._sight), self._sight.percept.cloud
+        return self._report("raise", self.motion.poise(self._held, self._aim_at(), reacher, cloud))
+
+    def lower(self) -> MotionReport:
+        """Strike once."""
+        if self._held is None or self._sight is None or self._struck is None:
+            return MotionReport("lower", ok=False, reason="nothing_held")
+        reason = self.motion.blow(self._held, self._aim_at(), self._reacher(self._sight))
+        self.robot.wait(AFTER_BLOW)
+        return self._report("lower", reason)
 
     # --- how ----------------------------------------------------------------------------------
 
@@ -326,6 +363,11 @@ class Body:
     def _reacher(self, sight: Sight) -> Reacher:
         return Reacher(self.robot, TABLE_HEIGHT, sight.everything, sight.others)
 
+    def _aim_at(self) -> Array:
+        """The top of what is struck: where it was seen, lower by as much as it has gone in."""
+        depth = self.world.depth(self._struck) if self._struck else 0.0
+        return self._target - (0, 0, depth - self._depth_seen)
+
     def _report(
         self, action: str, reason: str, *, held_s: float = 0.0, touched: tuple[str, ...] = ()
     ) -> MotionReport:
@@ -343,7 +385,13 @@ class Body:
             slip_m=slip_m,
             slip_rad=slip_rad,
             bumped=self._bumped(),
+            depth_m=self.world.depth(self._struck) if self._struck else 0.0,
+            driven=self._struck is not None and self._is_in(self._struck),
         )
+
+    def _is_in(self, name: str) -> bool:
+        mount = self.world.kinds[name].mount
+        return mount is not None and self.world.depth(name) > mount.deepest - IN
 
     def _bumped(self) -> tuple[str, ...]:
         """The neighbours that have moved since the hand went for its aim."""
@@ -353,6 +401,13 @@ class Body:
             if name != self._aim.name
         }
         return tuple(name for name, distance in moved.items() if distance > BUMP)
+
+
+def top_of(cloud: Array) -> Array:
+    """The middle of the highest face of a cloud (n, 3) [m]."""
+    top = float(cloud[:, 2].max())
+    face = cloud[cloud[:, 2] > top - TOP]
+    return np.array([*(face[:, :2].min(axis=0) + face[:, :2].max(axis=0)) / 2, top])
 
 
 def _why_not(plan: GraspPlan) -> str:

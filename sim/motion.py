@@ -19,8 +19,9 @@ from .clouds import thin
 from .engine import TIME_STEP
 from .hold import GRAVITY
 from .poses import Array
+from .pounding import Strike, hand_points, strikes
 from .reach import Reach, Reacher
-from .robot import Robot
+from .robot import NAME, Robot
 from .sight import Sight
 
 TRANSIT_PACE = 0.7  # shares of the joints' speed limits
@@ -39,6 +40,12 @@ POINTING_GAP = 0.05  # [m] between the finger tips and the thing pointed at
 SHORTEST = 0.01  # [m], the free part's direction from the hand
 HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
+POISE = 0.07  # [m] above what is struck, a blow begins
+THROUGH = 0.05  # [m] below it, where the blow aims, so that it is fast when it strikes
+BLOW_PACE, POISE_PACE = 0.7, 0.4
+FELT_BLOW = 2.0  # [N]
+FOLLOW_STEPS = 2  # for so long the hand goes on after it has struck
+SAME_FACE = 0.6  # [rad]
 REACH_ALONG = (0.0, -0.06, 0.06, -0.12)  # [m] nearer to or farther from the receiver
 
 
@@ -260,6 +267,93 @@ class Motion:
         at = middle + (depth - self.robot.gripper.tip)[:, None] * along
         answer = reacher.postures(poses.pose(rotations, at))
         yield from answer.joints[answer.found]
+
+    # --- pounding -----------------------------------------------------------------------------
+
+    def move_above(self, held: Held, target: Array, reacher: Reacher, cloud: Array) -> str:
+        """Bring a face of what is held above a point (3,) [m]; the reason why not, or "".
+
+        Args:
+            held: what strikes.
+            target: the middle of what is to be struck, at its top.
+            reacher: plans the way.
+            cloud: what is held as it was seen before it was taken up (n, 3) [m].
+        """
+        above_it = np.array([0.0, 0.0, POISE])
+        for strike in self._strikes(held, cloud):
+            above = strike.world_from_grip(target + above_it)
+            goal = self._poised(above, reacher)
+            path = None if goal is None else self._carry(held, goal, reacher)
+            if path is not None:
+                return "" if self._follow_with(held, path) else "dropped"
+        return "unreachable"
+
+    def poise(self, held: Held, target: Array, reacher: Reacher, cloud: Array) -> str:
+        """Go back above a point (3,) [m], the face that struck level again; why not, or ""."""
+        now = self.robot.world_from_grip[:3, :3]
+        near = [
+            strike
+            for strike in self._strikes(held, cloud)
+            if poses.angle_between(strike.rotation, now) < SAME_FACE
+        ]
+        here, above_it = self._strike_as_it_is(held, cloud), np.array([0.0, 0.0, POISE])
+        for strike in [*near, here]:
+            path = reacher.straight_to(strike.world_from_grip(target + above_it))
+            if path is not None:
+                free = self.robot.follow(path, pace=POISE_PACE, stop=self._loses(held.name))
+                return "" if free else "dropped"
+        return "unreachable"
+
+    def blow(self, held: Held, target: Array, reacher: Reacher) -> str:
+        """Strike down on a point (3,) below the face [m]; the reason why not, or ""."""
+        grip = self.robot.world_from_grip
+        path = reacher.straight_to(poses.translation(0, 0, -POISE - THROUGH) @ grip)
+        if path is None:
+            return "unreachable"
+        self.robot.follow(path, pace=BLOW_PACE, stop=self._strikes_something(held.name))
+        return "" if self.feel().holds(held.name) else "dropped"
+
+    def _strikes(self, held: Held, cloud: Array) -> list[Strike]:
+        hand = hand_points(
+            self.robot.body_spheres(self.robot.opening),
+            self.robot.chain,
+            self.robot.gripper.hand_from_grip,
+        )
+        return strikes(self._in_grip(held, cloud), hand)
+
+    def _strike_as_it_is(self, held: Held, cloud: Array) -> Strike:
+        """The lowest point of what is held, as it is held now."""
+        rotation = self.robot.world_from_grip[:3, :3]
+        thing = self._in_grip(held, cloud)
+        return Strike(rotation, thing[np.argmin((thing @ rotation.T)[:, 2])], 0.0)
+
+    def _in_grip(self, held: Held, cloud: Array) -> Array:
+        grip_from_hand = poses.inverse(self.robot.gripper.hand_from_grip)
+        thing_from_seen = poses.inverse(held.world_from_start)
+        return poses.transform(grip_from_hand @ self._hand_from(held.name) @ thing_from_seen, cloud)
+
+    def _poised(self, above: Array, reacher: Reacher) -> Array | None:
+        """The posture above a blow from which the way down is free to go; None if there is none."""
+        answer = reacher.postures(above[None])
+        if not answer.found[0]:
+            return None
+        down = reacher.way_from(
+            answer.joints[0], above, poses.translation(0, 0, -POISE - THROUGH) @ above
+        )
+        return None if down is None else answer.joints[0]
+
+    def _strikes_something(self, name: str) -> Callable[[], bool]:
+        """A question for each step: has what is held struck, and followed through?"""
+        after = 0
+
+        def struck() -> bool:
+            nonlocal after
+            contacts = self.robot.engine.contacts(name)
+            hit = any(c.force > FELT_BLOW and c.other != NAME for c in contacts)
+            after += bool(after) or hit
+            return after > FOLLOW_STEPS
+
+        return struck
 
     # --- helpers ------------------------------------------------------------------------------
 

@@ -157,6 +157,11 @@ class Reacher:
         way = self._straight(self.robot.world_from_grip[None], world_from_grip[None], start[None])
         return np.vstack([start[None], way.joints[0]]) if way.found[0] else None
 
+    def way_from(self, joints: Array, start: Array, end: Array) -> Array | None:
+        """Postures from joints (k,), straight from one pose to another; None if out of reach."""
+        way = self._straight(start[None], end[None], joints[None])
+        return np.vstack([joints[None], way.joints[0]]) if way.found[0] else None
+
     def postures(self, world_from_grip: Array) -> Solution:
         """Joints for poses of the grip (m, 4, 4), near to where the arm is if that can be."""
         targets = self.robot.base_from_hand(world_from_grip)

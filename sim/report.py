@@ -17,6 +17,8 @@ REASONS = {
     "dropped": "the thing was lost after it had been lifted",
     "bumped": "something was touched that must not be",
     "nothing_held": "the hand is empty",
+    "nothing_to_strike": "what is to be struck is not there, or does not stand in anything",
+    "not_driven": "what was struck does not go in",
     "no_gripper": "the robot has no hand",
 }
 
@@ -37,6 +39,8 @@ class MotionReport:
         slip_m: how far the thing moved in the hand [m].
         slip_rad: how far it turned in the hand [rad].
         bumped: neighbours that were moved by more than a centimetre.
+        depth_m: how deep what was struck stands in [m]; 0 when nothing was struck.
+        driven: whether it is in all the way.
     """
 
     action: str
@@ -50,3 +54,5 @@ class MotionReport:
     slip_m: float = 0.0
     slip_rad: float = 0.0
     bumped: tuple[str, ...] = ()
+    depth_m: float = 0.0
+    driven: bool = False

@@ -81,3 +81,17 @@ def test_demo_shows_the_example_and_writes_its_pictures(
             assert picture.size[0] >= 400
     assert set(frames) == {"before.png", "grasp.png", "hand-over.png", "animation.gif"}
     assert frames["animation.gif"] > 10
+
+
+def test_nail_is_pounded_with_what_is_used_for_it():
+    """Told what pounds, the robot drives the nail in with it, and takes it by its handle."""
+    with Agent.open("memory:", scene="objects:hammer,knife,nail", seed=3) as agent:
+        agent.hear("A hammer is used for pounding")
+
+        reply = agent.hear("pound the nail")
+
+    document = reply.as_do_json()["world"]
+    assert (reply.ending, reply.said) == ("done", "I pounded the nail with the hammer.")
+    assert isinstance(document, dict)
+    assert document["touched"] == ["handle"]
+    assert document["nail_depth_mm"] > document["driven_mm"] > 10
