@@ -14,7 +14,9 @@ from hilt.nlu.chart import Chart
 from hilt.nlu.predicates import form_of
 from hilt.nlu.tokens import MAX_TOKENS
 
-SLOWEST = 0.1  # [s] for any utterance; a margin of twenty over what is measured
+SLOWEST = (
+    1.0  # [s] of processor time: what grows without bounds takes far longer; speed is benchmarked
+)
 
 
 def chart_of(language: Language, text: str) -> Chart:
@@ -67,10 +69,10 @@ def test_repeated_words_take_bounded_time(language: Language, word: str) -> None
     """The worst there is: as many as are allowed of the most ambiguous words."""
     text = " ".join([word] * MAX_TOKENS)
 
-    started = time.perf_counter()
+    started = time.process_time()
     language.understand(text)
 
-    assert time.perf_counter() - started < SLOWEST
+    assert time.process_time() - started < SLOWEST
 
 
 @settings(max_examples=200, deadline=None)
@@ -80,7 +82,7 @@ def test_any_words_take_bounded_time(language: Language, data: st.DataObject) ->
     known = sorted(language.known_words)
     words = data.draw(st.lists(st.sampled_from(known), max_size=MAX_TOKENS))
 
-    started = time.perf_counter()
+    started = time.process_time()
     language.understand(" ".join(words))
 
-    assert time.perf_counter() - started < SLOWEST
+    assert time.process_time() - started < SLOWEST

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hilt.nlu import Language
 
-SLOWEST = 0.5  # [s]; alone on a machine it is 0.1, which the benchmark asserts
+SLOWEST = 1.0  # [s] of processor time; the benchmark asserts 0.1
 
 SENTENCES = st.sampled_from(
     [
