@@ -4,6 +4,8 @@
     python benchmarks/grasping.py --poses 10 --seed 1000
     python benchmarks/grasping.py --poses 2 --crowd               # all objects on the table
     python benchmarks/grasping.py --poses 30 --free               # no part asked for
+    python benchmarks/grasping.py --poses 3 --depth-noise-mm 2
+    python benchmarks/grasping.py --poses 3 --robot kuka
     python benchmarks/grasping.py --only knife/blade --poses 3 --verbose
 
 An episode builds a scene from its seed, sees, grasps the object by the part, lifts it, holds it for
@@ -22,6 +24,7 @@ from dataclasses import dataclass
 
 from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim.body import Body
+from hilt.sim.noise import Noise
 from hilt.sim.report import MotionReport
 from hilt.sim.scene import graspable, scene_of
 
@@ -70,7 +73,15 @@ def main() -> None:
     for name, part in _pairs(objects, options.only, free=options.free):
         for seed in range(options.seed, options.seed + options.poses):
             types = graspable(objects) if options.crowd else (name,)
-            episode = run(name, part, seed, types=types, objects=objects)
+            episode = run(
+                name,
+                part,
+                seed,
+                types=types,
+                objects=objects,
+                robot=options.robot,
+                noise=Noise(depth_m=options.depth_noise_mm / 1e3, seed=seed),
+            )
             episodes.append(episode)
             if options.verbose or episode.reason:
                 print(_line(episode), flush=True)
@@ -78,12 +89,20 @@ def main() -> None:
 
 
 def run(
-    name: str, part: str, seed: int, *, types: tuple[str, ...], objects: Mapping[str, ObjectType]
+    name: str,
+    part: str,
+    seed: int,
+    *,
+    types: tuple[str, ...],
+    objects: Mapping[str, ObjectType],
+    robot: str = "panda",
+    noise: Noise | None = None,
 ) -> Episode:
     """One episode: `name` by `part`, among `types`; an empty part leaves the choice to the hand."""
     started = time.process_time()
     lift = given = None
-    with Body(scene_of(types, seed=seed, objects=objects), objects, seed=seed) as body:
+    scene = scene_of(types, seed=seed, objects=objects)
+    with Body(scene, objects, seed=seed, robot=robot, noise=noise) as body:
         percepts = body.search([f"object:{name}"])
         if not percepts:
             unseen = MotionReport("search", ok=False, reason="nothing_seen")
@@ -149,6 +168,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", default="", help="objects or object/parts, comma-separated")
     parser.add_argument("--crowd", action="store_true", help="all objects on the table")
     parser.add_argument("--free", action="store_true", help="do not ask for a part")
+    parser.add_argument("--robot", default="panda", help="which one (default panda)")
+    parser.add_argument("--depth-noise-mm", type=float, default=0.0, help="of each pixel")
     parser.add_argument("--verbose", action="store_true", help="print each episode")
     return parser.parse_args()
 

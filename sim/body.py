@@ -19,8 +19,10 @@ import numpy as np
 
 from ..ontology.objects import ObjectType
 from .camera import View
+from .eyes import open_eyes
 from .grasp import Grasp, GraspPlan, plan_grasps
 from .motion import Held, Motion, Touch
+from .noise import Noise
 from .percept import Percept
 from .poses import Array
 from .reach import Reach, Reacher
@@ -30,7 +32,6 @@ from .robot import Robot
 from .robots import find_robot
 from .scene import Scene
 from .sight import Sight
-from .vision import Vision
 from .world import World
 
 if TYPE_CHECKING:
@@ -75,6 +76,8 @@ class Body:
         seed: from which all choices of the motions are drawn.
         gui: whether to show a window.
         robot: which one; see `robots.yaml`.
+        eyes: where percepts come from; see `eyes`.
+        noise: of the cameras' depths; none when None.
     """
 
     def __init__(
@@ -85,12 +88,14 @@ class Body:
         seed: int,
         gui: bool = False,
         robot: str = "panda",
+        eyes: str = "mask",
+        noise: Noise | None = None,
     ) -> None:
         kind = find_robot(robot)
         self.world = World.build(scene, objects, gui=gui)
         self._resting = Resting(self.world.engine, self._loose())
         self.robot = Robot(self.world.engine, kind, step=self._step)
-        self.vision = Vision(self.world.engine, self.world.kinds, self.world.models)
+        self.vision = open_eyes(self.world, source=eyes, noise=noise)
         self.motion = Motion(
             self.robot,
             table=TABLE_HEIGHT,

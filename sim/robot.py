@@ -8,13 +8,11 @@ by a gear, as those of the real hand are.
 from __future__ import annotations
 
 from collections.abc import Callable
-from xml.etree import ElementTree
 
 import numpy as np
 
 from ..ontology.errors import SimulationError
 from . import poses
-from .cache import content_key, keep_file
 from .clearance import Spheres, arm_spheres, finger_spheres
 from .engine import TIME_STEP, Engine
 from .paths import timed
@@ -59,12 +57,7 @@ class Robot:
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = [joint.name for joint in self.chain.moving]
-        source = kind.urdf.read_bytes()
-        urdf = keep_file(
-            f"robots/{kind.name}-{content_key(source, str(kind.urdf).encode())}.urdf",
-            lambda: _prepared(source.decode(), str(kind.urdf.parent)),
-        )
-        engine.load(NAME, urdf, self.world_from_base, fixed=True)
+        engine.load(NAME, kind.file, self.world_from_base, fixed=True)
         facts = {joint.name: joint for joint in engine.joints(NAME)}
         self._efforts = [facts[name].effort for name in self._joints]
         engine.set_joints(NAME, self._joints, kind.home)
@@ -184,15 +177,3 @@ class Robot:
             self.engine.set_surface(NAME, link, friction=FINGER_FRICTION, spinning=FINGER_SPINNING)
         self.engine.set_joints(NAME, gripper.joints, [gripper.opening / 2] * 2)
         self.open(gripper.opening)
-
-
-def _prepared(text: str, folder: str) -> str:
-    """The URDF without soft contacts (they let thin plates pop out), its meshes found anywhere."""
-    root = ElementTree.fromstring(text)  # noqa: S314 - a robot file of the installation
-    for contact in root.iter("contact"):
-        for tag in ("stiffness", "damping"):
-            for element in contact.findall(tag):
-                contact.remove(element)
-    for mesh in root.iter("mesh"):
-        mesh.set("filename", mesh.get("filename", "").replace("package:/", folder))
-    return ElementTree.tostring(root, encoding="unicode")

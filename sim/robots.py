@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import radians
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from ..ontology.errors import UnknownNameError
 from ..ontology.source import Field, read_yaml
 from . import poses
+from .assembly import Attachment, robot_file
 from .kinematics import Chain, read_chain
 from .poses import Array
 
@@ -88,12 +90,14 @@ class RobotType:
     Attributes:
         name: how settings call it.
         label: how people call it.
-        urdf: its file.
+        urdf: the file of its arm.
         hand: the link at the end of the arm.
         home: (k,) joints of the arm where it waits [rad].
         turns: added to the first of them for further starts of inverse kinematics [rad].
         gripper: None when it has none.
         spheres: link -> (n, 4), centres and radii [m] of the spheres that it fills.
+        attachment: the hand, when it comes from another file.
+        speeds: of the joints, where the file does not tell how fast they can go [rad/s].
     """
 
     name: str
@@ -104,11 +108,18 @@ class RobotType:
     turns: tuple[float, ...]
     gripper: Gripper | None
     spheres: Mapping[str, Array]
+    attachment: Attachment | None = None
+    speeds: tuple[float, ...] = ()
+
+    @cached_property
+    def file(self) -> Path:
+        """The URDF of arm and hand together, as the simulator loads it."""
+        return robot_file(self.name, self.urdf, attachment=self.attachment, speeds=self.speeds)
 
     @cached_property
     def arm(self) -> Chain:
         """The joints from the base to the hand."""
-        return read_chain(self.urdf, self.hand)
+        return read_chain(self.file, self.hand)
 
     @cached_property
     def starts(self) -> Array:
@@ -142,7 +153,8 @@ def find_robot(name: str) -> RobotType:
 
 def _read_robot(name: str, field: Field) -> RobotType:
     entries = field.entries(
-        required=("label", "urdf", "hand", "home", "spheres"), optional=("turns", "gripper")
+        required=("label", "urdf", "hand", "home", "spheres"),
+        optional=("turns", "gripper", "attached", "speeds"),
     )
     home = np.array(entries["home"].numbers(low=-np.pi * 2, high=np.pi * 2))
     robot = RobotType(
@@ -154,11 +166,27 @@ def _read_robot(name: str, field: Field) -> RobotType:
         turns=entries["turns"].numbers() if "turns" in entries else (),
         gripper=_read_gripper(entries["gripper"]) if "gripper" in entries else None,
         spheres={link: _read_spheres(each) for link, each in entries["spheres"].entries().items()},
+        attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
+        speeds=entries["speeds"].numbers(low=0.0, high=20.0) if "speeds" in entries else (),
     )
     if len(home) != len(robot.arm.moving):
         problem = f"expected {len(robot.arm.moving)} joints, found {len(home)}."
         raise entries["home"].fail(problem)
     return robot
+
+
+def _read_attachment(field: Field) -> Attachment:
+    entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
+    x, y, z = entries["at"].numbers(count=3, low=-1.0, high=1.0)
+    angles = entries["turn_deg"].numbers(count=3) if "turn_deg" in entries else (0.0, 0.0, 0.0)
+    roll, pitch, yaw = (radians(angle) for angle in angles)
+    return Attachment(
+        _find_urdf(entries["urdf"]),
+        entries["link"].text(),
+        entries["carrier"].text(),
+        (x, y, z),
+        (roll, pitch, yaw),
+    )
 
 
 def _find_urdf(field: Field) -> Path:
