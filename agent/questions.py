@@ -12,7 +12,7 @@ from ..inference.goal import Goal, Observation, Target
 from ..kb.beliefs import KnowledgeBase
 from ..kb.interval import CERTAIN
 from ..kb.rule import Atom, Rule
-from ..nlu.meaning import Question
+from ..nlu.meaning import Command, Question, ToolCommand
 from .outcome import Answer, Slot
 from .reply import Reply
 
@@ -118,19 +118,30 @@ def _why(question: Question, known: Knowledge) -> Answered:
     rules = _last_rules(known)
     if known.last is None:
         return _say("nothing_done"), ()
-    if not rules or rules[-1].utterance is None:
-        return _say("because", done=True, reason=_reason(known.last, question.object)), ()
-    text = known.base.utterance(rules[-1].utterance).text
+    told = [known.base.utterance(rule.utterance) for rule in rules if rule.utterance is not None]
+    if not told:
+        reason = _reason(known.last, question.object)
+        return (_say("because", done=True, reason=reason) if reason else _say("not_known")), ()
     if rules[-1].status == "induced":
-        return _say("because_alike", done=True, text=text), tuple(rules)
-    return _say("because_told", done=True, speaker=rules[-1].speaker, text=text), tuple(rules)
+        return _say("because_alike", done=True, text=told[-1].text), tuple(rules)
+    speakers = tuple(dict.fromkeys(utterance.speaker for utterance in told))
+    texts = tuple(dict.fromkeys(utterance.text for utterance in told))
+    return _say("because_told", done=True, speakers=speakers, texts=texts), tuple(rules)
 
 
 def _why_not(question: Question, known: Knowledge) -> Answered:
     if known.last is None:
         return _say("nothing_done"), ()
+    name = question.object or "thing"
     reason = _reason(known.last, question.object)
-    return _say("why_not", done=True, object=question.object or "thing", reason=reason), ()
+    if reason:
+        return _say("why_not", done=True, object=name, reason=reason), ()
+    if name not in known.visible():
+        return _say("why_not_seen", done=True, object=name), ()
+    wanted = _wanted_use(known.last)
+    if wanted and not known.base.rules(object=name, affordance=wanted):
+        return _say("why_not_told", done=True, object=name, affordance=wanted), ()
+    return _say("why_not_asked", done=True, object=name), ()
 
 
 def _see(_: Question, known: Knowledge) -> Answered:
@@ -190,14 +201,19 @@ def _last_rules(known: Knowledge) -> list[Rule]:
     return list(came.decision.rules)
 
 
-def _reason(last: Reply, name: str | None) -> str:
-    """Why the last command took or did not take a thing."""
+def _reason(last: Reply, name: str | None) -> str | None:
+    """Why the last command took or did not take a thing; None when it did not look for it."""
     decision = last.achievement.decision if last.achievement else None
     candidates = decision.object.candidates if decision else ()
-    for candidate in candidates:
-        if name in {None, candidate.object}:
-            return candidate.reason
-    return "I did not see it, or had no reason to look for it"
+    return next((each.reason for each in candidates if name in {None, each.object}), None)
+
+
+def _wanted_use(last: Reply) -> str | None:
+    """What the thing of the last command was to be used for."""
+    said = last.understanding.meaning
+    if isinstance(said, ToolCommand):
+        return said.tool.used_for
+    return said.target.used_for if isinstance(said, Command) else None
 
 
 def _by_strength(rules: Iterable[Rule]) -> list[Rule]:

@@ -23,7 +23,8 @@ from .meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
 Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
 
 _SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
-_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "list", "level"})
+_LISTED = frozenset({"list", "things", "quotes", "names"})
+_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _LISTED
 
 
 @dataclass(frozen=True)
@@ -134,13 +135,17 @@ class Speech:
             "many": lambda word: self.inflection.form(word, "plural"),
             "to": self.act,
             "done": lambda word: self.inflection.form(self.act(word), "participle"),
-            "name": lambda word: word[:1].upper() + word[1:],
+            "name": _capitalised,
+            "list": str,
+            "things": self.inflection.with_article,
+            "quotes": lambda text: f'"{text}"',
+            "names": _capitalised,
         }
         if form == "level":
             return _level(value)
-        if form == "list":
+        if form in _LISTED:
             items = (value,) if isinstance(value, (str, int, float)) else value
-            return self.listed([str(each) for each in items])
+            return self.listed([forms[form](str(each)) for each in items])
         return forms[form](str(value)) if form else str(value)
 
 
@@ -178,6 +183,10 @@ def _answer(field: Field) -> Answer:
     if unused:
         raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
     return Answer(slots, say)
+
+
+def _capitalised(word: str) -> str:
+    return word[:1].upper() + word[1:]
 
 
 def _level(value: Slot) -> str:

@@ -156,7 +156,7 @@ LESSON_THREE = "To pass a knife grab the knife by the blade"
     ("question", "answer"),
     [
         ("what is a knife used for?", "A knife is used for cutting."),
-        ("what is used for cutting?", "For cutting I know knife."),
+        ("what is used for cutting?", "For cutting I know a knife."),
         ("how do you pass a knife?", "To pass a knife, grab it by the blade (0.95, from Sam)."),
         ("is a knife used for cutting?", "Yes: a knife is used for cutting (0.95, from Sam)."),
         ("is a mug used for cutting?", "Not that I know: nobody has told me that a mug is used"),
@@ -170,9 +170,29 @@ def test_questions_are_answered_from_what_was_told(taught: Agent, question: str,
 
 def test_why_is_answered_with_the_sentence_it_rests_on(taught: Agent):
     """The reason of an action is what somebody said."""
-    taught.hear("pass me the knife")
+    taught.hear("pass me something used for cutting")
 
-    assert taught.hear("why?").said == f'Because Sam said: "{LESSON_THREE}".'
+    assert (
+        taught.hear("why?").said
+        == f'Because Sam said: "A knife is used for cutting" and "{LESSON_THREE}".'
+    )
+
+
+@pytest.mark.parametrize(
+    ("command", "question", "reason"),
+    [
+        ("pass me something used for cutting", "spoon", "nobody has told me that a spoon is used"),
+        ("pass me something used for cutting", "nail", "I do not see one"),
+        ("pass me the knife", "spoon", "I was asked for something else"),
+    ],
+)
+def test_why_not_says_what_speaks_against_the_other(
+    taught: Agent, command: str, question: str, reason: str
+):
+    """Not told of, not seen and not asked for are three reasons."""
+    taught.hear(command)
+
+    assert reason in taught.hear(f"why not the {question}?").said
 
 
 @pytest.mark.parametrize(
