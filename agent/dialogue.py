@@ -102,6 +102,7 @@ class Dialogue:
         self._visible = visible
         self._discourse = Discourse()
         self._pending: Pending | None = None
+        self._topic: tuple[Rule, ...] = ()
         self._listeners: dict[type, Callable[[Turn, Any], Reply]] = {
             meaning.Statement: self._believe,
             meaning.Retraction: self._forget,
@@ -167,6 +168,7 @@ class Dialogue:
         )
         self.language = self.language.with_words(turn.understood.new_words)
         told = tuple(self.base.rule(rule.id) for rule in taught.rules)
+        self._turn_to(told)
         return replace(self._reply(turn, spoken), rules=told)
 
     def _echo(self, turn: Turn, taught: Lesson) -> Iterator[Answer]:
@@ -196,7 +198,7 @@ class Dialogue:
         return self.language.phrase(said) if said else repr(rule)
 
     def _forget(self, turn: Turn, said: meaning.Retraction) -> Reply:
-        rule = to_forget(self.base, said, turn.speaker)
+        rule = to_forget(self.base, said, turn.speaker, self._topic)
         if rule is None:
             return self._answered(turn, Answer("nothing_to_forget", {}, "failed"))
         spoken = self._say(Answer("forgotten", {"rule": self._in_words(rule)}))
@@ -225,6 +227,7 @@ class Dialogue:
         if turn.keep:
             self.base.record_episode(episode_of(reply))
         self.last_done = reply
+        self._turn_to(came.decision.rules if came.decision else ())
         settled = request.settled_on(came)
         if reply.ending == "asked" and settled:
             self._pending = Pending(yes=lambda: self._carry_out(turn, settled))
@@ -235,6 +238,7 @@ class Dialogue:
     def _answer(self, turn: Turn, said: meaning.Question) -> Reply:
         knowledge = Knowledge(self.base, self._in_words, self._visible, self.last_done)
         found, rules = answer(said, knowledge)
+        self._turn_to(rules)
         return replace(self._answered(turn, found), rules=rules)
 
     def _acknowledge(self, turn: Turn, said: meaning.Acknowledgement) -> Reply:
@@ -274,6 +278,13 @@ class Dialogue:
         return reply
 
     # --- Helpers -----------------------------------------------------------------------------
+
+    def _turn_to(self, rules: tuple[Rule, ...]) -> None:
+        """Talk of these rules now: the last is what "no, by the handle" and "forget that" mean."""
+        said = said_of(rules[-1]) if rules else None
+        if said:
+            self._topic = rules
+            self._discourse = replace(self._discourse, rule=said)
 
     def _trusts(self, speaker: str) -> bool:
         trust = self.base.trust(speaker)

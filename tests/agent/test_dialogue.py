@@ -355,3 +355,23 @@ def test_part_that_is_not_sure_enough_is_asked_about(agent: Agent):
 
     assert reply.ending == "asked"
     assert reply.said == "I am not sure enough how to pass a mug. By which part?"
+
+
+@pytest.mark.parametrize(
+    "turn", ["how do you pass a knife?", "pass me something used for cutting", "who told you?"]
+)
+def test_correction_is_about_what_was_last_spoken_of(taught: Agent, turn: str):
+    """After an answer or a deed, "no" corrects the rule that it rests on, not the last one told."""
+    taught.hear("pass me the knife")
+    taught.hear("A hammer is used for pounding")
+    taught.hear(turn)
+
+    assert taught.hear("no, by the handle").said.startswith("I changed my mind: to pass a knife")
+
+
+def test_what_is_forgotten_is_what_was_last_spoken_of(taught: Agent):
+    """An answer in between makes its rule "that"."""
+    taught.hear("A hammer is used for pounding")
+    taught.hear("how do you pass a knife?")
+
+    assert taught.hear("forget that").said.startswith("I take it back: to pass a knife")
