@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from hilt.agent.agent import Agent
-from hilt.agent.scenarios import load_scenarios
+from hilt.agent.evaluation.scenarios import load_scenarios
 from hilt.inference import Affordances, Goal, Observation, Target, vectorised
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom

@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..ontology.source import Field, read_yaml
+from ...ontology.source import Field, read_yaml
 
 SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
 LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
@@ -67,6 +67,11 @@ class Scenario:
 def grasp_sentence(name: str, context: str, part: str) -> str:
     """The sentence that teaches by which part to take an object in a context."""
     return f"To {_INFINITIVES[context]} a {name} generally grab the {name} by the {part}"
+
+
+def command(action: str, affordance: str) -> str:
+    """The sentence that asks for an action on something with an affordance."""
+    return f"{ACTIONS[action]} something used for {affordance}"
 
 
 def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[Scenario, Scenario]:

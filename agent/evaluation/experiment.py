@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an experiment is, and which ones there are.
+
+An experiment is a frozen value made of plain JSON options. It lists its cases and runs any one of
+them by itself, in any order and in any process: a worker makes the experiment again from its name
+and options. What is costly to set up is kept on the experiment with `cached_property`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from importlib import import_module
+from typing import ClassVar
+
+from ...ontology.errors import UnknownNameError
+from ..outcome import Json
+from .case import Case, Result
+
+
+@dataclass(frozen=True)
+class Experiment(ABC):
+    """An experiment; its fields are its options, each plain JSON.
+
+    Attributes:
+        name: under which it is registered.
+        seed: of everything random in it.
+    """
+
+    name: ClassVar[str]
+    seed: int = 0
+
+    @property
+    def options(self) -> Json:
+        """What it was made with, and can be made with again."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    @abstractmethod
+    def cases(self) -> Sequence[Case]:
+        """All cases, always the same ones in the same order."""
+
+    @abstractmethod
+    def run(self, case: Case) -> Result:
+        """Run one case; what comes out depends on the case and the options only."""
+
+
+# Name -> where its class is. Modules are imported when they are needed: some take a second to load.
+EXPERIMENTS: Mapping[str, tuple[str, str]] = {
+    "paper": ("paper", "PaperRun"),
+    "situations": ("situations", "Situations"),
+    "grasps": ("grasps", "Grasps"),
+}
+
+
+def make_experiment(name: str, options: Mapping[str, object]) -> Experiment:
+    """The experiment of that name.
+
+    Args:
+        name: one of `EXPERIMENTS`.
+        options: values for its fields; the others keep their defaults.
+
+    Raises:
+        UnknownNameError: there is no experiment, or no option, of that name.
+    """
+    if name not in EXPERIMENTS:
+        raise UnknownNameError("evaluation", name, EXPERIMENTS)
+    module, class_name = EXPERIMENTS[name]
+    kind: type[Experiment] = getattr(import_module(f".{module}", __package__), class_name)
+    known = [each.name for each in fields(kind)]
+    for option in options:
+        if option not in known:
+            raise UnknownNameError(f"option of {name}", option, known)
+    return kind(**options)  # pyright: ignore[reportArgumentType] - checked by each class
