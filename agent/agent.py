@@ -106,6 +106,7 @@ class Agent:
             settings or Settings.load(),
             Taxonomy.of(base),
         )
+        self.induces = induces
         self.simulate = simulate and vision is None
         self._vision, self._motion = vision, motion
         self.gui = gui
@@ -237,11 +238,36 @@ class Agent:
             self.goals.watchers.remove(keep)
         files.append(str(folder / "animation.gif"))
 
+    @contextmanager
+    def facing(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
+        """Another agent for the block: it knows what this one knows, and has a scene of its own.
+
+        Args:
+            scene: what is on its table.
+            simulate: whether it has a simulated body.
+        """
+        other = Agent(
+            self.base,
+            self.dialogue.language,
+            self.actions,
+            scene,
+            simulate=simulate,
+            induces=self.induces,
+            settings=self.affordances.settings,
+        )
+        try:
+            yield other
+        finally:
+            other._release_body()
+
     def close(self) -> None:
         """Release the body and the base."""
+        self._release_body()
+        self.base.close()
+
+    def _release_body(self) -> None:
         if "body" in self.__dict__:
             self.body.close()
-        self.base.close()
 
     def __enter__(self) -> Agent:
         return self

@@ -15,7 +15,9 @@ from .terminal import finish, show, terminal
 def evaluate(  # noqa: PLR0917 - every option is one parameter of a command
     what: Annotated[str, typer.Argument(help="paper, situations or grasps.")],
     sim: Annotated[bool, typer.Option("--sim", help="Carry out what is decided.")] = False,
-    scenes: Annotated[int | None, typer.Option(min=1, help="Scenes of the paper's run.")] = None,
+    scenes: Annotated[
+        int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")
+    ] = None,
     poses: Annotated[int | None, typer.Option(min=1, help="Poses of each grasp.")] = None,
     seed: Seed = 0,
     as_json: AsJson = False,

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands given by sentence to an agent that was taught a scenario by sentence.
+
+A scenario is taught once, its sentences in the order of its tables; then every case is a new agent
+over that base, with the scene of the case before it, that is told the command. So no case can
+depend on another one. Nothing of the way is left out: the command is parsed, the rules come from
+the base, the choice from inference. Bodiless, the agent sees its scene perfectly; simulated, a
+robot looks with its cameras and carries out what it decided, on a table nobody has touched yet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+from ...sim.scene import scene_of
+from ..agent import Agent
+from .case import Case, Result
+from .experiment import Experiment
+from .judging import Truth, judged
+from .scenarios import ACTIONS, Scenario, command, load_scenarios
+
+
+@dataclass(frozen=True)
+class Decisions(Experiment):
+    """Scenarios x scenes x commands.
+
+    Attributes:
+        seed: of everything random.
+        sim: whether a simulated robot carries out what was decided.
+    """
+
+    sim: bool = False
+
+    @cached_property
+    def scenarios(self) -> Mapping[str, Scenario]:
+        """What is taught, by name."""
+        return {scenario.name: scenario for scenario in load_scenarios()}
+
+    def commands(
+        self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
+    ) -> Iterator[Case]:
+        """A case for each of the 15 commands.
+
+        Args:
+            scenario: what is taught.
+            name: what the scene is called in the keys.
+            scene: the objects on the table.
+            seed: of how they lie there, and of what the robot does.
+        """
+        for affordance in scenario.affordances:
+            for action in ACTIONS:
+                yield Case(
+                    self.name,
+                    f"{scenario.name}/{name}/{action}/{affordance}",
+                    {
+                        "scenario": scenario.name,
+                        "scene": list(scene),
+                        "action": action,
+                        "affordance": affordance,
+                        "seed": seed,
+                    },
+                )
+
+    def run(self, case: Case) -> Result:
+        """Give the command to an agent that knows the scenario and has the scene before it."""
+        spec = cast("dict[str, str]", case.spec)
+        objects = cast("list[str]", case.spec["scene"])
+        scenario, action, affordance = spec["scenario"], spec["action"], spec["affordance"]
+        pupil = self._taught[scenario]
+        scene = scene_of(objects, seed=cast("int", case.spec["seed"]), objects=pupil.objects)
+        with pupil.facing(scene, simulate=self.sim) as agent:
+            reply = agent.hear(command(action, affordance), only="do", keep=False)
+        truth = Truth.of(self.scenarios[scenario], action, affordance, objects)
+        return judged(case, truth, reply)
+
+    @cached_property
+    def _taught(self) -> Mapping[str, Agent]:
+        return {name: taught(scenario) for name, scenario in self.scenarios.items()}
+
+
+def taught(scenario: Scenario) -> Agent:
+    """An agent without a body that was told a scenario, over a base in memory."""
+    agent = Agent.open("memory:", simulate=False)
+    for sentence in scenario.sentences():
+        agent.hear(sentence, only="tell")
+    return agent
