@@ -17,7 +17,7 @@ from ..kb.changes import Change, Difference
 from ..kb.history import Utterance
 from ..kb.interval import Interval
 from ..kb.rule import Rule
-from .console import conflicts, rule_text
+from .console import conflicts, rule_text, whole
 from .merging import Report
 
 
@@ -28,7 +28,7 @@ def history(found: Sequence[Utterance]) -> Table:
         when = said.time.astimezone().strftime("%Y-%m-%d %H:%M:%S")
         row = (str(said.sequence), when, said.speaker, said.text, _effect(said))
         table.add_row(*map(escape, row))
-    return table
+    return whole(table)
 
 
 def change(found: Change) -> RenderableType:

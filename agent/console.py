@@ -35,6 +35,13 @@ from .reply import Reply
 Quote = Callable[[int], str]  # the text of an utterance by its number
 
 
+def whole(table: Table) -> Table:
+    """The table with cells that wrap where they do not fit, so that nothing is cut."""
+    for column in table.columns:
+        column.overflow = "fold"
+    return table
+
+
 def turn(reply: Reply) -> RenderableType:
     """One turn of a dialogue: what was said, its predicate form, and the answer."""
     grid = Table.grid(padding=(0, 2))
@@ -42,7 +49,7 @@ def turn(reply: Reply) -> RenderableType:
     if reply.understanding.pragmatics:
         grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
     grid.add_row(Text("Hilt", "bold green"), Text(reply.said))
-    return grid
+    return whole(grid)
 
 
 def understood(found: Understanding) -> RenderableType:
@@ -51,7 +58,7 @@ def understood(found: Understanding) -> RenderableType:
     for name, value in found.as_json().items():
         if name not in {"text", "speaker", "addressee"}:
             facts.add_row(name, escape(value if isinstance(value, str) else json.dumps(value)))
-    return Group(Text(str(found.derivation or "")), facts)
+    return Group(Text(str(found.derivation or "")), whole(facts))
 
 
 def rules(found: Iterable[Rule]) -> Table:
@@ -61,7 +68,7 @@ def rules(found: Iterable[Rule]) -> Table:
         table.add_row(
             escape(rule_text(rule)), escape(str(rule.interval)), rule.speaker, str(rule.utterance)
         )
-    return table
+    return whole(table)
 
 
 def rule_text(rule: Rule) -> str:
@@ -108,7 +115,7 @@ def decision(made: Decision, quote: Quote) -> Table:
     for candidate in made.part.candidates if made.part else ():
         part = candidate.argument.name if candidate.argument else ""
         _add_candidate(table, candidate, f"  by the {part}", quote)
-    return table
+    return whole(table)
 
 
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
@@ -140,7 +147,7 @@ def world(happened: World) -> Table:
     table.add_row("held", f"{happened.held_s:.1f} s")
     table.add_row("handed over", "yes" if happened.handed_over else "no")
     table.add_row("closings of the hand", str(happened.attempts))
-    return table
+    return whole(table)
 
 
 def achievement(came: Achievement, quote: Quote) -> RenderableType:
@@ -180,7 +187,7 @@ def conflicts(found: Sequence[Conflict]) -> RenderableType:
     for each in found:
         told = (_told(each.first), _told(each.second))
         table.add_row(f"{each.weight:.4f}", *map(escape, told))
-    return table
+    return whole(table)
 
 
 def _told(rule: Rule) -> str:
@@ -199,7 +206,7 @@ def induced(found: Sequence[Induced]) -> RenderableType:
             ", ".join(each.shared),
         )
         table.add_row(*map(escape, row))
-    return table
+    return whole(table)
 
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
@@ -211,7 +218,7 @@ def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
         )
         speakers = ", ".join(sorted({rule.speaker for rule in each.rules}))
         table.add_row(features, contexts, escape(str(each.interval)), speakers)
-    return table
+    return whole(table)
 
 
 def words(found: Sequence[Word]) -> Table:
@@ -220,7 +227,7 @@ def words(found: Sequence[Word]) -> Table:
     for word in found:
         row = (word.atom.name, word.atom.kind, word.said, word.speaker, str(word.utterance))
         table.add_row(*map(escape, row))
-    return table
+    return whole(table)
 
 
 def results(found: Solutions | Truth) -> RenderableType:
@@ -230,7 +237,7 @@ def results(found: Solutions | Truth) -> RenderableType:
     table = Table(*found.variables, caption=f"{len(found)} rows", caption_justify="left")
     for row in found:
         table.add_row(*(escape(shortened(term)) for term in row))
-    return table
+    return whole(table)
 
 
 def shortened(term: Term | None) -> str:
@@ -246,4 +253,4 @@ def questions(named: Iterable[NamedQuery]) -> Table:
     for one in named:
         asked = "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values())
         table.add_row(one.name, escape(one.question), asked)
-    return table
+    return whole(table)

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a person sees on the terminal is whole."""
+
+import io
+from collections.abc import Callable
+
+import pytest
+from rich.console import Console, RenderableType
+
+from hilt.agent import chronicle, console
+from hilt.agent.agent import Agent
+
+NARROW = 24  # characters
+
+SHOWN: dict[str, Callable[[Agent], RenderableType]] = {
+    "turn": lambda agent: console.turn(agent.hear("to pass a knife grab the knife by the blade")),
+    "rules": lambda agent: console.rules(agent.base.rules()),
+    "history": lambda agent: chronicle.history(tuple(agent.base.history())),
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_narrow_terminal_wraps_and_cuts_nothing(taught: Agent, name: str):
+    """A cell that does not fit goes on in the next line; no ellipsis takes the place of its end."""
+    text = io.StringIO()
+
+    Console(file=text, width=NARROW).print(SHOWN[name](taught))
+
+    assert "…" not in text.getvalue()
+    assert max(map(len, text.getvalue().splitlines())) <= NARROW
