@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Generator, Sequence
+from collections import Counter
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -571,11 +572,37 @@ class Engine:
         finally:
             self._recolour(number, index, own)
 
+    @contextmanager
+    def unseen(self, bodies: Sequence[str]) -> Generator[None]:
+        """Inside this block some bodies are not drawn, which saves the time of drawing them.
+
+        In a window they stay, or they would flicker there.
+
+        Args:
+            bodies: their names.
+        """
+        shapes = [] if self.gui else [shape for name in bodies for shape in self._drawn(name)]
+        try:
+            for number, link, index, colour in shapes:
+                self._paint_shape(number, link, index, (*colour[:3], 0.0))
+            yield
+        finally:
+            for shape in shapes:
+                self._paint_shape(*shape)
+
+    def _drawn(self, name: str) -> Iterator[tuple[int, int, int, Sequence[float]]]:
+        """What is drawn of a body: its number, the link, the shape's number there, its colour."""
+        count = Counter[int]()
+        for shape in self._call("getVisualShapeData", self._body(name).number):
+            yield shape[0], shape[1], count[shape[1]], shape[7]
+            count[shape[1]] += 1
+
+    def _paint_shape(self, number: int, link: int, index: int, colour: Sequence[float]) -> None:
+        self._call("changeVisualShape", number, link, shapeIndex=index, rgbaColor=list(colour))
+
     def _recolour(self, number: int, index: int, colours: Sequence[Array]) -> None:
         for shape, colour in enumerate(colours):
-            self._call(
-                "changeVisualShape", number, index, shapeIndex=shape, rgbaColor=colour.tolist()
-            )
+            self._paint_shape(number, index, shape, colour.tolist())
 
 
 def _pose(position: Sequence[float], quaternion: Sequence[float]) -> Array:

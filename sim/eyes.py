@@ -20,7 +20,7 @@ from .noise import Noise
 from .percept import Percept
 from .poses import Array
 from .vision import Vision
-from .world import World
+from .world import FLOOR, TABLE, World
 
 SOURCES = ("mask", "learned")
 SAME_PLACE = 0.04  # [m], between the middle of what is seen and that of a thing
@@ -59,7 +59,8 @@ def open_eyes(world: World, *, source: str = "mask", noise: Noise | None = None)
         raise UnknownNameError("source of vision", source, SOURCES)
     noise = noise or Noise()
     if source == "mask":
-        return Vision(world.engine, world.kinds, world.models, noise=noise)
+        room = (FLOOR, TABLE)  # below all that there is to see: they cannot hide anything
+        return Vision(world.engine, world.kinds, world.models, noise=noise, room=room)
     from .recognition import LearnedVision  # scipy and the networks only where they are used
 
     return LearnedVision(world.engine, world.objects, noise=noise, track=Tracker(world))

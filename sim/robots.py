@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import radians
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -145,10 +146,16 @@ def find_robot(name: str) -> RobotType:
     Raises:
         UnknownNameError: there is none; lists those there are.
     """
-    robots = load_robots()
+    robots = _shipped()
     if name not in robots:
         raise UnknownNameError("robot", name, robots)
     return robots[name]
+
+
+@cache
+def _shipped() -> Mapping[str, RobotType]:
+    """The robots that come with Hilt, read once in a process."""
+    return MappingProxyType(load_robots())
 
 
 def _read_robot(name: str, field: Field) -> RobotType:

@@ -40,6 +40,7 @@ class Vision:
         models: type -> its model, for the silhouette to be expected.
         cameras: the eyes.
         noise: of which the cameras have the depth noise; the rest is `NoisyVision`'s.
+        room: bodies that hide nothing, and of which no mask is asked for: they are not drawn.
     """
 
     engine: Engine
@@ -47,10 +48,12 @@ class Vision:
     models: Mapping[str, Model]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
     noise: Noise = field(default_factory=Noise)
+    room: tuple[str, ...] = ()
 
     def look(self) -> tuple[View, ...]:
         """What all cameras see now."""
-        return look(self.engine, self.cameras, self.noise)
+        with self.engine.unseen(self.room):
+            return look(self.engine, self.cameras, self.noise)
 
     def search(
         self, features: Iterable[str], *, views: Sequence[View] | None = None

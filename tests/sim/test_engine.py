@@ -11,6 +11,7 @@ import pytest
 from hilt.ontology.errors import SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
+from hilt.sim.camera import Camera
 from hilt.sim.engine import GRAVITY, TIME_STEP, Engine
 from hilt.sim.models import model_of
 
@@ -207,3 +208,18 @@ def test_same_steps_give_the_same_world():
             ends.append(engine.pose("knife"))
 
     assert (ends[0] == ends[1]).all()
+
+
+def test_what_is_unseen_is_only_not_drawn(engine: Engine):
+    """Inside the block no pixel shows the knife; afterwards the picture is what it was."""
+    engine.load("knife", KNIFE)
+    camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
+    before = camera.look(engine)
+
+    with engine.unseen(["knife"]):
+        unseen = camera.look(engine)
+
+    after = camera.look(engine)
+    assert before.mask("knife").any()
+    assert not unseen.mask("knife").any()
+    assert np.array_equal(before.colour, after.colour)
