@@ -19,12 +19,14 @@ from typing import TYPE_CHECKING
 
 from platformdirs import user_data_path
 
-from ..inference.affordance import Affordances, Settings
+from ..inference.affordance import Affordances
 from ..inference.induction import Inducing
+from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
 from ..nlu.language import Language
-from ..ontology.actions import Actions, load_actions
+from ..ontology.action_sheet import load_actions
+from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType, load_household
 from ..sim.scene import Scene, parse_scene
 from .dialogue import Dialogue

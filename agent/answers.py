@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from ..inference.goal import Candidate, Inference, Target
 from ..inference.induction import INDUCER
-from .outcome import Answer, Decision
+from .outcome import Answer, Decision, Slot
 
 _DONE = {
     "pass": ("passed", "passed_by", "passed_as_told"),
@@ -68,27 +68,29 @@ def decided(action: str, decision: Decision) -> Answer:
 
 def not_found(target: Target, inference: Inference) -> Answer:
     """The answer when no candidate is sure enough."""
-    if not inference.candidates:
-        return _nothing(target)
-    first = inference.candidates[0]
-    if first in inference.denied or first.interval.is_vacuous:
-        return _nothing(target)
-    wanted = target.used_for or target.not_used_for
+    first = inference.candidates[0] if inference.candidates else None
+    if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
+        return _nothing(target, inference)
+    wanted = _wanted(target)
     if wanted is None:
-        return Answer("not_sure_seen", {"object": _named(target)}, "asked")
-    return Answer("not_sure", {"object": first.object, "affordance": wanted}, "asked")
+        return Answer("not_sure_seen", {"object": _named(target)}, "asked", "not_sure")
+    bounds = (round(first.interval.lower, 4), round(first.interval.upper, 4))
+    slots: dict[str, Slot] = {"object": first.object, "confidence": bounds}
+    if target.affords:
+        return Answer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
+    return Answer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
 
 
 def not_sure_how(action: str, object_name: str) -> Answer:
     """The answer when no part is sure enough to take a thing by."""
-    return Answer("not_sure_how", {"goal": action, "object": object_name}, "asked")
+    return Answer("not_sure_how", {"goal": action, "object": object_name}, "asked", "not_sure")
 
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:
     """The answer to a motion that did not succeed."""
     with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
     slots = {"object": object_name} | ({"part": part} if part else {})
-    return Answer(with_part if part else without, slots, "failed")
+    return Answer(with_part if part else without, slots, "failed", reason)
 
 
 def unable(action: str, primitive: str, decision: Decision) -> Answer:
@@ -96,12 +98,33 @@ def unable(action: str, primitive: str, decision: Decision) -> Answer:
     return Answer("not_able", _chosen(action, decision) | {"ability": primitive}, "failed")
 
 
-def _nothing(target: Target) -> Answer:
-    if target.used_for:
-        return Answer("nothing_used_for", {"affordance": target.used_for}, "failed")
+def _nothing(target: Target, inference: Inference) -> Answer:
+    """Why nothing that is in view will do: believed not to, or not in view, or nothing known."""
     if target.not_used_for:
-        return Answer("nothing_not_used_for", {"affordance": target.not_used_for}, "failed")
-    return Answer("nothing_seen", {"object": _named(target)}, "failed")
+        return _not_found("nothing_not_used_for", affordance=target.not_used_for)
+    wanted = _wanted(target)
+    if wanted is None or target.object:
+        return _not_found("nothing_seen", object=_named(target))
+    key = "nothing_affords" if target.affords else "nothing_used_for"
+    slot = "conclusion" if target.affords else "affordance"
+    absent = tuple(dict.fromkeys(each.object for each in inference.absent))
+    denied = tuple(dict.fromkeys(each.object for each in inference.denied))
+    if absent:
+        return _not_found(f"{key}_absent", **{slot: wanted, "objects": absent})
+    if denied:
+        return _not_found(f"{key}_denied", **{slot: wanted, "objects": denied})
+    return _not_found(key, **{slot: wanted})
+
+
+def _not_found(key: str, **slots: Slot) -> Answer:
+    return Answer(key, slots, "failed", "not_found")
+
+
+def _wanted(target: Target) -> str | None:
+    """What a target must afford, in a word; None where it is named."""
+    if target.affords:
+        return str(target.affords)
+    return target.used_for or target.not_used_for
 
 
 def _named(target: Target) -> str:

@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..kb.beliefs import KnowledgeBase
-from ..kb.rule import Rule
+from ..kb.interval import Interval
+from ..kb.rule import Atom, Rule
 from ..nlu import meaning
 from ..nlu.language import Language
 from ..nlu.reference import Discourse
@@ -82,6 +83,7 @@ class Dialogue:
 
     Attributes:
         language: grows with every word that is learned.
+        contexts: what holds now besides what is being done: places, roles, with how surely.
         last_done: the reply to the last command.
     """
 
@@ -97,6 +99,7 @@ class Dialogue:
         self.base = base
         self.language = language.with_words(known(word) for word in base.words())
         self.seed = seed
+        self.contexts: dict[Atom, Interval] = {}
         self.last_done: Reply | None = None
         self._goals = goals
         self._visible = visible
@@ -213,7 +216,9 @@ class Dialogue:
             return self._answered(turn, Answer("not_obeyed", {"speaker": turn.speaker}, "refused"))
         if said.negated:
             return self._answered(turn, _declined(said))
-        return self._carry_out(turn, request_of(said, turn.speaker))
+        acts = self.language.listener.interpreter.tool_acts
+        request = request_of(said, turn.speaker, acts)
+        return self._carry_out(turn, replace(request, contexts=self.contexts))
 
     def _carry_out(self, turn: Turn, request: Request) -> Reply:
         try:
@@ -221,7 +226,7 @@ class Dialogue:
         except UnknownNameError:
             answered = Answer("cannot", {"goal": request.action}, "failed")
             came = Achievement(answered, None, (), World())
-        spoken = self._say(came.answer)
+        spoken = " ".join(self._say(each) for each in (*came.setbacks, came.answer))
         reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
         self._record(reply, turn)
         if turn.keep:

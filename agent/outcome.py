@@ -29,21 +29,24 @@ class Answer:
         key: the template in the language's answers.
         slots: its blanks.
         ending: how the thing asked for ended.
+        cause: of a failure, by the name that the branches of action trees know it by.
     """
 
     key: str
     slots: Mapping[str, Slot] = field(default_factory=dict[str, Slot])
     ending: Ending = "done"
+    cause: str = ""
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """What an action is bound to: this thing, this part."""
+    """What an action is bound to: this thing, this part or other argument."""
 
     object: str
     part: str | None
     lower: float
     upper: float
+    argument: str | None = None
 
     def as_json(self) -> Json:
         """As a step of `hilt do --json` shows it."""
@@ -52,7 +55,26 @@ class Constraint:
             "part": self.part,
             "lower": round(self.lower, 6),
             "upper": round(self.upper, 6),
+            **({"argument": self.argument} if self.argument else {}),
         }
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """A thing that was chosen and tried, but did not do.
+
+    Attributes:
+        candidate: why it was chosen.
+        cause: why it did not do.
+    """
+
+    candidate: Candidate
+    cause: str
+
+    def as_json(self) -> Json:
+        """As one of the candidates of `hilt do --json`."""
+        reason = f"it was tried first, but: {self.cause.replace('_', ' ')}"
+        return _candidate(self.candidate) | {"accepted": False, "reason": reason}
 
 
 @dataclass(frozen=True)
@@ -99,12 +121,14 @@ class Decision:
         part: the inference at the grasp node; None where the action does not grasp.
         named_part: the part that the command itself named, which needs no rule.
         patient: what a tool is used on.
+        rejected: what was tried before it.
     """
 
     object: Inference
     part: Inference | None = None
     named_part: str | None = None
     patient: str | None = None
+    rejected: tuple[Rejected, ...] = ()
 
     @property
     def chosen_part(self) -> str | None:
@@ -121,8 +145,9 @@ class Decision:
 
     def proofs(self) -> tuple[Proof, ...]:
         """The proofs of the object and of the part; of the likeliest ones when none is sure."""
-        found = [each for each in (self.object, self.part) if each and each.candidates]
-        return tuple(each.candidates[0].proof for each in found)
+        nodes = [each for each in (self.object, self.part) if each]
+        shown = [(*each.candidates, *each.absent)[:1] for each in nodes]
+        return tuple(candidate.proof for first in shown for candidate in first)
 
     def proofs_as_json(self) -> list[Json]:
         """Every candidate of every node with its proof."""
@@ -130,7 +155,7 @@ class Decision:
         return [
             _candidate(candidate) | {"node": node.node, "proof": candidate.proof.as_json()}
             for node in nodes
-            for candidate in node.candidates
+            for candidate in (*node.candidates, *node.absent)
         ]
 
     def as_json(self) -> Json:
@@ -144,7 +169,10 @@ class Decision:
             "upper": round(first.interval.upper, 6) if first else None,
             "lambda": round(first.certainty, 6) if first else None,
             "threshold": self.object.threshold,
-            "candidates": [_candidate(c) for c in self.object.candidates],
+            "candidates": [
+                *(_candidate(each) for each in self.object.candidates),
+                *(each.as_json() for each in self.rejected),
+            ],
             "ties": [c.object for c in self.object.ties],
             "rules": [rule.id for rule in self.rules],
         }
@@ -161,6 +189,8 @@ def _candidate(candidate: Candidate) -> Json:
         "accepted": candidate.accepted,
         "verdict": candidate.verdict,
         "reason": candidate.reason,
+        **({"inherited": candidate.inherited} if candidate.inherited else {}),
+        **({"overruled": [rule.id for rule in candidate.overruled]} if candidate.overruled else {}),
     }
 
 
@@ -215,9 +245,18 @@ class World:
 
 @dataclass(frozen=True)
 class Achievement:
-    """What came of one goal."""
+    """What came of one goal.
+
+    Attributes:
+        answer: what to say in the end.
+        decision: which thing and part, if the tree looks for any.
+        steps: the nodes as they were walked.
+        world: what happened.
+        setbacks: failures on the way that were mended, to be said before the answer.
+    """
 
     answer: Answer
     decision: Decision | None
     steps: tuple[Step, ...]
     world: World
+    setbacks: tuple[Answer, ...] = ()

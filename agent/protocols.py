@@ -8,11 +8,14 @@ Anybody's detector and motion stack fit in behind these two protocols; the simul
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from ..sim.percept import Percept
 from ..sim.report import MotionReport
+
+if TYPE_CHECKING:
+    from .outcome import Constraint
 
 
 class Vision(Protocol):
@@ -61,4 +64,27 @@ class Motion(Protocol):
 
     def lower(self) -> MotionReport:
         """Strike once; the report says how deep it is in, and whether all the way."""
+        ...
+
+
+@runtime_checkable
+class Skills(Protocol):
+    """Further primitives of a robot's own, beside those of `Motion`; may be left out.
+
+    Their names are among the `abilities`, and action trees name them in `primitives`.
+    """
+
+    def perform(
+        self,
+        action: str,
+        arguments: Mapping[str, Percept | str],
+        constraint: Constraint | None,
+    ) -> MotionReport:
+        """Perform one of them.
+
+        Args:
+            action: its name.
+            arguments: parameter -> the thing seen; a name where nothing of that name is in view.
+            constraint: what the rules conclude at this node, if anything.
+        """
         ...

@@ -6,6 +6,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ..inference.goal import Target
 from ..kb.interval import Interval
 from ..kb.rule import Rule, functional, grasping
@@ -39,20 +41,42 @@ def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
 def said_of(rule: Rule) -> meaning.Rule | None:
     """What a speaker would mean by a rule; None where no sentence can say it."""
     confidence = (rule.interval.lower, rule.interval.upper)
+    kinds = sorted(atom.kind for atom in rule.features if atom.kind != "property")
+    others = [atom for atom in rule.contexts if atom.kind != "action"]
+    if others or kinds not in ([], ["object"]):
+        return None  # what it says besides would be lost
     props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
     name = rule.object or meaning.ANY_OBJECT
-    if rule.affordance:
+    if rule.kind == "functional" and rule.affordance and not rule.contexts:
         return meaning.FunctionalRule(name, rule.affordance, confidence, props)
-    if rule.part and rule.context:
+    if rule.kind == "action" and rule.part and rule.context:
         return meaning.ActionRule(name, rule.context, rule.part, confidence, props)
     return None
 
 
-def request_of(command: meaning.Command | meaning.ToolCommand, speaker: str) -> Request:
-    """The goal that a command asks for."""
+def request_of(
+    command: meaning.Command | meaning.ToolCommand,
+    speaker: str,
+    tool_acts: Mapping[str, str] | None = None,
+) -> Request:
+    """The goal that a command asks for.
+
+    Args:
+        command: what was meant.
+        speaker: who said it.
+        tool_acts: act -> the use that its tool must have, which a language fills in for a tool
+            that nobody named.
+    """
     if isinstance(command, meaning.ToolCommand):
-        arguments: dict[str, Argument] = {"patient": command.patient, "tool": _target(command.tool)}
-        return Request(command.goal, arguments, speaker)
+        tool, patient = _target(command.tool), Target(object=command.patient)
+        is_assumed = tool == Target(used_for=(tool_acts or {}).get(command.goal, ""))
+        arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
+        return Request(
+            command.goal,
+            arguments,
+            speaker,
+            assumed=frozenset({"tool"} if is_assumed else ()),
+        )
     arguments = {"object": _target(command.target)}
     if command.recipient:
         arguments["recipient"] = command.recipient
@@ -61,4 +85,5 @@ def request_of(command: meaning.Command | meaning.ToolCommand, speaker: str) -> 
 
 def _target(said: meaning.Target) -> Target:
     name = None if said.object == meaning.ANY_OBJECT else said.object
-    return Target(name, said.used_for, said.not_used_for, frozenset(said.props))
+    props = frozenset(said.props)
+    return Target(name, said.used_for, said.not_used_for, properties=props)

@@ -22,13 +22,15 @@ threshold    what lambda must exceed before the robot acts
 [0.85, 1.00]
 """
 
-from .affordance import Affordances, RuleSource, Settings
+from .affordance import Affordances, RuleSource
 from .evidence import Operators
-from .goal import Candidate, Goal, Inference, Observation, Target
+from .goal import Candidate, Conclusion, Goal, Inference, Observation, Target
+from .settings import Settings
 
 __all__ = [
     "Affordances",
     "Candidate",
+    "Conclusion",
     "Goal",
     "Inference",
     "Observation",

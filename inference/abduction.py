@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
-from .affordance import Settings
 from .evidence import relative_plausibility
+from .settings import Settings
 
 Json = dict[str, object]
 

@@ -14,22 +14,19 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Protocol
 
-from ..kb.interval import CERTAIN, VACUOUS, Interval
-from ..kb.rule import Atom, Rule
-from ..ontology.errors import UnknownNameError
-from ..ontology.source import read_yaml
-from .evidence import EPSILON, Operators, certainty, is_affirmed, is_denied
-from .goal import Candidate, Goal, Inference, Observation, Verdict
-from .proof import LEAVES, UNKNOWN, Proof, derived, told
+from ..kb.interval import CERTAIN, VACUOUS
+from ..kb.rule import USED_FOR, Atom, Rule
+from .goal import Candidate, Conclusion, Goal, Inference, Observation
+from .judging import Applicable, Judge
+from .proof import Proof, derived, told, unknown
+from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
 
-FIND = "findObject"  # the action whose rules are functional: usedFor(object, affordance)
-THRESHOLDS_FILE = Path(__file__).parents[1] / "ontology" / "thresholds.yaml"
-STAGES = ("rules", "conclusions")
+FIND = "findObject"  # the action whose rules say which thing: usedFor(object, affordance)
+
+Shown = Mapping[Atom, tuple[int, Atom]]  # what holds -> steps up from what was seen, and that
 
 
 class RuleSource(Protocol):
@@ -43,47 +40,6 @@ class RuleSource(Protocol):
     def rules_of(self, nodes: Sequence[str]) -> Sequence[Rule]:
         """The active rules that hang on any of these nodes."""
         ...
-
-
-@dataclass(frozen=True)
-class Settings:
-    """The choices of the theory.
-
-    Attributes:
-        operators: AND, modus ponens, fusion and ranking, by name.
-        stage: fuse "rules" that share an antecedent, then conclude (default); or conclude from each
-            rule and fuse the "conclusions", the letter of the paper.
-        threshold: Λ, what lambda must exceed to act, in [0, 1].
-        thresholds: Λ of single contexts (action names), before the general one.
-    """
-
-    operators: Operators = field(default_factory=Operators)
-    stage: str = "rules"
-    threshold: float = 0.005
-    thresholds: Mapping[str, float] = field(default_factory=dict[str, float])
-
-    def __post_init__(self) -> None:
-        if self.stage not in STAGES:
-            raise UnknownNameError("fusion stage", self.stage, STAGES)
-
-    @classmethod
-    def load(cls, path: Path = THRESHOLDS_FILE) -> Settings:
-        """The defaults, with the thresholds of a file.
-
-        Raises:
-            DataError: the file is wrong; says where and what was expected.
-        """
-        top = read_yaml(path).entries(required={"default"}, optional={"contexts"})
-        contexts = top["contexts"].entries() if "contexts" in top else {}
-        return cls(
-            threshold=top["default"].number(low=0, high=1),
-            thresholds={name: each.number(low=0, high=1) for name, each in contexts.items()},
-        )
-
-    def threshold_of(self, contexts: Iterable[str]) -> float:
-        """Λ of the nearest context that has one of its own."""
-        own = (self.thresholds[c] for c in contexts if c in self.thresholds)
-        return next(own, self.threshold)
 
 
 class Affordances:
@@ -137,12 +93,14 @@ class Affordances:
         Raises:
             ConflictError: the chosen operators are not defined for what was told.
         """
-        judge = Judge(node, self.settings)
-        if _action(node) == FIND:
-            found = [self._find(node, goal, seen, judge) for seen in observations]
-        else:
+        judge = Judge(node, self._threshold(node, goal), self.settings.operators)
+        if _action(node) != FIND:
             found = [each for seen in observations for each in self._bound(node, goal, seen, judge)]
-        return judge.ranked(found)
+            return judge.ranked(found)
+        found = [self._find(node, goal, seen, judge) for seen in observations]
+        if any(each.accepted for each in found):
+            return judge.ranked(found)
+        return judge.ranked(found, list(self._absent(node, goal, observations, judge)))
 
     def infer_many(
         self, node: str, goals: Sequence[Goal], scenes: Sequence[Sequence[Observation]]
@@ -158,11 +116,19 @@ class Affordances:
 
     def _levels(self, node: str, goal: Goal) -> tuple[str, ...]:
         """The keys under which rules of this node hang, nearest context first."""
-        if _action(node) == FIND:
-            wanted = (goal.target.used_for, goal.target.not_used_for)
-            return tuple(f"{FIND}.{affordance}" for affordance in wanted if affordance)
-        action = _action(node)
-        return (*(f"{context.name}.{action}" for context in self._contexts(node)), action)
+        if _action(node) != FIND:
+            return self._keys(node, _action(node))
+        wanted = (self._keys_of(node, conclusion) for conclusion, _ in goal.target.wanted)
+        return tuple(key for keys in wanted for key in keys)
+
+    def _keys_of(self, node: str, wanted: Conclusion) -> tuple[str, ...]:
+        """The keys under which rules hang that conclude what is wanted of a thing."""
+        if wanted.functor == USED_FOR and wanted.argument:
+            return (f"{FIND}.{wanted.argument.name}",)
+        return self._keys(node, wanted.functor)
+
+    def _keys(self, node: str, functor: str) -> tuple[str, ...]:
+        return (*(f"{context.name}.{functor}" for context in self._contexts(node)), functor)
 
     def _contexts(self, node: str) -> tuple[Atom, ...]:
         """The actions above a node, nearest first, each with what it is a kind of."""
@@ -170,6 +136,12 @@ class Affordances:
         return tuple(
             dict.fromkeys(above for atom in acting for above, _ in self.taxonomy.above(atom))
         )
+
+    def _threshold(self, node: str, goal: Goal) -> float:
+        if not self.settings.thresholds:
+            return self.settings.threshold
+        actions = (context.name for context in self._contexts(node))
+        return self.settings.threshold_of(actions, self._closure(goal.contexts))
 
     def _rules_at(self, key: str) -> tuple[Rule, ...]:
         if self.source.sequence != self._sequence:
@@ -207,133 +179,113 @@ class Affordances:
         target = goal.target
         shown = self._closure(seen.atoms)
         steps = [self._evidence(atom, goal, seen, shown) for atom in _asked(node, goal)]
-        argument, inherited = None, 0
-        for affordance, is_negated in ((target.used_for, False), (target.not_used_for, True)):
-            if affordance:
-                argument = Atom("affordance", affordance)
-                rules, inherited = self._applicable(f"{FIND}.{affordance}", node, goal, shown)
-                proof = self._concluded(rules, goal, seen, shown)
-                operators = self.settings.operators
-                steps.append(derived("not", [proof], operators) if is_negated else proof)
+        argument, applied = None, Applicable()
+        for conclusion, is_negated in target.wanted:
+            argument = conclusion.argument
+            applied = self._concluding(conclusion, node, goal, shown)
+            proof = self._concluded(applied.rules, goal, seen, shown)
+            operators = self.settings.operators
+            steps.append(derived("not", [proof], operators) if is_negated else proof)
         if target.is_confirmed:
             steps = [Proof("given", CERTAIN, f"{seen.name} was confirmed by the speaker")]
-        return judge.candidate(seen, argument, steps, inherited)
+        return judge.candidate(seen, argument, steps, applied)
 
     def _bound(self, node: str, goal: Goal, seen: Observation, judge: Judge) -> Iterator[Candidate]:
         """Which part (or other argument) the rules of the nearest context name for one thing."""
         shown = self._closure(seen.atoms)
         for key in self._levels(node, goal):
-            rules, inherited = self._applicable(key, node, goal, shown)
-            if rules:
-                for argument, group in _by_argument(rules).items():
+            applied = self._nearest(self._relevant(key, node, goal), shown)
+            if applied.rules:
+                for argument, group in _by_argument(applied.rules).items():
                     proof = self._concluded(group, goal, seen, shown)
-                    yield judge.candidate(seen, argument, [proof], inherited)
+                    yield judge.candidate(seen, argument, [proof], applied)
                 return
 
-    def _applicable(
-        self, key: str, node: str, goal: Goal, shown: Mapping[Atom, tuple[int, Atom]]
-    ) -> tuple[list[Rule], int]:
-        """The relevant rules all of whose features are shown: the nearest, and how near."""
-        fitting = [r for r in self._relevant(key, node, goal) if r.features <= shown.keys()]
+    def _absent(
+        self, node: str, goal: Goal, observations: Sequence[Observation], judge: Judge
+    ) -> Iterator[Candidate]:
+        """What rules speak for that is not in view: each as if it had been looked for in vain."""
+        shown = [self._closure(seen.atoms) for seen in observations]
+        for conclusion, is_negated in goal.target.wanted:
+            groups: dict[str, list[Rule]] = defaultdict(list)
+            for key in self._keys_of(node, conclusion):
+                for rule in self._relevant(key, node, goal):
+                    in_view = any(rule.features <= each.keys() for each in shown)
+                    if rule.asserts and not is_negated and not in_view:
+                        groups[rule.object or "thing"].append(rule)
+            for name, rules in groups.items():
+                nothing = Observation(name, name, {})
+                proof = self._concluded(rules, goal, nothing, {})
+                applied = Applicable(tuple(rules))
+                yield judge.candidate(
+                    nothing, conclusion.argument, [proof], applied, is_absent=True
+                )
+
+    def _concluding(self, wanted: Conclusion, node: str, goal: Goal, shown: Shown) -> Applicable:
+        """The rules of the nearest context that conclude what is wanted of a thing."""
+        arguments = self._closure([wanted.argument]) if wanted.argument else None
+        for key in self._keys_of(node, wanted):
+            rules = self._relevant(key, node, goal)
+            if arguments is not None:
+                rules = [r for r in rules if r.argument is None or r.argument in arguments]
+            applied = self._nearest(rules, shown, arguments or {})
+            if applied.rules:
+                return applied
+        return Applicable()
+
+    def _nearest(
+        self, rules: Sequence[Rule], shown: Shown, arguments: Shown | None = None
+    ) -> Applicable:
+        """Of rules those all of whose features are shown, and of these the nearest."""
+        fitting = [rule for rule in rules if rule.features <= shown.keys()]
         if not fitting:
-            return [], 0
-        distances = [max((shown[f][0] for f in r.features), default=0) for r in fitting]
+            return Applicable()
+        distances = [_distance(rule, shown, arguments or {}) for rule in fitting]
         nearest = min(distances)
-        return [r for r, d in zip(fitting, distances, strict=True) if d == nearest], nearest
+        pairs = list(zip(fitting, distances, strict=True))
+        near = tuple(rule for rule, distance in pairs if distance == nearest)
+        return Applicable(near, nearest, tuple(rule for rule, d in pairs if d > nearest))
 
     def _concluded(
-        self,
-        rules: Sequence[Rule],
-        goal: Goal,
-        seen: Observation,
-        shown: Mapping[Atom, tuple[int, Atom]],
+        self, rules: Sequence[Rule], goal: Goal, seen: Observation, shown: Shown
     ) -> Proof:
         """One conclusion from rules that agree in what they conclude; unknown from none."""
+        if not rules:
+            return unknown(seen.name)
         operators = self.settings.operators
-        groups: dict[frozenset[Atom], list[Proof]] = defaultdict(list)
-        for rule in rules:
-            groups[rule.features | rule.contexts].append(told(rule))
         concluded: list[Proof] = []
-        for antecedent, said in groups.items():
-            known = [self._evidence(atom, goal, seen, shown) for atom in sorted(antecedent)]
+        for group in self._groups(rules):
+            antecedent = sorted(group[0].features | group[0].contexts)
+            known = [self._evidence(atom, goal, seen, shown) for atom in antecedent]
             premise = derived("and", known, operators)
-            fused = [derived("fuse", said, operators)] if self.settings.stage == "rules" else said
-            concluded += [derived("modus ponens", (premise, rule), operators) for rule in fused]
-        return derived("fuse", concluded, operators) if concluded else UNKNOWN
+            rule = derived("fuse", [told(each) for each in group], operators)
+            concluded.append(derived("modus ponens", (premise, rule), operators))
+        return derived("fuse", concluded, operators)
 
-    def _evidence(
-        self, atom: Atom, goal: Goal, seen: Observation, shown: Mapping[Atom, tuple[int, Atom]]
-    ) -> Proof:
+    def _groups(self, rules: Sequence[Rule]) -> Iterable[Sequence[Rule]]:
+        """Rules that are fused before modus ponens, the one told last in the last group."""
+        if len(rules) == 1:
+            return [rules]
+        in_time = sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))
+        if self.settings.stage == "conclusions":
+            return [[rule] for rule in in_time]
+        groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)
+        for rule in in_time:
+            groups[rule.features | rule.contexts].append(rule)
+        return sorted(groups.values(), key=lambda group: group[-1].utterance or 0)
+
+    def _evidence(self, atom: Atom, goal: Goal, seen: Observation, shown: Shown) -> Proof:
         """How surely an antecedent holds; an action on the path of the node holds by itself."""
         if atom in shown:
             origin = shown[atom][1]
             kind = "" if origin == atom else f", which is a kind of {atom.name}"
             return Proof("seen", seen.atoms[origin], f"{origin} seen on {seen.name}{kind}")
         if atom.kind in {"object", "part", "property"}:
-            return Proof("seen", VACUOUS, f"{atom} not seen on {seen.name}")
+            where = f" on {seen.name}" if seen.atoms else ""
+            return Proof("seen", VACUOUS, f"{atom} not seen{where}")
         given = self._closure(goal.contexts)
         interval = goal.contexts[given[atom][1]] if atom in given else CERTAIN
         return Proof("given", interval, str(atom))
-
-
-class Judge:
-    """Decides at one node which conclusions are sure enough, and which is the best."""
-
-    def __init__(self, node: str, settings: Settings) -> None:
-        self.node = node
-        self.operators = settings.operators
-        self.threshold = settings.threshold_of(contexts_of(node))
-
-    def candidate(
-        self, seen: Observation, argument: Atom | None, steps: Sequence[Proof], inherited: int
-    ) -> Candidate:
-        """What all steps together come to for one thing."""
-        proof = derived("and", steps, self.operators)
-        if argument is not None and proof.step not in LEAVES:
-            proof = replace(proof, label=f"{seen.name} affords {argument}")
-        sure = certainty(proof.interval)
-        verdict = self.verdict(proof, UNKNOWN in steps)
-        reason = _REASONS[verdict].format(proof.interval, sure, self.threshold)
-        return Candidate(seen.name, seen.object, argument, proof, sure, verdict, reason, inherited)
-
-    def verdict(self, proof: Proof, is_unknown: bool) -> Verdict:
-        """Whether to act on a conclusion, to avoid it, or neither."""
-        if is_unknown:
-            return "unknown"
-        if is_affirmed(proof.interval, self.threshold):
-            return "accepted"
-        return "denied" if is_denied(proof.interval, self.threshold) else "unsure"
-
-    def first(self, intervals: Sequence[Interval]) -> int | None:
-        """The index of the first of the best intervals that are sure enough; None of none."""
-        sure = [i for i, each in enumerate(intervals) if is_affirmed(each, self.threshold)]
-        if not sure:
-            return None
-        best = max(self.operators.rank(intervals[i]) for i in sure)
-        return next(i for i in sure if self.operators.rank(intervals[i]) > best - EPSILON)
-
-    def ranked(self, found: Sequence[Candidate]) -> Inference:
-        """All candidates, the best first; equals in the order in which they were found."""
-        rank = self.operators.rank
-        ordered = sorted(found, key=lambda each: (not each.accepted, -rank(each.interval)))
-        ties: tuple[Candidate, ...] = ()
-        if ordered and ordered[0].accepted:
-            best = rank(ordered[0].interval)
-            # In scene order, so that rounding in the last bit cannot decide between equals.
-            tied = [
-                each for each in found if each.accepted and rank(each.interval) > best - EPSILON
-            ]
-            ordered = [tied[0], *(each for each in ordered if each is not tied[0])]
-            ties = tuple(tied) if len(tied) > 1 else ()
-        return Inference(self.node, self.threshold, tuple(ordered), ties)
-
-
-_REASONS: Mapping[Verdict, str] = {
-    "accepted": "{0} is sure enough: lambda {1:.4g} is above {2:.4g}",
-    "denied": "{0} speaks against it",
-    "unsure": "{0} is not sure enough: lambda {1:.4g} is not above {2:.4g}",
-    "unknown": "nothing that was told says so",
-}
 
 
 def contexts_of(node: str) -> tuple[str, ...]:
@@ -351,6 +303,14 @@ def _asked(node: str, goal: Goal) -> list[Atom]:
         return []
     named = [Atom("object", goal.target.object)] if goal.target.object else []
     return named + [Atom("property", name) for name in sorted(goal.target.properties)]
+
+
+def _distance(rule: Rule, shown: Shown, arguments: Shown) -> int:
+    """How many steps up from what is seen, and from what is wanted, a rule was found."""
+    above = max((shown[feature][0] for feature in rule.features), default=0)
+    if rule.argument is None or rule.argument not in arguments:
+        return above
+    return above + arguments[rule.argument][0]
 
 
 def _by_argument(rules: Sequence[Rule]) -> dict[Atom | None, list[Rule]]:

@@ -6,7 +6,8 @@ and m(either) = b - a of one proposition. The paper (section 2) names the steps:
 antecedents, modus ponens with the rule's interval, fusion of equal conclusions, then the measure
 lambda of Nunez et al. (2013) against a threshold; it prints no formula. Those here are derived, and
 each docstring says from what. Where there is a choice, every choice has a name in a table
-(`CONJUNCTIONS`, `MODUS_PONENS`, `FUSIONS`, `RANKINGS`); `Operators` holds one of each.
+(`CONJUNCTIONS`, `MODUS_PONENS`, `FUSIONS`, `RANKINGS`, `ACCEPTANCES`); `Operators` holds one of
+each.
 
 Products are taken in sorted order, so that a result does not depend, not even in its last bit, on
 the order in which things were taught.
@@ -28,6 +29,7 @@ Conjunction = Callable[[Sequence[Interval]], Interval]
 ModusPonens = Callable[[Interval, Interval], Interval]
 Fusion = Callable[[Sequence[Interval]], Interval]
 Ranking = Callable[[Interval], float]
+Acceptance = Callable[[Interval, float], bool]
 
 
 def _bounded(lower: float, upper: float) -> Interval:
@@ -198,9 +200,9 @@ def is_affirmed(interval: Interval, threshold: float) -> bool:
     return interval.lower + interval.upper > 1 + EPSILON and certainty(interval) > threshold
 
 
-def is_denied(interval: Interval, threshold: float) -> bool:
-    """Whether it is believed not to hold: the mirror of `is_affirmed`."""
-    return is_affirmed(negation(interval), threshold)
+def is_certain(interval: Interval, threshold: float) -> bool:
+    """Whether lambda alone is above the threshold: the letter of the paper, blind to truth."""
+    return certainty(interval) > threshold
 
 
 # --- The named choices ---------------------------------------------------------------------
@@ -232,6 +234,9 @@ RANKINGS: Mapping[str, Ranking] = MappingProxyType(
         "lambda": certainty,
     }
 )
+ACCEPTANCES: Mapping[str, Acceptance] = MappingProxyType(
+    {"directed": is_affirmed, "lambda": is_certain}
+)
 
 
 @dataclass(frozen=True)
@@ -246,12 +251,14 @@ class Operators:
     modus_ponens: str = "conditional"
     fusion: str = "yager"
     ranking: str = "plausibility"
+    acceptance: str = "directed"
 
     def __post_init__(self) -> None:
         _known("conjunction", self.conjunction, CONJUNCTIONS)
         _known("modus ponens", self.modus_ponens, MODUS_PONENS)
         _known("fusion", self.fusion, FUSIONS)
         _known("ranking", self.ranking, RANKINGS)
+        _known("acceptance", self.acceptance, ACCEPTANCES)
 
     def all_of(self, intervals: Sequence[Interval]) -> Interval:
         """AND of the intervals; [1, 1] of none."""
@@ -268,6 +275,14 @@ class Operators:
     def rank(self, interval: Interval) -> float:
         """A number by which candidates are ordered, higher is better."""
         return RANKINGS[self.ranking](interval)
+
+    def accepts(self, interval: Interval, threshold: float) -> bool:
+        """Whether to act on it."""
+        return ACCEPTANCES[self.acceptance](interval, threshold)
+
+    def denies(self, interval: Interval, threshold: float) -> bool:
+        """Whether it is believed not to hold, surely enough to avoid it."""
+        return is_affirmed(negation(interval), threshold)
 
 
 def _known(kind: str, name: str, table: Mapping[str, object]) -> None:

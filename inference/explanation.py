@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from ..kb.interval import Interval
 from ..ontology.errors import UnknownNameError
-from .affordance import Judge, Settings
 from .goal import Candidate, Inference
+from .judging import Judge
 from .proof import Json, Proof
+from .settings import Settings
 
-HALVINGS = 40  # of a bound, when the turning point is searched: to 1e-12
+HALVINGS = 40  # of a stretch of a path, when the turning point is searched: to 1e-12
+STRETCHES = 64  # of a path that are looked at
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Change:
     Attributes:
         evidence: the leaf of the proof that would be different.
         after: what it would have to be.
-        chosen: the name that would be chosen then; None when nothing would be.
+        chosen: the thing or part that would be chosen then; None when nothing would be.
     """
 
     evidence: Proof
@@ -36,8 +39,7 @@ class Change:
     @property
     def size(self) -> float:
         """How far the bounds move together."""
-        before = self.evidence.interval
-        return abs(before.lower - self.after.lower) + abs(before.upper - self.after.upper)
+        return _distance(self.evidence.interval, self.after)
 
     def as_json(self) -> Json:
         """As `hilt explain --json` prints it."""
@@ -85,57 +87,110 @@ def names_of(candidate: Candidate) -> tuple[str, ...]:
 
 
 def changes_of_mind(inference: Inference, settings: Settings) -> list[Change]:
-    """The smallest change of each interval alone that turns the decision, the smallest first.
+    """The smallest changes of one interval alone that turn the decision, the smallest first.
+
+    An interval can grow in truth in two ways that are no detour: its lower bound first, taking the
+    upper one along where they meet, or its upper bound first, then the lower one. Likewise it can
+    shrink. With the default operators whether a thing is chosen is a linear condition on the two
+    bounds of any one leaf, so the smallest change |Δlower| + |Δupper| lies on one of these four.
 
     Args:
         inference: the decision.
         settings: those it was made with.
+
+    Returns:
+        Of each leaf of the proofs the smallest change in each direction that turns the decision.
     """
-    leaves = dict.fromkeys(leaf for each in inference.candidates for leaf in each.proof.leaves)
-    found = (change for leaf in leaves for change in _turning(inference, settings, leaf))
+    shown = (*inference.candidates, *inference.absent)
+    leaves = dict.fromkeys(leaf for each in shown for leaf in each.proof.leaves)
+    mind = _Mind(inference, settings)
+    found = [change for leaf in leaves for change in mind.turned_by(leaf)]
     return sorted(found, key=lambda change: change.size)
 
 
-def _turning(inference: Inference, settings: Settings, leaf: Proof) -> Iterator[Change]:
-    """The nearest values of each bound of one leaf at which the decision is another."""
-    now = leaf.interval
-    decided = _decided(inference, settings, leaf, now)
-    for end in (Interval(0.0, now.upper), Interval(now.upper, now.upper)):
-        yield from _nearest(inference, settings, leaf, end, decided)
-    for end in (Interval(now.lower, now.lower), Interval(now.lower, 1.0)):
-        yield from _nearest(inference, settings, leaf, end, decided)
+class _Mind:
+    """A decision that can be made again with other evidence."""
 
+    def __init__(self, inference: Inference, settings: Settings) -> None:
+        self.candidates = (*inference.candidates, *inference.absent)
+        self.operators = settings.operators
+        self.judge = Judge(inference.node, inference.threshold, settings.operators)
+        self.intervals = [each.interval for each in self.candidates]
+        self.decided = self.judge.first(self.intervals)
 
-def _nearest(
-    inference: Inference, settings: Settings, leaf: Proof, end: Interval, decided: int | None
-) -> Iterator[Change]:
-    """Halve the way from here to `end`, at which the decision is another, to the turning point."""
-    now = leaf.interval
-    if end == now or _decided(inference, settings, leaf, end) == decided:
-        return
-    same, other = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = (same + other) / 2
-        if _decided(inference, settings, leaf, _between(now, end, middle)) == decided:
-            same = middle
+    def turned_by(self, leaf: Proof) -> Iterator[Change]:
+        """The smallest change of a leaf upwards, and the smallest downwards, that turn it."""
+        for paths in _paths(leaf.interval):
+            turned = [each for path in paths if (each := self._turned(leaf, path))]
+            yield from sorted(turned, key=lambda change: change.size)[:1]
+
+    def _turned(self, leaf: Proof, path: Sequence[Interval]) -> Change | None:
+        """The nearest point of a path at which the decision is another."""
+        about = [i for i, each in enumerate(self.candidates) if leaf in each.proof.leaves]
+        before = 0.0
+        for stretch in range(1, STRETCHES + 1):
+            after = stretch / STRETCHES
+            if self._chosen(leaf, _along(path, after), about) != self.decided:
+                break
+            before = after
         else:
-            other = middle
-    after = _between(now, end, other)
-    index = _decided(inference, settings, leaf, after)
-    yield Change(leaf, after, None if index is None else inference.candidates[index].name)
+            return None
+        for _ in range(HALVINGS):
+            middle = (before + after) / 2
+            if self._chosen(leaf, _along(path, middle), about) == self.decided:
+                before = middle
+            else:
+                after = middle
+        instead = _along(path, after)
+        index = self._chosen(leaf, instead, about)
+        return Change(leaf, instead, None if index is None else _called(self.candidates[index]))
+
+    def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
+        """Which candidate would be chosen, by its index, if one leaf were another."""
+        intervals = list(self.intervals)
+        for index in about:
+            proof = self.candidates[index].proof
+            intervals[index] = proof.evaluate(self.operators, {leaf: instead})
+        return self.judge.first(intervals)
+
+
+def _called(candidate: Candidate) -> str:
+    """A candidate by its part, where that is what is decided, else by its name."""
+    argument = candidate.argument
+    return argument.name if argument and argument.kind == "part" else candidate.name
+
+
+def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
+    """The corners of the two ways to more truth, and of the two to less."""
+    low, high = now.lower, now.upper
+    return (
+        (
+            (now, Interval(high, high), Interval(1.0, 1.0)),
+            (now, Interval(low, 1.0), Interval(1.0, 1.0)),
+        ),
+        (
+            (now, Interval(low, low), Interval(0.0, 0.0)),
+            (now, Interval(0.0, high), Interval(0.0, 0.0)),
+        ),
+    )
+
+
+def _along(path: Sequence[Interval], share: float) -> Interval:
+    """The point after a share of a path's length, in [0, 1]."""
+    lengths = [_distance(*pair) for pair in pairwise(path)]
+    left = share * sum(lengths)
+    for (start, end), length in zip(pairwise(path), lengths, strict=True):
+        if left <= length and length > 0:
+            return _between(start, end, left / length)
+        left -= length
+    return path[-1]
+
+
+def _distance(one: Interval, other: Interval) -> float:
+    return abs(one.lower - other.lower) + abs(one.upper - other.upper)
 
 
 def _between(start: Interval, end: Interval, share: float) -> Interval:
     lower = start.lower + share * (end.lower - start.lower)
     upper = start.upper + share * (end.upper - start.upper)
     return Interval(min(lower, upper), upper)
-
-
-def _decided(
-    inference: Inference, settings: Settings, leaf: Proof, instead: Interval
-) -> int | None:
-    """Which candidate would be chosen, by its index, if one leaf were another; None for none."""
-    judge = Judge(inference.node, settings)
-    candidates: Sequence[Candidate] = inference.candidates
-    intervals = [each.proof.evaluate(settings.operators, {leaf: instead}) for each in candidates]
-    return judge.first(intervals)

@@ -14,10 +14,26 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..kb.interval import Interval
-from ..kb.rule import Atom, Rule
+from ..kb.rule import USED_FOR, Atom, Rule
 from .proof import Proof
 
-Verdict = Literal["accepted", "denied", "unsure", "unknown"]
+Verdict = Literal["accepted", "denied", "unsure", "unknown", "absent"]
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What must follow of a thing: usedFor(cutting), cutWith(bread).
+
+    Attributes:
+        functor: of the rules that conclude it.
+        argument: what of; None takes any.
+    """
+
+    functor: str
+    argument: Atom | None = None
+
+    def __str__(self) -> str:
+        return f"{self.functor}({self.argument or ''})"
 
 
 @dataclass(frozen=True)
@@ -28,6 +44,7 @@ class Target:
         object: its class ("knife"), or None for "something".
         used_for: an affordance it must have.
         not_used_for: an affordance it must not have.
+        affords: any other conclusion that must follow of it: cutWith(bread).
         properties: adjectives it must satisfy ("red").
         is_confirmed: whether the speaker said yes to it, when asked: then it need only be seen.
     """
@@ -35,8 +52,20 @@ class Target:
     object: str | None = None
     used_for: str | None = None
     not_used_for: str | None = None
+    affords: Conclusion | None = None
     properties: frozenset[str] = frozenset()
     is_confirmed: bool = False
+
+    @property
+    def wanted(self) -> tuple[tuple[Conclusion, bool], ...]:
+        """What must follow of it, each with whether its contrary must."""
+        uses = ((self.used_for, False), (self.not_used_for, True))
+        named = [
+            (Conclusion(USED_FOR, Atom("affordance", name)), negated)
+            for name, negated in uses
+            if name
+        ]
+        return (*named, *([(self.affords, False)] if self.affords else []))
 
 
 @dataclass(frozen=True)
@@ -81,10 +110,11 @@ class Candidate:
             names the object and no rule is needed.
         proof: how the interval was worked out.
         certainty: lambda of the interval, in [0, 1].
-        verdict: "accepted"; "denied", believed not to hold; "unsure", not enough either way; or
-            "unknown", nothing was told.
+        verdict: "accepted"; "denied", believed not to hold; "unsure", not enough either way;
+            "unknown", nothing was told; or "absent", told of but not in view.
         reason: why, in a few words.
         inherited: how many steps up the rules were found: 0 for this very kind of thing.
+        overruled: inherited rules that were set aside, since these are nearer.
     """
 
     name: str
@@ -95,6 +125,7 @@ class Candidate:
     verdict: Verdict
     reason: str
     inherited: int = 0
+    overruled: tuple[Rule, ...] = ()
 
     @property
     def interval(self) -> Interval:
@@ -121,12 +152,14 @@ class Inference:
         threshold: Λ(c), what lambda must exceed here.
         candidates: all conclusions, best first.
         ties: the names (or parts) that are as good as the best one, in the order of the scene.
+        absent: where nothing is sure enough: what rules name that is not in view.
     """
 
     node: str
     threshold: float
     candidates: tuple[Candidate, ...]
     ties: tuple[Candidate, ...] = ()
+    absent: tuple[Candidate, ...] = ()
 
     @property
     def best(self) -> Candidate | None:

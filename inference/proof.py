@@ -98,7 +98,9 @@ class Proof:
             yield from each.lines(depth + 1)
 
 
-UNKNOWN = Proof("unknown", VACUOUS, "nothing was told")
+def unknown(name: str) -> Proof:
+    """The proof of what nobody told anything about."""
+    return Proof("unknown", VACUOUS, f"nothing was told of {name}")
 
 
 def apply(step: Step, inputs: Sequence[Interval], operators: Operators) -> Interval:

@@ -92,6 +92,8 @@ def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Te
 def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
     for name in (*actions.primitives, *actions.trees):
         yield from _named(Atom("action", name))
+    for name, above in actions.kinds.items():
+        yield atom_iri(Atom("action", name)), IS_A, atom_iri(Atom("action", above))
     for path in actions.nodes:
         node, (above, _, action) = _node(path), path.rpartition("/")
         yield node, TYPE, term("Node")

@@ -2,8 +2,9 @@
 """Action trees: how a goal is carried out, step by step (paper, sections 3.3 and 4.2, Figure 3).
 
 A tree's steps are walked in preorder. Each step is a primitive, which the robot's vision or motion
-performs, or another tree. A `Step` says which of the tree's arguments it hands down; `expand`
-unfolds a tree into the nodes of one walk, each named by its path ("pass/graspObject").
+performs, or another tree. A `Step` says which of the tree's arguments it hands down. Before its
+first step a tree may require something, and after a failure its branches say what else to try.
+Trees are data: `action_sheet` reads them from YAML, those of Hilt and those of its users.
 """
 
 from __future__ import annotations
@@ -11,21 +12,34 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 
 from .errors import UnknownNameError
-from .source import Field, read_yaml
 
-ACTIONS_FILE = Path(__file__).with_name("actions.yaml")
-MAX_REPEAT = 100
 FIXED = "="  # in front of a step's argument that is a word of its own
+ANY_FAILURE = "any"
+FAILURES = frozenset(  # what a branch may follow: reasons of motion, and of the walk itself
+    {
+        "nothing_seen", "no_grasp", "too_wide", "blocked", "unreachable", "wrong_part", "missed",
+        "slipped", "dropped", "bumped", "nothing_held", "nothing_to_strike", "not_driven",
+        "no_gripper", "not_found", "not_sure", "required",
+    }
+)  # fmt: skip
+CONDITIONS = ("sees", "holds")
 
 
 @dataclass(frozen=True)
 class Affords:
-    """An argument that is not a thing but what it must be used for: usedFor(something, X)."""
+    """An argument that is not a thing but what it must afford: the argument review's question.
 
-    affordance: str
+    Attributes:
+        functor: what must follow of it: "usedFor", "cutWith", ...
+        argument: an atom as text ("affordance:pounding"); None where the functor needs none.
+        of: the parameter whose thing is the argument instead: cutWith(X, what is to be cut).
+    """
+
+    functor: str
+    argument: str | None = None
+    of: str | None = None
 
 
 @dataclass(frozen=True)
@@ -51,19 +65,74 @@ class Loop:
 
 
 @dataclass(frozen=True)
+class Condition:
+    """What must hold before the first step.
+
+    Attributes:
+        kind: "sees", it is in view; or "holds", it is in the hand.
+        parameter: the argument that is meant.
+    """
+
+    kind: str
+    parameter: str
+
+
+@dataclass(frozen=True)
+class Branch:
+    """What to do after a failure; exactly one of the last three.
+
+    Attributes:
+        after: the failures it is for, some of `FAILURES` or "any".
+        next: the parameter for which the next best thing is to be tried.
+        again: how often to walk the steps again.
+        steps: what else to do; when they succeed, the tree does.
+    """
+
+    after: frozenset[str]
+    next: str | None = None
+    again: int = 0
+    steps: tuple[Step | Loop, ...] = ()
+
+    def follows(self, failure: str) -> bool:
+        """Whether it is meant for a failure."""
+        return ANY_FAILURE in self.after or failure in self.after
+
+
+@dataclass(frozen=True)
 class ActionTree:
-    """How one goal is carried out."""
+    """How one goal is carried out.
+
+    Attributes:
+        name: of the goal.
+        parameters: what the goal's predicate may carry, in order.
+        defaults: parameter -> what it is when nobody says it; "speaker" is who asked.
+        steps: walked in preorder.
+        requires: what must hold before.
+        otherwise: what to do after a failure, the first that fits.
+        is_a: the action that it is a kind of, whose rules it inherits.
+    """
 
     name: str
     parameters: tuple[str, ...]
     defaults: Mapping[str, str | Affords]
     steps: tuple[Step | Loop, ...]
+    requires: tuple[Condition, ...] = ()
+    otherwise: tuple[Branch, ...] = ()
+    is_a: str | None = None
+
+    @property
+    def all_steps(self) -> Iterator[Step]:
+        """Its steps with those inside loops and branches, once each."""
+        yield from flat_steps(self.steps)
+        for branch in self.otherwise:
+            yield from flat_steps(branch.steps)
 
 
 @dataclass(frozen=True)
 class Actions:
     """All primitives and trees the robot knows.
 
+    >>> from hilt.ontology.action_sheet import load_actions
     >>> actions = load_actions()
     >>> [step.action for step in actions.tree("pass").steps]
     ['findObject', 'graspObject', 'moveTo', 'handOver']
@@ -95,100 +164,21 @@ class Actions:
         found = (path for name in self.trees for path in self._paths(name, name))
         return tuple(dict.fromkeys(found))
 
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Action -> the action that it is a kind of, where it is one."""
+        return {name: tree.is_a for name, tree in self.trees.items() if tree.is_a}
+
     def _paths(self, name: str, path: str) -> Iterator[str]:
         yield path
-        for step in flat_steps(self.trees[name].steps) if name in self.trees else ():
+        for step in self.trees[name].all_steps if name in self.trees else ():
             yield from self._paths(step.action, f"{path}/{step.action}")
 
 
 def flat_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
-    """The steps of a tree with those inside loops, once each."""
+    """Steps with those inside loops, once each."""
     for step in steps:
         if isinstance(step, Loop):
             yield from step.steps
         else:
             yield step
-
-
-def load_actions(path: Path = ACTIONS_FILE) -> Actions:
-    """Read and check action trees.
-
-    Raises:
-        DataError: the file is wrong; says where and what was expected.
-    """
-    top = read_yaml(path).entries(required={"primitives", "trees"}, optional=())
-    primitives = {name: spec.texts() for name, spec in top["primitives"].entries().items()}
-    trees = top["trees"].entries()
-    signatures = primitives | {name: _parameters(spec) for name, spec in trees.items()}
-    loaded = {name: _read_tree(name, spec, signatures) for name, spec in trees.items()}
-    for name, spec in trees.items():
-        _refuse_recursion(name, spec, loaded)
-    return Actions(primitives, loaded)
-
-
-def _parameters(spec: Field) -> tuple[str, ...]:
-    keys = spec.entries(required={"parameters", "steps"}, optional={"defaults"})
-    return keys["parameters"].texts()
-
-
-def _read_tree(name: str, spec: Field, signatures: Mapping[str, tuple[str, ...]]) -> ActionTree:
-    keys = spec.entries()
-    parameters = signatures[name]
-    defaults = keys["defaults"].entries(optional=parameters) if "defaults" in keys else {}
-    return ActionTree(
-        name,
-        parameters,
-        {parameter: _read_default(value) for parameter, value in defaults.items()},
-        tuple(_read_step(item, parameters, signatures) for item in keys["steps"].items()),
-    )
-
-
-def _read_default(value: Field) -> str | Affords:
-    if isinstance(value.value, str):
-        return value.text(choices={"speaker"})
-    return Affords(value.entries(required={"usedFor"}, optional=())["usedFor"].text())
-
-
-def _read_step(
-    item: Field, parameters: tuple[str, ...], signatures: Mapping[str, tuple[str, ...]]
-) -> Step | Loop:
-    keys = item.entries()
-    if "repeat" not in keys:
-        return _read_plain_step(item, parameters, signatures)
-    item.entries(required={"repeat", "steps"}, optional={"until"})
-    return Loop(
-        keys["repeat"].integer(low=1, high=MAX_REPEAT),
-        keys["until"].text() if "until" in keys else None,
-        tuple(_read_plain_step(s, parameters, signatures) for s in keys["steps"].items()),
-    )
-
-
-def _read_plain_step(
-    item: Field, parameters: tuple[str, ...], signatures: Mapping[str, tuple[str, ...]]
-) -> Step:
-    keys = item.entries()
-    if len(keys) != 1:
-        raise item.fail(f"expected one action with its argument, found {len(keys)} keys.")
-    ((action, argument),) = keys.items()
-    if action not in signatures:
-        raise item.fail(str(UnknownNameError("action", action, signatures)))
-    if argument.value is None:
-        return Step(action, {})
-    word = argument.text()
-    if not word.startswith(FIXED) and word not in parameters:
-        raise argument.fail(str(UnknownNameError("parameter", word, parameters)))
-    if not signatures[action]:
-        raise argument.fail(f'"{action}" takes no argument.')
-    return Step(action, {signatures[action][0]: word})
-
-
-def _refuse_recursion(name: str, spec: Field, trees: Mapping[str, ActionTree]) -> None:
-    seen: set[str] = set()
-    waiting = [step.action for step in flat_steps(trees[name].steps)]
-    while waiting:
-        action = waiting.pop()
-        if action == name:
-            raise spec.fail(f'the tree "{name}" contains itself.')
-        if action in trees and action not in seen:
-            seen.add(action)
-            waiting += [step.action for step in flat_steps(trees[action].steps)]

@@ -11,7 +11,8 @@ duplicate keys, and no file over `MAX_BYTES`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+import dataclasses
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,16 +36,20 @@ class Field:
         source: the file it was read from.
         line: 1-based line of its first character.
         column: 1-based column of its first character.
+        text_line: the line itself, for the caret below it.
     """
 
     value: Any
     source: str
     line: int
     column: int
+    text_line: str = dataclasses.field(default="", compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:
         """The error that says what is wrong with this value."""
-        return DataError(problem, source=self.source, line=self.line, column=self.column)
+        return DataError(
+            problem, source=self.source, line=self.line, column=self.column, text=self.text_line
+        )
 
     def text(self, *, choices: Collection[str] = ()) -> str:
         """This value as a non-empty text, one of `choices` when there are any."""
@@ -179,7 +184,7 @@ def parse_yaml(text: str, *, source: str = "<text>") -> Field:
         node = loader.get_single_node()
         if node is None:
             raise DataError("the file is empty.", source=source)
-        return _field(node, loader, source, depth=0)
+        return _Reader(loader, source, text.splitlines()).field(node)
     except yaml.MarkedYAMLError as error:
         raise _syntax_error(error, text, source) from error
     except yaml.YAMLError as error:
@@ -213,31 +218,40 @@ def _syntax_error(error: Any, text: str, source: str) -> DataError:
     )
 
 
-def _field(node: Node, loader: Any, source: str, depth: int) -> Field:
-    line, column = node.start_mark.line + 1, node.start_mark.column + 1
-    tag = node.tag.rsplit(":", 1)[-1]
-    if tag not in {"str", "int", "float", "bool", "null", "seq", "map"}:
-        raise DataError(
-            f'the type "{node.tag}" is not allowed; write a text in quotes, a number, true or '
-            "false, a list or a mapping.",
-            source=source,
-            line=line,
-            column=column,
-        )
-    if tag == "seq":
-        value: Any = tuple(_field(item, loader, source, depth + 1) for item in node.value)
-    elif tag == "map":
-        value = _mapping(node, loader, source, depth)
-    else:
-        value = loader.construct_object(node)
-    return Field(value, source, line, column)
+@dataclass(frozen=True)
+class _Reader:
+    """Makes fields of the nodes of one text."""
 
+    loader: Any
+    source: str
+    lines: Sequence[str]
 
-def _mapping(node: Node, loader: Any, source: str, depth: int) -> dict[str, Field]:
-    result: dict[str, Field] = {}
-    for key_node, value_node in node.value:
-        key = _field(key_node, loader, source, depth + 1)
-        if key.text() in result:
-            raise key.fail(f'the key "{key.value}" stands here twice.')
-        result[key.value] = _field(value_node, loader, source, depth + 1)
-    return result
+    def field(self, node: Node) -> Field:
+        line, column = node.start_mark.line + 1, node.start_mark.column + 1
+        text = self.lines[line - 1] if line <= len(self.lines) else ""
+        tag = node.tag.rsplit(":", 1)[-1]
+        if tag not in {"str", "int", "float", "bool", "null", "seq", "map"}:
+            raise DataError(
+                f'the type "{node.tag}" is not allowed; write a text in quotes, a number, true or '
+                "false, a list or a mapping.",
+                source=self.source,
+                line=line,
+                column=column,
+                text=text,
+            )
+        if tag == "seq":
+            value: Any = tuple(self.field(item) for item in node.value)
+        elif tag == "map":
+            value = self._mapping(node)
+        else:
+            value = self.loader.construct_object(node)
+        return Field(value, self.source, line, column, text)
+
+    def _mapping(self, node: Node) -> dict[str, Field]:
+        result: dict[str, Field] = {}
+        for key_node, value_node in node.value:
+            key = self.field(key_node)
+            if key.text() in result:
+                raise key.fail(f'the key "{key.value}" stands here twice.')
+            result[key.value] = self.field(value_node)
+        return result

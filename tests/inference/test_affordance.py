@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.inference.affordance import Affordances, Settings
+from hilt.inference.affordance import Affordances
+from hilt.inference.settings import Settings
 from hilt.inference.goal import Goal, Observation, Target
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping

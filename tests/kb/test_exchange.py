@@ -19,7 +19,7 @@ from hilt.kb.exchange import export_file, export_quads, import_file, import_text
 from hilt.kb.rule import Rule
 from hilt.kb.store import open_store
 from hilt.kb.validation import lawful
-from hilt.ontology.actions import load_actions
+from hilt.ontology.action_sheet import load_actions
 from hilt.ontology.errors import DataError, ValidationError
 from hilt.ontology.objects import load_objects
 from hilt.ontology.vocabulary import PREFIXES

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hilt.ontology.actions import Affords, Loop, Step, load_actions
+from hilt.ontology.action_sheet import load_actions
+from hilt.ontology.actions import Affords, Loop, Step
 from hilt.ontology.errors import DataError, UnknownNameError
 
 HEAD = "primitives:\n  findObject: [object]\n  raise: []\ntrees:\n"
@@ -31,7 +32,7 @@ def test_pound_supplies_the_tool_that_nobody_named():
     """The argument review of section 4.2 is a default of the tree."""
     pound = load_actions().tree("pound")
 
-    assert pound.defaults["tool"] == Affords("pounding")
+    assert pound.defaults["tool"] == Affords("usedFor", "affordance:pounding")
     assert pound.steps[0] == Step("pickUp", {"object": "tool"})
 
 

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The choices of the theory: operators by name, fusion stage, detection, thresholds per context.
+
+They are data: `ontology/settings.yaml` has the defaults, a file of one's own in the same form
+others, and `Settings.with_choices` takes single ones as they are written on a command line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+
+from ..kb.rule import Atom
+from ..ontology.errors import DataError, HiltError, UnknownNameError
+from ..ontology.source import Field, read_yaml
+from .evidence import Operators
+
+SETTINGS_FILE = Path(__file__).parents[1] / "ontology" / "settings.yaml"
+STAGES = ("rules", "conclusions")
+DETECTIONS = ("open", "point")
+OPERATORS = tuple(each.name for each in fields(Operators))
+THRESHOLD = "threshold"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The choices of the theory.
+
+    Attributes:
+        operators: AND, modus ponens, fusion, ranking and acceptance, by name.
+        stage: fuse "rules" that share an antecedent, then conclude (default); or conclude from each
+            rule and fuse the "conclusions", the letter of the paper.
+        detection: a detection with confidence d is [d, 1] ("open", default) or [d, d] ("point").
+        threshold: Λ, what lambda must exceed to act, in [0, 1].
+        thresholds: Λ of single contexts: of an action ("pass"), which goes before the general one;
+            of a place or role ("place:hospital"), which can only ask for more.
+
+    Raises:
+        UnknownNameError: there is no such stage or detection.
+    """
+
+    operators: Operators = field(default_factory=Operators)
+    stage: str = "rules"
+    detection: str = "open"
+    threshold: float = 0.005
+    thresholds: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    def __post_init__(self) -> None:
+        if self.stage not in STAGES:
+            raise UnknownNameError("fusion stage", self.stage, STAGES)
+        if self.detection not in DETECTIONS:
+            raise UnknownNameError("detection", self.detection, DETECTIONS)
+
+    @classmethod
+    def load(cls, path: Path = SETTINGS_FILE) -> Settings:
+        """The defaults, with the choices of a file.
+
+        Raises:
+            DataError: the file is wrong; says where and what was expected.
+        """
+        top = read_yaml(path).entries(optional=[*OPERATORS, "stage", "detection", THRESHOLD])
+        chosen = cls()
+        for name, value in top.items():
+            if name != THRESHOLD:
+                chosen = _chosen(chosen, name, value)
+        return _with_thresholds(chosen, top[THRESHOLD]) if THRESHOLD in top else chosen
+
+    def with_choices(self, choices: Iterable[str]) -> Settings:
+        """These settings with others in place of some.
+
+        >>> Settings().with_choices(["fusion=dempster", "threshold.pass=0.9"]).thresholds
+        {'pass': 0.9}
+
+        Args:
+            choices: "fusion=dempster", "threshold=0.01", "threshold.pass=0.9".
+
+        Raises:
+            DataError: one is not of that form, or there is no such choice.
+        """
+        chosen = self
+        for choice in choices:
+            name, equals, value = choice.partition("=")
+            if not equals:
+                raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
+            chosen = _chosen(chosen, name.strip(), Field(_plain(value), choice, 0, 0))
+        return chosen
+
+    def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
+        """Λ here: of the nearest action that has one, or what a place or role asks beyond it.
+
+        Args:
+            actions: the contexts that are actions, nearest first.
+            others: what else holds: places, roles.
+        """
+        own = (self.thresholds[name] for name in actions if name in self.thresholds)
+        asked = (self.thresholds[str(a)] for a in others if str(a) in self.thresholds)
+        return max((next(own, self.threshold), *asked))
+
+
+def _chosen(settings: Settings, name: str, value: Field) -> Settings:
+    """Settings with one choice taken."""
+    if name.partition(".")[0] == THRESHOLD:
+        return _with_threshold(settings, name.partition(".")[2], value.number(low=0, high=1))
+    try:
+        if name in OPERATORS:
+            operators = replace(settings.operators, **{name: value.text()})
+            return replace(settings, operators=operators)
+        if name in {"stage", "detection"}:
+            return replace(settings, **{name: value.text()})
+    except UnknownNameError as error:
+        raise value.fail(str(error)) from error
+    known = (*OPERATORS, "stage", "detection", THRESHOLD, f"{THRESHOLD}.CONTEXT")
+    raise value.fail(str(UnknownNameError("choice", name, known)))
+
+
+def _with_thresholds(settings: Settings, spec: Field) -> Settings:
+    keys = spec.entries(required={"default"}, optional={"contexts"})
+    settings = _with_threshold(settings, "", keys["default"].number(low=0, high=1))
+    contexts = keys["contexts"].entries() if "contexts" in keys else {}
+    for name, value in contexts.items():
+        if ":" in name:
+            _refuse_malformed(name, value)
+        settings = _with_threshold(settings, name, value.number(low=0, high=1))
+    return settings
+
+
+def _with_threshold(settings: Settings, context: str, threshold: float) -> Settings:
+    if not context:
+        return replace(settings, threshold=threshold)
+    return replace(settings, thresholds={**settings.thresholds, context: threshold})
+
+
+def _refuse_malformed(context: str, value: Field) -> None:
+    try:
+        Atom.parse(context)
+    except HiltError as error:
+        raise value.fail(str(error)) from error
+
+
+def _plain(value: str) -> float | str:
+    try:
+        return float(value)
+    except ValueError:
+        return value.strip()
