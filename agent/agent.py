@@ -137,7 +137,7 @@ class Agent:
             simulate: whether it has a simulated body.
             gui: whether the simulator shows a window.
             induces: whether it also acts on what follows by likeness from what it was told.
-            settings: the choices of the inference; None reads `ontology/thresholds.yaml`.
+            settings: the choices of the inference; None reads `ontology/settings.yaml`.
             vision: somebody else's eyes, instead of the simulator's.
             motion: the hands that go with them; None decides but does not move.
 

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
-from hilt.inference.settings import Settings
 from hilt.inference.evidence import Operators
 from hilt.inference.explanation import changes_of_mind, why, why_not
 from hilt.inference.goal import Goal, Inference, Observation, Target
+from hilt.inference.settings import Settings
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.ontology.errors import UnknownNameError
