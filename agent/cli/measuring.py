@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,27 +12,60 @@ import typer
 from .options import AsJson, Seed, app
 from .terminal import finish, show, terminal
 
+What = Annotated[str, typer.Argument(help="paper, situations or grasps.")]
+Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
+Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
+Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
+Workers = Annotated[
+    int, typer.Option("--workers", min=1, help="Processes; with --ray, cases at once at most.")
+]
+Ray = Annotated[
+    str | None,
+    typer.Option(
+        "--ray", help='A Ray cluster: its address, "auto", or "local" for one of its own.'
+    ),
+]
+Timeout = Annotated[
+    float, typer.Option("--timeout", min=0.1, help="Seconds after which a case's worker is killed.")
+]
+OutFolder = Annotated[
+    Path | None, typer.Option("--out", help="The folder for the journal and the results.")
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
+
 
 @app.command()
-def evaluate(  # noqa: PLR0917 - every option is one parameter of a command
-    what: Annotated[str, typer.Argument(help="paper, situations or grasps.")],
-    sim: Annotated[bool, typer.Option("--sim", help="Carry out what is decided.")] = False,
-    scenes: Annotated[
-        int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")
-    ] = None,
-    poses: Annotated[int | None, typer.Option(min=1, help="Poses of each grasp.")] = None,
+def evaluate(  # noqa: PLR0917 - every option is a parameter
+    what: What,
+    sim: Sim = False,
+    scenes: Scenes = None,
+    poses: Poses = None,
     seed: Seed = 0,
+    workers: Workers = 1,
+    ray: Ray = None,
+    timeout: Timeout = 600.0,
+    out: OutFolder = None,
+    resume: Resume = False,
     as_json: AsJson = False,
 ) -> None:
-    """Repeat the paper's evaluation: Table 2's decisions, or the running example's grasps."""
-    from ..evaluation.engine import run
+    """Repeat the paper's evaluation, and go beyond it.
+
+    paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
+    8 objects x 2 contexts from random poses.
+    """
+    from ..evaluation.engine import open_engine, run
     from ..evaluation.experiment import make_experiment
+    from ..evaluation.journal import Journal
     from ..evaluation.report import Report
 
     given = {"sim": sim or None, "scenes": scenes, "poses": poses, "seed": seed}
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
-    done = tuple(run(experiment, console=terminal(stderr=True)))
+    cases = experiment.cases()
+    engine = open_engine(workers, ray, timeout_s=timeout)
+    kept = Journal(out, experiment, cases, resume=resume) if out else nullcontext()
+    with kept as journal:
+        done = run(experiment, cases, engine=engine, journal=journal, console=terminal(stderr=True))
     report = Report(what, experiment.options, done)
     show(report.as_json()) if as_json else terminal().print(report.table())
     finish(report.is_right)

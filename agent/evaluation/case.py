@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Literal, cast
 
 from ..outcome import Json
@@ -34,7 +34,7 @@ class Case:
 
     def as_json(self) -> Json:
         """As it is sent to a worker."""
-        return asdict(self)
+        return dict(vars(self))
 
     @classmethod
     def from_json(cls, document: Mapping[str, object]) -> Case:
@@ -69,7 +69,7 @@ class Result:
 
     def as_json(self) -> Json:
         """As a line of a file of results."""
-        return asdict(self)
+        return dict(vars(self))
 
     @classmethod
     def from_json(cls, document: Mapping[str, object]) -> Result:

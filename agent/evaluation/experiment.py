@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 from importlib import import_module
 from typing import ClassVar
 
-from ...ontology.errors import UnknownNameError
+from ...ontology.errors import DataError, UnknownNameError
 from ..outcome import Json
 from .case import Case, Result
 
@@ -46,10 +46,10 @@ class Experiment(ABC):
 
 
 # Name -> where its class is. Modules are imported when they are needed: some take a second to load.
-EXPERIMENTS: Mapping[str, tuple[str, str]] = {
-    "paper": ("paper", "PaperRun"),
-    "situations": ("situations", "Situations"),
-    "grasps": ("grasps", "Grasps"),
+EXPERIMENTS: Mapping[str, str] = {
+    "paper": ".paper:PaperRun",
+    "situations": ".situations:Situations",
+    "grasps": ".grasps:Grasps",
 }
 
 
@@ -57,18 +57,29 @@ def make_experiment(name: str, options: Mapping[str, object]) -> Experiment:
     """The experiment of that name.
 
     Args:
-        name: one of `EXPERIMENTS`.
+        name: one of `EXPERIMENTS`, or "package.module:Class" for one of your own, whose `name` is
+            the same text.
         options: values for its fields; the others keep their defaults.
 
     Raises:
         UnknownNameError: there is no experiment, or no option, of that name.
+        DataError: the module of that name cannot be imported.
     """
-    if name not in EXPERIMENTS:
-        raise UnknownNameError("evaluation", name, EXPERIMENTS)
-    module, class_name = EXPERIMENTS[name]
-    kind: type[Experiment] = getattr(import_module(f".{module}", __package__), class_name)
+    kind = _class_of(name)
     known = [each.name for each in fields(kind)]
     for option in options:
         if option not in known:
             raise UnknownNameError(f"option of {name}", option, known)
-    return kind(**options)  # pyright: ignore[reportArgumentType] - checked by each class
+    return kind(**options)  # pyright: ignore[reportArgumentType] - JSON; its class knows the types
+
+
+def _class_of(name: str) -> type[Experiment]:
+    module, _, class_name = EXPERIMENTS.get(name, name).partition(":")
+    if not class_name:
+        raise UnknownNameError("evaluation", name, EXPERIMENTS)
+    try:
+        return getattr(import_module(module, __package__), class_name)
+    except ModuleNotFoundError as error:
+        raise DataError(f"cannot be imported: {error}.", source=name) from error
+    except AttributeError as error:
+        raise DataError(f'there is no class "{class_name}" in it.', source=name) from error

@@ -75,8 +75,8 @@ def judged(case: Case, truth: Truth, reply: Reply) -> Result:
     decision = came.decision if came else None
     chosen = decision.object.best.object if decision and decision.object.best else None
     part = decision.chosen_part if decision else None
-    facts = _decided(decision, reply)
     right = truth.allows(chosen, part)
+    facts = _decided(decision, reply) | {"decided": right}
     if came and came.world.executed:
         done = _done(came.world, part, reply)
         facts |= done

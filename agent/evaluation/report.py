@@ -68,7 +68,11 @@ class Report:
 
     def _by_principle(self) -> dict[str, dict[str, int]]:
         numbers = sorted({result.principle for result in self.results} - {0})
-        groups = {n: [r.right for r in self.results if r.principle == n] for n in numbers}
+        # A principle is about what is decided; whether the hand then managed is another question.
+        groups = {
+            n: [bool(r.facts.get("decided", r.right)) for r in self.results if r.principle == n]
+            for n in numbers
+        }
         return {str(n): {"runs": len(g), "right": sum(g)} for n, g in groups.items()}
 
     def table(self) -> Table:
