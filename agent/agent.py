@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache, cached_property
 from pathlib import Path
 from types import TracebackType
@@ -25,19 +26,21 @@ from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
 from ..nlu.language import Language
+from ..nlu.vocabulary import household_vocabulary
 from ..ontology.action_sheet import load_actions
 from ..ontology.actions import Actions
-from ..ontology.objects import ObjectType, load_household
-from ..sim.scene import Scene, parse_scene
+from ..ontology.objects import Household, ObjectType
 from .dialogue import Dialogue
+from .embodiment import EYES, ROBOT, Embodiment, household
 from .goals import GoalManager
 from .outcome import Step
-from .perception import PerfectVision
 from .protocols import Motion, Vision
 from .reply import Reply
 
 if TYPE_CHECKING:
     from ..sim.body import Body
+    from ..sim.scene import Scene
+    from .filming import Film
 
 PICTURED = {"graspObject": "grasp", "handOver": "hand-over", "pointAt": "pointing"}
 
@@ -47,9 +50,7 @@ def default_location() -> Path:
     return user_data_path("hilt") / "kb"
 
 
-# What comes with the program is read once: it never changes.
-_household = cache(load_household)
-_actions = cache(load_actions)
+_actions = cache(load_actions)  # what comes with the program is read once: it never changes
 
 
 @cache
@@ -58,14 +59,25 @@ def _language() -> Language:
     return Language.load()
 
 
-def open_base(location: str | None) -> KnowledgeBase:
-    """Open a knowledge base; None is the user's own.
+def language_of(kinds: Household) -> Language:
+    """The language, with the names of the objects there are."""
+    if kinds is household():
+        return _language()
+    return Language.load(vocabulary=household_vocabulary(kinds.objects))
+
+
+def open_base(location: str | None, kinds: Household | None = None) -> KnowledgeBase:
+    """Open a knowledge base.
+
+    Args:
+        location: `memory:`, a folder, or an endpoint; None is the user's own base.
+        kinds: the objects there are; Hilt's own when None.
 
     Raises:
         StoreError: it cannot be opened.
     """
     base = KnowledgeBase.open(location or default_location())
-    base.load_domain(_household().objects, _actions())
+    base.load_domain((kinds or household()).objects, _actions())
     return base
 
 
@@ -76,9 +88,7 @@ class Agent:
         base: where it keeps what it is told.
         language: what it understands and speaks.
         actions: what it can do.
-        scene: what is on its table.
-        simulate: whether it has a simulated body; without one it decides but does not move.
-        gui: whether the simulator shows a window.
+        embodiment: the table, the robot and its eyes.
         induces: whether it also acts on what follows by likeness from what it was told.
         settings: the choices of the inference.
         vision: somebody else's eyes, instead of the simulator's.
@@ -90,10 +100,8 @@ class Agent:
         base: KnowledgeBase,
         language: Language,
         actions: Actions,
-        scene: Scene,
+        embodiment: Embodiment,
         *,
-        simulate: bool = True,
-        gui: bool = False,
         induces: bool = False,
         settings: Settings | None = None,
         vision: Vision | None = None,
@@ -101,18 +109,21 @@ class Agent:
     ) -> None:
         self.base = base
         self.actions = actions
-        self.scene = scene
-        self.objects = _household().objects
+        self.embodiment = embodiment
+        self.scene = embodiment.scene
+        self.objects = embodiment.household.objects
         self.affordances = Affordances(
-            Inducing(base, self.objects, _household().classes) if induces else base,
+            Inducing(base, self.objects, embodiment.household.classes) if induces else base,
             settings or Settings.load(),
             Taxonomy.of(base),
         )
         self.induces = induces
-        self.simulate = simulate and vision is None
+        self.simulate = embodiment.simulate and vision is None
         self._vision, self._motion = vision, motion
-        self.gui = gui
-        self.dialogue = Dialogue(base, language, lambda: self.goals, self.visible, seed=scene.seed)
+        self._film: Film | None = None
+        self.dialogue = Dialogue(
+            base, language, lambda: self.goals, self.visible, seed=self.scene.seed
+        )
 
     @classmethod
     def open(
@@ -121,6 +132,10 @@ class Agent:
         *,
         scene: str = "all",
         seed: int = 0,
+        objects: Path | None = None,
+        robot: str = ROBOT,
+        eyes: str = EYES,
+        noise: str = "",
         simulate: bool = True,
         gui: bool = False,
         induces: bool = False,
@@ -134,6 +149,10 @@ class Agent:
             location: `memory:`, a folder, or an endpoint; None is the user's own base.
             scene: a YAML file, `objects:knife,mug`, `random:SEED`, or `all`.
             seed: of everything random.
+            objects: a YAML file with the user's own objects, besides Hilt's.
+            robot: which one; see `sim/robots.yaml`.
+            eyes: where percepts come from: "mask" or "learned".
+            noise: how the eyes fail: "missed=0.1,confused=0.05".
             simulate: whether it has a simulated body.
             gui: whether the simulator shows a window.
             induces: whether it also acts on what follows by likeness from what it was told.
@@ -142,17 +161,25 @@ class Agent:
             motion: the hands that go with them; None decides but does not move.
 
         Raises:
-            DataError: the scene is wrong.
+            DataError: the scene, the objects or the noise are wrong.
+            UnknownNameError: there is no such object, robot or source of vision.
             StoreError: the base cannot be opened.
         """
-        on_table = parse_scene(scene, seed=seed, objects=_household().objects)
-        return cls(
-            open_base(location),
-            _language(),
-            _actions(),
-            on_table,
+        embodiment = Embodiment.of(
+            scene=scene,
+            seed=seed,
+            objects=objects,
+            robot=robot,
+            eyes=eyes,
+            noise=noise,
             simulate=simulate,
             gui=gui,
+        )
+        return cls(
+            open_base(location, embodiment.household),
+            language_of(embodiment.household),
+            _actions(),
+            embodiment,
             induces=induces,
             settings=settings,
             vision=vision,
@@ -177,7 +204,13 @@ class Agent:
             heard: how surely a recogniser heard it, in [0, 1].
             keep: whether a command goes into the history and leaves an episode.
         """
-        return self.dialogue.hear(text, speaker=speaker, only=only, heard=heard, keep=keep)
+        if self._film:
+            self._film.begin(text)
+        reply = self.dialogue.hear(text, speaker=speaker, only=only, heard=heard, keep=keep)
+        if self._film:
+            self._film.end(reply.said)
+            reply = reply.with_pictures(str(self._film.path))
+        return reply
 
     def visible(self) -> tuple[str, ...]:
         """The objects on the table, in the order of the scene."""
@@ -198,20 +231,18 @@ class Agent:
         Raises:
             MissingExtraError: the simulator is not installed.
         """
-        from ..sim.body import Body
-
-        return Body(self.scene, self.objects, seed=self.scene.seed, gui=self.gui)
+        return self.embodiment.body()
 
     @cached_property
     def goals(self) -> GoalManager:
         """The goal manager over this agent's eyes and hands."""
-        if self.simulate:
-            vision, motion = self.body, self.body
-        else:
-            vision = self._vision or PerfectVision(self.scene, self.objects)
-            motion = self._motion
+        body = self.body if self.simulate else None
         return GoalManager(
-            self.actions, self.affordances, vision, motion, grips=_grips(self.objects)
+            self.actions,
+            self.affordances,
+            self._vision or self.embodiment.vision(body),
+            body or self._motion,
+            grips=_grips(self.objects),
         )
 
     @contextmanager
@@ -234,7 +265,7 @@ class Agent:
 
         self.goals.watchers.append(keep)
         try:
-            with self.body.record(folder / "animation.gif"):
+            with self.filmed(folder / "animation.gif"):
                 yield files
         finally:
             self.goals.watchers.remove(keep)
@@ -252,8 +283,7 @@ class Agent:
             self.base,
             self.dialogue.language,
             self.actions,
-            scene,
-            simulate=simulate,
+            replace(self.embodiment, scene=scene, simulate=simulate),
             induces=self.induces,
             settings=self.affordances.settings,
         )
@@ -261,6 +291,25 @@ class Agent:
             yield other
         finally:
             other._release_body()
+
+    @contextmanager
+    def filmed(self, path: Path) -> Generator[None]:
+        """Film what is done in the block.
+
+        Args:
+            path: the film, complete when the block ends: .mp4, .gif, or .png for a strip.
+
+        Raises:
+            DataError: the file cannot be written.
+        """
+        from .filming import Film
+
+        with Film(self.body, self.goals, path) as film:
+            self._film = film
+            try:
+                yield
+            finally:
+                self._film = None
 
     def close(self) -> None:
         """Release the body and the base."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -116,8 +116,4 @@ class _Step:
         with recording as pictures:
             reply = agent.hear(text)
         self._bar.advance(self._task)
-        came = reply.achievement
-        if came is None or not pictures:
-            return reply
-        world = replace(came.world, pictures=tuple(pictures))
-        return replace(reply, achievement=replace(came, world=world))
+        return reply.with_pictures(*pictures) if pictures else reply

@@ -66,7 +66,8 @@ class GoalManager:
             nobody has said by which.
 
     Attributes:
-        watchers: called after every node of a walk, with what was done there.
+        watchers: called at every node of a walk before its action is done, when `Step.action` is
+            still empty, and again afterwards.
     """
 
     def __init__(

@@ -7,7 +7,7 @@ rely on its keys.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..kb.rule import Rule
 from ..nlu.understanding import Understanding
@@ -42,6 +42,14 @@ class Reply:
     def is_done(self) -> bool:
         """Whether what was asked for was done; decides the exit code."""
         return self.ending == "done"
+
+    def with_pictures(self, *files: str) -> Reply:
+        """This reply with files in which what was done is seen; nothing to see is nothing."""
+        came = self.achievement
+        if came is None or not came.world.executed:
+            return self
+        world = replace(came.world, pictures=files)
+        return replace(self, achievement=replace(came, world=world))
 
     def as_tell_json(self) -> Json:
         """As `hilt tell --json` prints it."""

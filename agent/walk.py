@@ -82,15 +82,16 @@ class Walk:
             return Answer("contradicted", {"reason": str(error)}, "failed", "conflict")
         index = len(self.steps)
         self.steps.append(_step(node, features, percepts, inference))
+        self._tell(self.steps[index])
         failure = self._act(node, arguments, percepts, inference)
-        self.steps[index] = replace(
-            self.steps[index],
-            constraint=_constraint(inference),
-            action=failure.key if failure else self._did(node),
-        )
-        for watcher in self.manager.watchers:
-            watcher(self.steps[index])
+        did = failure.key if failure else self._did(node)
+        self.steps[index] = replace(self.steps[index], action=did)
+        self._tell(self.steps[index])
         return failure
+
+    def _tell(self, step: Step) -> None:
+        for watcher in self.manager.watchers:
+            watcher(step)
 
     def _goal(self, arguments: Mapping[str, Argument]) -> Goal:
         """The goal as this node sees it: about the thing already found, or the one looked for."""
@@ -334,4 +335,5 @@ def _step(
     node: str, features: Sequence[Atom], percepts: Sequence[Percept], inference: Inference
 ) -> Step:
     confidences = {percept.name: percept.confidence for percept in percepts}
-    return Step(node, tuple(map(str, features)), confidences, inference, None, "")
+    bound = _constraint(inference)
+    return Step(node, tuple(map(str, features)), confidences, inference, bound, "")

@@ -7,9 +7,14 @@ part knows. By default they come from the household domain of the ontology.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from .meaning import NewWord
+
+if TYPE_CHECKING:
+    from ..ontology.objects import ObjectType
 
 ROLES = ("object", "part", "affordance", "context", "property", "person")
 
@@ -46,11 +51,15 @@ class Vocabulary:
         }[role]
 
 
-def household_vocabulary() -> Vocabulary:
-    """The names of the objects, parts and properties in the household domain."""
+def household_vocabulary(objects: Mapping[str, ObjectType] | None = None) -> Vocabulary:
+    """The names of objects, of their parts and of their properties.
+
+    Args:
+        objects: by name; those of the household domain when None.
+    """
     from ..ontology.objects import load_objects  # here: who brings a vocabulary need not read it
 
-    objects = load_objects()
+    objects = load_objects() if objects is None else objects
     parts = {name: part for each in objects.values() for name, part in each.parts.items()}
     properties = {name for each in objects.values() for name in each.properties}
     properties |= {name for part in parts.values() for name in part.properties}

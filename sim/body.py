@@ -9,11 +9,11 @@ grasp where that can help, and what cannot be done is said and not tried.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -55,6 +55,9 @@ TOP = 0.0015  # [m], what is so little below the highest point is the top
 _OBSTACLE_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
+Onlooker: TypeAlias = Callable[[str, str | None, GraspPlan, Grasp | None], None]
+
+
 @dataclass(frozen=True)
 class _Aim:
     """What the hand is after, and how often it has closed for it."""
@@ -78,6 +81,10 @@ class Body:
         robot: which one; see `robots.yaml`.
         eyes: where percepts come from; see `eyes`.
         noise: of the cameras' depths; none when None.
+
+    Attributes:
+        onlooker: called while it is not None with every plan of grasps: name of the thing, the part
+            it must be taken by, the plan, and the grasp that is taken.
     """
 
     def __init__(
@@ -102,6 +109,7 @@ class Body:
             receiver=np.array(RECEIVER),
             meeting=np.array(MEETING),
         )
+        self.onlooker: Onlooker | None = None
         self._rng = np.random.default_rng(seed)
         self._held: Held | None = None
         self._sight: Sight | None = None
@@ -300,6 +308,8 @@ class Body:
             plan = plan_grasps(sight.surroundings(TABLE_HEIGHT), self.robot.gripper, rng=self._rng)
             fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
             reach = next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
+            if self.onlooker:
+                self.onlooker(self._aim.name, self._aim.part, plan, reach.grasp if reach else None)
             if reach is not None:
                 return "", reach
             reason = _why_not(plan)

@@ -33,6 +33,7 @@ REFINED = 24  # of those, the best are turned and judged again
 TURNS_DEG = (-7.0, -3.5, 3.5, 7.0)  # about the approach direction
 LARGEST_MOVE = 0.03  # [m] towards the middle of something round
 DEEPER = (0.004, 0.008, 0.012)  # [m], the best ones are also tried deeper
+SHOWN = 24  # of the poses that were ruled out
 LEAST_POINTS = 12  # of a part, else nothing can be said about it
 APART = 0.012  # [m], grasps nearer than this and turned alike are one
 APART_ANGLE = 0.35  # [rad]
@@ -67,10 +68,12 @@ class GraspPlan:
     Attributes:
         grasps: the good ones.
         rejected: obstacle -> how many poses it ruled out.
+        ruled_out: some of the poses that were ruled out, to be shown.
     """
 
     grasps: tuple[Grasp, ...]
     rejected: Mapping[str, int]
+    ruled_out: tuple[Grasp, ...] = ()
 
     @property
     def reason(self) -> str:
@@ -106,9 +109,10 @@ def plan_grasps(
     rejected["table"] = rejected.get("table", 0) + int(low.sum())
     rejected["too_wide"] = rejected.get("too_wide", 0) + proposed.too_wide
     rejected["part"] = rejected.get("part", 0) + proposed.blocked
+    ruled_out = holds[np.flatnonzero(holds.score <= 0)[:SHOWN]]
     holds = _refine(holds, fine, gripper)
     best = holds[_distinct(holds, count)]
-    return GraspPlan(tuple(_grasps(best)), rejected)
+    return GraspPlan(tuple(_grasps(best)), rejected, tuple(_grasps(ruled_out)))
 
 
 def _spread_out(world_from_grip: Array, balance: Array, rng: np.random.Generator) -> np.ndarray:

@@ -10,8 +10,8 @@ written below; what is drawn into a picture is in `drawings`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import nullcontext
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import lru_cache, partial
 from math import radians
@@ -122,20 +122,41 @@ def _reduced(picture: Picture, camera: Camera) -> Picture:
     return np.asarray(image.resize((camera.width, camera.height), pillow().Resampling.LANCZOS))
 
 
-def refuse_unknown_ending(path: Path) -> None:
-    """Tell at once that a picture cannot be written, before anything is done for it.
+def refuse_unwritable(path: Path, endings: Sequence[str] = ENDINGS) -> None:
+    """Tell at once that a file cannot be written, before anything is done for it.
 
     Raises:
-        DataError: the ending of the path names no format of pictures.
+        DataError: the ending of the path names none of these formats, or its folder takes no file.
     """
-    if path.suffix.lower() not in ENDINGS:
-        raise DataError(f"expected a file ending in {', '.join(ENDINGS)}.", source=str(path))
+    if path.suffix.lower() not in endings:
+        raise DataError(f"expected a file ending in {', '.join(endings)}.", source=str(path))
+    with writing(path):
+        is_new = not path.exists()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.open("ab").close()
+        if is_new:
+            path.unlink()
+
+
+@contextmanager
+def writing(path: Path) -> Generator[None]:
+    """What goes wrong while a file is written in the block, as a `DataError`."""
+    try:
+        yield
+    except OSError as error:
+        problem = error.strerror or str(error)
+        raise DataError(f"cannot be written: {problem}.", source=str(path)) from error
 
 
 def save_picture(picture: Picture, path: Path) -> None:
-    """Write a picture; the ending of the path names the format (PNG, JPEG, ...)."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pillow().fromarray(picture).save(path)
+    """Write a picture; the ending of the path names the format (PNG, JPEG, ...).
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        pillow().fromarray(picture).save(path)
 
 
 def captioned(picture: Picture, text: str, *, lines: int = 0) -> Picture:

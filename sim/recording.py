@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..ontology.errors import DataError, MissingExtraError
+from ..ontology.errors import MissingExtraError
 from .camera import Camera
 from .drawings import GraspMark, with_grasps
 from .engine import TIME_STEP
@@ -27,9 +27,13 @@ from .pictures import (
     Picture,
     broken_caption,
     captioned,
+    closeup,
+    refuse_unwritable,
     save_picture,
     take_picture,
+    writing,
 )
+from .poses import Array
 from .world import World
 
 ENDINGS = (".gif", ".mp4", ".png")
@@ -68,7 +72,8 @@ class Recorder:
         rate: float = RATE,
         pace: float = PACE,
     ) -> None:
-        _refuse_unwritable(path)
+        refuse_unwritable(path, ENDINGS)
+        _refuse_missing_encoder(path)
         self.caption = ""
         self.tint: tuple[str, str] | None = None
         self.grasps: Sequence[GraspMark] = ()
@@ -98,32 +103,54 @@ class Recorder:
             self._waiting = self._interval
         self._waiting -= 1
 
-    def take(self) -> None:
-        """Take one picture now."""
+    def take(self, at: Array | None = None) -> None:
+        """Take one picture now; with a place (3,) in the world [m] a picture from near it."""
+        camera = self._camera if at is None else self._near(at)
         picture = take_picture(
-            self._world.engine, self._camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
+            self._world.engine, camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
         )
         if self.grasps:
-            picture = with_grasps(picture, self._camera, self.grasps)
+            picture = with_grasps(picture, camera, self.grasps)
         self._taken.append((picture, self.caption))
+
+    def pause(self, seconds: float, at: Array | None = None) -> None:
+        """Take a picture and let the recording rest on it, while no time passes in the world."""
+        self.take(at)
+        self._taken += self._taken[-1:] * (round(seconds * self._rate) - 1)
+
+    def _near(self, at: Array) -> Camera:
+        x, y, z = (float(each) for each in at)
+        return closeup((x, y, z), width=self._camera.width, height=self._camera.height)
 
     @property
     def pictures(self) -> list[Picture]:
         """What has been taken so far, with captions, all of one size."""
-        lines = max((len(broken_caption(*each)) for each in self._taken if each[1]), default=0)
-        if not lines:
-            return [picture for picture, _ in self._taken]
-        return [captioned(picture, text, lines=lines) for picture, text in self._taken]
+        return _captioned(self._taken)
+
+    @property
+    def moments(self) -> list[Picture]:
+        """The same without the time that the recording rests on one of them."""
+        earlier = [None, *self._taken]
+        return _captioned(
+            [each for each, last in zip(self._taken, earlier, strict=False) if each is not last]
+        )
 
     def _write(self) -> None:
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        match self._path.suffix.lower():
-            case ".png":
-                save_picture(strip(self.pictures), self._path)
-            case ".gif":
-                _write_gif(self.pictures, self._path, self._rate)
-            case _:
-                _write_mp4(self.pictures, self._path, self._rate)
+        with writing(self._path):
+            match self._path.suffix.lower():
+                case ".png":
+                    save_picture(strip(self.moments), self._path)
+                case ".gif":
+                    _write_gif(self.pictures, self._path, self._rate)
+                case _:
+                    _write_mp4(self.pictures, self._path, self._rate)
+
+
+def _captioned(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
+    lines = max((len(broken_caption(*each)) for each in taken if each[1]), default=0)
+    if not lines:
+        return [picture for picture, _ in taken]
+    return [captioned(picture, text, lines=lines) for picture, text in taken]
 
 
 def caption(
@@ -152,9 +179,7 @@ def caption(
     return "\n".join(filter(None, (f'"{utterance}"' if utterance else "", moment)))
 
 
-def _refuse_unwritable(path: Path) -> None:
-    if path.suffix.lower() not in ENDINGS:
-        raise DataError(f"expected a file ending in {', '.join(ENDINGS)}.", source=str(path))
+def _refuse_missing_encoder(path: Path) -> None:
     if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
         raise MissingExtraError("sim", "imageio-ffmpeg")
 

@@ -34,6 +34,31 @@ SceneSpec = Annotated[
         "--scene", help="What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
     ),
 ]
+Objects = Annotated[
+    Path | None,
+    typer.Option("--objects", help="A YAML file with objects of your own, besides Hilt's."),
+]
+Robot = Annotated[str, typer.Option("--robot", help="The robot: panda, kuka, or another one.")]
+Eyes = Annotated[
+    str,
+    typer.Option(
+        "--vision",
+        metavar="mask|learned",
+        help="Where percepts come from: the simulator's mask, or what was learned from pictures.",
+    ),
+]
+NoiseText = Annotated[
+    str,
+    typer.Option(
+        "--noise",
+        metavar="KEY=VALUE,...",
+        help="How the eyes fail: missed, confused, confidence (shares), depth_m (metres).",
+    ),
+]
+Record = Annotated[
+    Path | None,
+    typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file."),
+]
 Seed = Annotated[int, typer.Option("--seed", help="The seed of everything random.")]
 Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
 Heard = Annotated[

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import AsJson, SceneSpec, Seed, app
+from .options import AsJson, Objects, Robot, SceneSpec, Seed, app
 from .terminal import show as print_json
 from .terminal import terminal
 
 if TYPE_CHECKING:
-    from ...ontology.objects import ObjectType
     from ...sim.body import Body
 
 scene_app = typer.Typer(help="Look at scenes.", no_args_is_help=True, rich_markup_mode=None)
@@ -25,9 +24,8 @@ def show(
     *,
     scene: SceneSpec = "all",
     seed: Seed = 0,
-    objects: Annotated[
-        Path | None, typer.Option("--objects", help="A YAML file with objects of your own.")
-    ] = None,
+    objects: Objects = None,
+    robot: Robot = "panda",
     out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(
         "out/scene.png"
     ),
@@ -35,13 +33,11 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Render a scene with the robot at its table, and list what stands where."""
-    from ...sim.body import Body
-    from ...sim.pictures import refuse_unknown_ending
-    from ...sim.scene import parse_scene
+    from ...sim.pictures import refuse_unwritable
+    from ..embodiment import Embodiment
 
-    refuse_unknown_ending(out)
-    kinds = _kinds(objects)
-    with Body(parse_scene(scene, seed=seed, objects=kinds), kinds, seed=seed) as body:
+    refuse_unwritable(out)
+    with Embodiment.of(scene=scene, seed=seed, objects=objects, robot=robot).body() as body:
         _picture(body, out, names=names)
         things = _things(body)
     if as_json:
@@ -52,14 +48,6 @@ def show(
         within = f"   in {thing['within']}" if thing["within"] else ""
         terminal().print(f"{thing['name']:<14} {place} m{within}")
     terminal().print(f"The picture is {out}.")
-
-
-def _kinds(path: Path | None) -> dict[str, ObjectType]:
-    """Hilt's own objects, and those of a file."""
-    from ...ontology.objects import load_household
-
-    household = load_household()
-    return dict((load_household(path, added_to=household) if path else household).objects)
 
 
 def _picture(body: Body, path: Path, *, names: bool) -> None:

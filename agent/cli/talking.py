@@ -4,16 +4,25 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
 
 from .options import (
     AsJson,
+    Eyes,
     Gui,
     Heard,
     Induce,
     Kb,
+    NoiseText,
     NoSim,
+    Objects,
     Out,
+    Record,
+    Robot,
     SceneSpec,
     Seed,
     Speaker,
@@ -22,12 +31,20 @@ from .options import (
 )
 from .terminal import converse, finish, open_agent, open_base, show, terminal
 
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from ..agent import Agent
+
 
 @app.command()
 def demo(
     *,
     kb: Kb = "memory:",
     seed: Seed = 0,
+    robot: Robot = "panda",
+    vision: Eyes = "mask",
+    noise: NoiseText = "",
     out: Out = Path("out/demo"),
     gui: Gui = False,
     no_sim: NoSim = False,
@@ -36,7 +53,9 @@ def demo(
     """Run the paper's running example: three sentences, and a knife passed by the blade."""
     from .. import demo as example
 
-    with open_agent(kb, scene="all", seed=seed, gui=gui, no_sim=no_sim) as agent:
+    with open_agent(
+        kb, seed=seed, robot=robot, vision=vision, noise=noise, gui=gui, no_sim=no_sim
+    ) as agent:
         came = example.run(agent, terminal(stderr=True), out)
         if as_json:
             show(came.as_json())
@@ -50,18 +69,20 @@ def tell(
     text: Utterance,
     *,
     kb: Kb = None,
+    objects: Objects = None,
     speaker: Speaker = "sam",
     heard: Heard = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
-    with open_agent(kb) as agent:
-        converse(
+    with open_agent(kb, objects=objects) as agent:
+        done = converse(
             agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="tell", heard=heard),
             (lambda reply: reply.as_tell_json()) if as_json else None,
         )
+    finish(done)
 
 
 @app.command()
@@ -70,21 +91,50 @@ def do(
     *,
     kb: Kb = None,
     scene: SceneSpec = "all",
+    objects: Objects = None,
     seed: Seed = 0,
     speaker: Speaker = "sam",
+    robot: Robot = "panda",
+    vision: Eyes = "mask",
+    noise: NoiseText = "",
     as_json: AsJson = False,
+    record: Record = None,
     gui: Gui = False,
     no_sim: NoSim = False,
     induce: Induce = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
-    with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim, induces=induce) as agent:
-        converse(
+    with (
+        open_agent(
+            kb,
+            scene=scene,
+            objects=objects,
+            seed=seed,
+            robot=robot,
+            vision=vision,
+            noise=noise,
+            gui=gui,
+            no_sim=no_sim,
+            induces=induce,
+        ) as agent,
+        _filmed(agent, record),
+    ):
+        done = converse(
             agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="do"),
             (lambda reply: reply.as_do_json()) if as_json else None,
         )
+    finish(done)
+
+
+def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
+    """A recording of what is done in the block; nothing when no file is named."""
+    if path is None:
+        return nullcontext()
+    if not agent.simulate:
+        raise typer.BadParameter("--record films a robot. Leave out --no-sim.")
+    return agent.filmed(path)
 
 
 @app.command()
@@ -93,18 +143,20 @@ def ask(
     *,
     kb: Kb = None,
     scene: SceneSpec = "all",
+    objects: Objects = None,
     seed: Seed = 0,
     speaker: Speaker = "sam",
     as_json: AsJson = False,
 ) -> None:
     """Ask what is known: "what is a knife used for?"."""
-    with open_agent(kb, scene=scene, seed=seed, no_sim=True) as agent:
-        converse(
+    with open_agent(kb, scene=scene, objects=objects, seed=seed, no_sim=True) as agent:
+        done = converse(
             agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="ask"),
             (lambda reply: reply.as_ask_json()) if as_json else None,
         )
+    finish(done)
 
 
 @app.command()
@@ -112,15 +164,29 @@ def chat(
     *,
     kb: Kb = None,
     scene: SceneSpec = "all",
+    objects: Objects = None,
     seed: Seed = 0,
     speaker: Speaker = "sam",
+    robot: Robot = "panda",
+    vision: Eyes = "mask",
+    noise: NoiseText = "",
     gui: Gui = False,
     no_sim: NoSim = False,
 ) -> None:
     """Talk: teach, ask and command, a line each; /rules, /why, /scene and /quit."""
     from ..chat import run
 
-    with open_agent(kb, scene=scene, seed=seed, gui=gui, no_sim=no_sim) as agent:
+    with open_agent(
+        kb,
+        scene=scene,
+        objects=objects,
+        seed=seed,
+        robot=robot,
+        vision=vision,
+        noise=noise,
+        gui=gui,
+        no_sim=no_sim,
+    ) as agent:
         run(agent, terminal(), sys.stdin, speaker)
 
 

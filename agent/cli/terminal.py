@@ -29,6 +29,10 @@ def open_agent(
     *,
     scene: str = "all",
     seed: int = 0,
+    objects: Path | None = None,
+    robot: str = "panda",
+    vision: str = "mask",
+    noise: str = "",
     gui: bool = False,
     no_sim: bool = False,
     induces: bool = False,
@@ -36,7 +40,18 @@ def open_agent(
     """An agent over a knowledge base, as the options of a command say."""
     from ..agent import Agent
 
-    return Agent.open(kb, scene=scene, seed=seed, gui=gui, simulate=not no_sim, induces=induces)
+    return Agent.open(
+        kb,
+        scene=scene,
+        seed=seed,
+        objects=objects,
+        robot=robot,
+        eyes=vision,
+        noise=noise,
+        gui=gui,
+        simulate=not no_sim,
+        induces=induces,
+    )
 
 
 def open_base(kb: str | None) -> KnowledgeBase:
@@ -69,8 +84,8 @@ def converse(
     text: str,
     hear: Callable[[str], Reply],
     as_json: Callable[[Reply], Json] | None,
-) -> None:
-    """Say each utterance and print each reply as soon as it is there."""
+) -> bool:
+    """Say each utterance and print each reply as soon as it is there; whether all was done."""
     done = True
     for said in utterances(text):
         reply = hear(said)
@@ -81,7 +96,7 @@ def converse(
             complain(reply.said)
         else:
             _show_reply(agent, reply)
-    finish(done)
+    return done
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.embodiment import Embodiment
 from hilt.kb.addresses import parse_address
 from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.interval import Interval
@@ -30,7 +31,6 @@ from hilt.ontology.action_sheet import load_actions
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.objects import load_objects
 from hilt.ontology.vocabulary import GRAPH_NAMES, Iri, iri
-from hilt.sim.scene import parse_scene
 
 from . import endpoints
 from .conftest import BLADE, CUTTING, PAPER, teach, ticking
@@ -382,9 +382,9 @@ def test_whole_agent_works_on_every_store(opener: Opener):
     """It learns by sentences, decides by what it learned, and keeps what it did."""
     base = KnowledgeBase(opener())
     base.load_domain(load_objects(), load_actions())
-    scene = parse_scene("all", seed=0, objects=load_objects())
+    bodiless = Embodiment.of(simulate=False)
 
-    with Agent(base, Language.load(), load_actions(), scene, simulate=False) as agent:
+    with Agent(base, Language.load(), load_actions(), bodiless) as agent:
         for text, _, _ in PAPER:
             assert agent.hear(text).rules
         reply = agent.hear("pass me something used for cutting")

@@ -206,4 +206,4 @@ def test_recording_tints_and_draws_what_it_is_told(world: World, tmp_path: Path)
 def test_picture_of_unknown_ending_is_refused():
     """What is no picture is told before anything is rendered."""
     with pytest.raises(DataError, match=r"expected a file ending in \.png"):
-        pictures.refuse_unknown_ending(Path("scene.pdf"))
+        pictures.refuse_unwritable(Path("scene.pdf"))
