@@ -58,6 +58,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     from ..evaluation.journal import Journal
     from ..evaluation.report import Report
 
+    if resume and out is None:
+        raise typer.BadParameter("--resume needs --out, the folder of the run.")
     given = {"sim": sim or None, "scenes": scenes, "poses": poses, "seed": seed}
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
