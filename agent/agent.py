@@ -25,17 +25,21 @@ from ..inference.induction import Inducing
 from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
+from ..kb.interval import Interval
+from ..kb.rule import Atom
 from ..nlu.language import Language
 from ..nlu.vocabulary import household_vocabulary
 from ..ontology.action_sheet import load_actions
 from ..ontology.actions import Actions
 from ..ontology.objects import Household, ObjectType
+from . import protocols
 from .dialogue import Dialogue
 from .embodiment import EYES, ROBOT, Embodiment, household
 from .goals import GoalManager
 from .outcome import Step
 from .protocols import Motion, Vision
 from .reply import Reply
+from .translation import words_of
 
 if TYPE_CHECKING:
     from ..sim.body import Body
@@ -66,18 +70,30 @@ def language_of(kinds: Household) -> Language:
     return Language.load(vocabulary=household_vocabulary(kinds.objects))
 
 
-def open_base(location: str | None, kinds: Household | None = None) -> KnowledgeBase:
+def actions_with(path: Path | None) -> Actions:
+    """The actions that Hilt comes with, and those of a file.
+
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    return load_actions(path, added_to=_actions()) if path else _actions()
+
+
+def open_base(
+    location: str | None, kinds: Household | None = None, actions: Actions | None = None
+) -> KnowledgeBase:
     """Open a knowledge base.
 
     Args:
         location: `memory:`, a folder, or an endpoint; None is the user's own base.
         kinds: the objects there are; Hilt's own when None.
+        actions: what the robot can do, for the domain graph; what Hilt comes with when None.
 
     Raises:
         StoreError: it cannot be opened.
     """
     base = KnowledgeBase.open(location or default_location())
-    base.load_domain((kinds or household()).objects, _actions())
+    base.load_domain((kinds or household()).objects, actions or _actions())
     return base
 
 
@@ -93,6 +109,8 @@ class Agent:
         settings: the choices of the inference.
         vision: somebody else's eyes, instead of the simulator's.
         motion: the hands that go with them; None decides but does not move.
+        dialogue: somebody else's language part, which is asked first.
+        contexts: what holds in this situation: places, roles, with how surely.
     """
 
     def __init__(
@@ -106,6 +124,8 @@ class Agent:
         settings: Settings | None = None,
         vision: Vision | None = None,
         motion: Motion | None = None,
+        dialogue: protocols.Dialogue | None = None,
+        contexts: Mapping[Atom, Interval] | None = None,
     ) -> None:
         self.base = base
         self.actions = actions
@@ -122,8 +142,14 @@ class Agent:
         self._vision, self._motion = vision, motion
         self._film: Film | None = None
         self.dialogue = Dialogue(
-            base, language, lambda: self.goals, self.visible, seed=self.scene.seed
+            base,
+            language.with_words(words_of(actions, language)),
+            lambda: self.goals,
+            self.visible,
+            seed=self.scene.seed,
+            other=dialogue,
         )
+        self.dialogue.contexts.update(contexts or {})
 
     @classmethod
     def open(
@@ -142,6 +168,9 @@ class Agent:
         settings: Settings | None = None,
         vision: Vision | None = None,
         motion: Motion | None = None,
+        dialogue: protocols.Dialogue | None = None,
+        actions: Path | None = None,
+        contexts: Mapping[Atom, Interval] | None = None,
     ) -> Agent:
         """An agent over a knowledge base.
 
@@ -159,9 +188,12 @@ class Agent:
             settings: the choices of the inference; None reads `ontology/settings.yaml`.
             vision: somebody else's eyes, instead of the simulator's.
             motion: the hands that go with them; None decides but does not move.
+            dialogue: somebody else's language part, which is asked first.
+            actions: a YAML file with actions of one's own.
+            contexts: what holds in this situation: places, roles, with how surely.
 
         Raises:
-            DataError: the scene, the objects or the noise are wrong.
+            DataError: the scene, the objects, the noise or the actions are wrong.
             UnknownNameError: there is no such object, robot or source of vision.
             StoreError: the base cannot be opened.
         """
@@ -175,15 +207,18 @@ class Agent:
             simulate=simulate,
             gui=gui,
         )
+        trees = actions_with(actions)
         return cls(
-            open_base(location, embodiment.household),
+            open_base(location, embodiment.household, trees),
             language_of(embodiment.household),
-            _actions(),
+            trees,
             embodiment,
             induces=induces,
             settings=settings,
             vision=vision,
             motion=motion,
+            dialogue=dialogue,
+            contexts=contexts,
         )
 
     def hear(

@@ -164,7 +164,8 @@ def explanation(reply: Reply, changes: Sequence[Change]) -> RenderableType:
     decision = reply.achievement.decision if reply.achievement else None
     parts: list[RenderableType] = [turn(reply)]
     for inference in (decision.object, decision.part) if decision else ():
-        for candidate in inference.candidates if inference else ():
+        shown = (*inference.candidates, *inference.absent) if inference else ()
+        for candidate in shown:
             about = f"{candidate.name} {candidate.argument or ''}: {candidate.verdict}"
             parts.append(Text(f"{about.strip()}, {candidate.reason}", "bold"))
             parts.append(Text("\n".join(f"  {line}" for line in candidate.proof.lines())))

@@ -22,6 +22,7 @@ from ..nlu.language import Language
 from ..nlu.reference import Discourse
 from ..nlu.understanding import Understanding
 from ..ontology.errors import UnknownNameError
+from . import protocols
 from .episodes import episode_of
 from .goals import GoalManager, Request
 from .outcome import Achievement, Answer, World
@@ -80,6 +81,7 @@ class Dialogue:
         goals: gives the goal manager, which is made when the first command comes.
         visible: tells the objects in view.
         seed: of everything random, kept with each reply.
+        other: somebody else's language part, which is asked first.
 
     Attributes:
         language: grows with every word that is learned.
@@ -95,8 +97,10 @@ class Dialogue:
         visible: Callable[[], tuple[str, ...]],
         *,
         seed: int = 0,
+        other: protocols.Dialogue | None = None,
     ) -> None:
         self.base = base
+        self._other = other
         self.language = language.with_words(known(word) for word in base.words())
         self.seed = seed
         self.contexts: dict[Atom, Interval] = {}
@@ -140,9 +144,7 @@ class Dialogue:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        understood = self.language.understand(
-            text, speaker=speaker, discourse=self._discourse, insist=insist
-        )
+        understood = self._understood(text, speaker, insist)
         self._discourse = understood.discourse
         turn = Turn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
@@ -150,6 +152,14 @@ class Dialogue:
         if understood.kind != "acknowledgement":
             self._pending = None
         return self._listeners[type(understood.meaning)](turn, understood.meaning)
+
+    def _understood(self, text: str, speaker: str, insist: Collection[str]) -> Understanding:
+        said = self._other.understand(text, speaker=speaker) if self._other else None
+        if said is not None:
+            return Understanding(text, speaker, "self", said, discourse=self._discourse)
+        return self.language.understand(
+            text, speaker=speaker, discourse=self._discourse, insist=insist
+        )
 
     # --- Being told --------------------------------------------------------------------------
 
@@ -304,7 +314,9 @@ class Dialogue:
     def _say(self, answered: Answer) -> str:
         """An answer in words, filled with those of its slots that the language asks for."""
         wanted = self.language.speech.answers[answered.key].slots
-        return self.language.say(answered.key, **{name: answered.slots[name] for name in wanted})
+        slots = {name: answered.slots[name] for name in wanted}
+        spoken = self.language.say(answered.key, **slots)
+        return self._other.say(answered, spoken) if self._other else spoken
 
     def _record(self, reply: Reply, turn: Turn) -> None:
         if not turn.keep:

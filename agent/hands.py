@@ -8,7 +8,7 @@ where the robot has some of its own. A report that something did not work become
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ..inference.goal import Target
 from ..sim.percept import Percept
@@ -32,6 +32,7 @@ class Task:
         percept: the thing it is about, if one was found.
         part: the part to act on.
         constraint: what was concluded at the node.
+        found: parameter -> the thing that was found for it.
     """
 
     action: str
@@ -39,6 +40,7 @@ class Task:
     percept: Percept | None
     part: str | None = None
     constraint: Constraint | None = None
+    found: Mapping[str, Percept] = field(default_factory=dict[str, Percept])
 
 
 class Hands:
@@ -129,15 +131,19 @@ class Hands:
         if not isinstance(motion, Skills):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
             return Answer("not_able", slots, "failed", "unable")
-        arguments: dict[str, Percept | str] = {}
-        for parameter, value in task.arguments.items():
-            name = value.object if isinstance(value, Target) else value
-            is_found = task.percept is not None and task.percept.object == name
-            seen = [task.percept] if is_found else self._vision.search([f"object:{name}"])
-            arguments[parameter] = seen[0] if seen and seen[0] else name or "thing"
+        arguments = {name: self._meant(name, task) for name in task.arguments}
         report = motion.perform(task.action, arguments, task.constraint)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
+
+    def _meant(self, parameter: str, task: Task) -> Percept | str:
+        """The thing that an argument means, or its name where no such thing is in view."""
+        if parameter in task.found:
+            return task.found[parameter]
+        value = task.arguments[parameter]
+        name = (value.object if isinstance(value, Target) else value) or "thing"
+        seen = self._vision.search([f"object:{name}"])
+        return seen[0] if seen else name
 
     def _struck(self, report: MotionReport) -> Answer | None:
         depth_mm = report.depth_m * MM

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the agent asks of a robot's eyes and hands.
+"""What the agent asks of a robot's eyes, hands, and dialogue.
 
-Anybody's detector and motion stack fit in behind these two protocols; the simulated body of
-`hilt.sim` is one that does. Values that pass are small and frozen: a `Percept` for a thing seen, a
-`MotionReport` for an action tried. A failure is a report with a reason, never an exception.
+Anybody's detector, motion stack and language part fit in behind these protocols; the simulated body
+of `hilt.sim` is one that does. Values that pass are small and frozen: a `Percept` for a thing seen,
+a `MotionReport` for an action tried, a `Meaning` for an utterance. A failure is a report with a
+reason, never an exception.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from ..sim.percept import Percept
 from ..sim.report import MotionReport
 
 if TYPE_CHECKING:
-    from .outcome import Constraint
+    from ..nlu.meaning import Meaning
+    from .outcome import Answer, Constraint
 
 
 class Vision(Protocol):
@@ -86,5 +88,27 @@ class Skills(Protocol):
             action: its name.
             arguments: parameter -> the thing seen; a name where nothing of that name is in view.
             constraint: what the rules conclude at this node, if anything.
+        """
+        ...
+
+
+class Dialogue(Protocol):
+    """Understands what people say, and words what the robot answers."""
+
+    def understand(self, text: str, *, speaker: str) -> Meaning | None:
+        """What an utterance means; None leaves it to Hilt's own grammar.
+
+        Args:
+            text: what was said.
+            speaker: who said it.
+        """
+        ...
+
+    def say(self, answer: Answer, spoken: str) -> str:
+        """An answer in words.
+
+        Args:
+            answer: its key, slots, and how the thing asked for ended.
+            spoken: how Hilt would put it.
         """
         ...

@@ -136,8 +136,14 @@ class Walk:
                 return failure
         if self.hands is None:
             return None
-        task = Task(action, arguments, found.percept if found else None, part)
-        return self.hands.perform(replace(task, constraint=_constraint(inference)))
+        things = {
+            parameter: self._found[value].percept
+            for parameter, value in arguments.items()
+            if isinstance(value, Target) and value in self._found
+        }
+        percept = found.percept if found else None
+        bound = _constraint(inference)
+        return self.hands.perform(Task(action, arguments, percept, part, bound, things))
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
 

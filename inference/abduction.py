@@ -14,11 +14,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..kb.interval import Interval
-from ..kb.rule import Atom, Rule
+from ..kb.notation import read_atom
+from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from .evidence import relative_plausibility
+from .goal import Conclusion
 from .settings import Settings
+from .taxonomy import FLAT, Taxonomy
 
 Json = dict[str, object]
+
+_FUNCTORS = {"affordance": USED_FOR, "part": GRASP_OBJECT}
+_KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
 
 
 @dataclass(frozen=True)
@@ -48,36 +54,58 @@ class Hypothesis:
         }
 
 
+def concluded(text: str) -> Conclusion:
+    """The conclusion that a person writes: an atom of a known functor, or functor(argument).
+
+    >>> print(concluded("part:blade"), concluded("cutWith(object:bread)"))
+    graspObject(part:blade) cutWith(object:bread)
+
+    Raises:
+        ValidationError: it names nothing.
+    """
+    functor, bracket, rest = text.partition("(")
+    if bracket:
+        name = rest.rstrip().removesuffix(")").strip()
+        return Conclusion(
+            functor.strip(), read_atom(name, _KINDS.get(functor, "object")) if name else None
+        )
+    if ":" not in text:
+        return Conclusion(text)
+    argument = Atom.parse(text)
+    return Conclusion(_FUNCTORS.get(argument.kind, GRASP_OBJECT), argument)
+
+
 def hypotheses(
     rules: Iterable[Rule],
-    functor: str,
-    argument: Atom,
+    conclusion: Conclusion,
     *,
     given: frozenset[Atom] = frozenset(),
     settings: Settings | None = None,
+    taxonomy: Taxonomy = FLAT,
 ) -> list[Hypothesis]:
     """What would bring a conclusion about, the likeliest first.
 
     Args:
         rules: those to read backwards.
-        functor: of the conclusion: "usedFor", "graspObject", ...
-        argument: of the conclusion: `Atom("affordance", "cutting")`, `Atom("part", "blade")`.
+        conclusion: usedFor(cutting), graspObject(blade), cutWith(bread).
         given: what is known to hold; left out of the hypotheses, and a rule about another object
             than a given one explains nothing.
         settings: the choices of the theory; rules with the same antecedent are fused.
+        taxonomy: what is a kind of what: a given bread knife is a knife.
 
     Returns:
         Only hypotheses under which the conclusion is rather true than false.
     """
     operators = (settings or Settings()).operators
+    known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))
     groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)
     for rule in rules:
-        if (rule.functor, rule.argument) == (functor, argument) and _is_compatible(rule, given):
+        if _concludes(rule, conclusion) and _is_compatible(rule, known):
             groups[rule.features | rule.contexts].append(rule)
     found = (
         Hypothesis(
-            group[0].features - given,
-            group[0].contexts - given,
+            group[0].features - known,
+            group[0].contexts - known,
             operators.fuse([rule.support for rule in group]),
             tuple(group),
         )
@@ -85,6 +113,10 @@ def hypotheses(
     )
     likely = [each for each in found if relative_plausibility(each.interval) > 0.5]
     return sorted(likely, key=lambda each: (-relative_plausibility(each.interval), _name(each)))
+
+
+def _concludes(rule: Rule, conclusion: Conclusion) -> bool:
+    return rule.functor == conclusion.functor and conclusion.argument in {None, rule.argument}
 
 
 def _is_compatible(rule: Rule, given: frozenset[Atom]) -> bool:

@@ -284,8 +284,11 @@ class Affordances:
             where = f" on {seen.name}" if seen.atoms else ""
             return Proof("seen", VACUOUS, f"{atom} not seen{where}")
         given = self._closure(goal.contexts)
-        interval = goal.contexts[given[atom][1]] if atom in given else CERTAIN
-        return Proof("given", interval, str(atom))
+        if atom not in given:
+            return Proof("given", CERTAIN, str(atom))
+        origin = given[atom][1]
+        kind = "" if origin == atom else f", which is a kind of {atom.name}"
+        return Proof("given", goal.contexts[origin], f"{origin}{kind}")
 
 
 def contexts_of(node: str) -> tuple[str, ...]:

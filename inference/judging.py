@@ -62,7 +62,11 @@ class Judge:
         """What all steps together come to for one thing."""
         proof = derived("and", steps, self.operators)
         if argument is not None and proof.step not in LEAVES:
-            proof = replace(proof, label=f"{seen.name} affords {argument}")
+            # Of a use or a part the functor is plain: usedFor, graspObject.
+            is_plain = argument.kind in {"affordance", "part"}
+            functors = {rule.functor for rule in applied.rules}
+            of = argument if is_plain or len(functors) != 1 else f"{functors.pop()}({argument})"
+            proof = replace(proof, label=f"{seen.name} affords {of}")
         sure = certainty(proof.interval)
         is_unknown = any(step.step == "unknown" for step in steps)
         verdict: Verdict = "absent" if is_absent else self.verdict(proof.interval, is_unknown)

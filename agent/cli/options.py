@@ -72,3 +72,22 @@ Induce = Annotated[
     typer.Option("--induce", help="Also act on what follows by likeness from what was told."),
 ]
 Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]
+ActionsFile = Annotated[
+    Path | None, typer.Option("--actions", help="A YAML file with actions of your own.")
+]
+Contexts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--context",
+        help="What holds now: place:kitchen, role:guest; place:kitchen=0.9 where it is not sure.",
+    ),
+]
+SettingsFile = Annotated[
+    Path | None, typer.Option("--settings", help="A YAML file with choices of the inference.")
+]
+Choices = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", help="One choice of the inference: fusion=dempster, threshold.pass=0.1, ..."
+    ),
+]

@@ -4,13 +4,31 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ...ontology.errors import DataError
-from .options import AsJson, Kb, SceneSpec, Seed, Speaker, app
+from .options import (
+    ActionsFile,
+    AsJson,
+    Choices,
+    Contexts,
+    Induce,
+    Kb,
+    Objects,
+    SceneSpec,
+    Seed,
+    SettingsFile,
+    Speaker,
+    app,
+)
 from .terminal import finish, open_agent, open_base, show, terminal
+
+if TYPE_CHECKING:
+    from ...inference.explanation import Change
+    from ..agent import Agent
+    from ..outcome import Decision
 
 
 @app.command()
@@ -19,21 +37,37 @@ def explain(
     *,
     kb: Kb = None,
     scene: SceneSpec = "all",
+    objects: Objects = None,
     seed: Seed = 0,
     speaker: Speaker = "sam",
     svg: Annotated[
         Path | None, typer.Option("--svg", help="Also draw the proof into this file.")
     ] = None,
+    induce: Induce = False,
+    actions: ActionsFile = None,
+    context: Contexts = None,
+    settings: SettingsFile = None,
+    choices: Choices = None,
     as_json: AsJson = False,
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
-    from ...inference.explanation import changes_of_mind
     from .. import console, drawing
 
-    with open_agent(kb, scene=scene, seed=seed, no_sim=True) as agent:
+    with open_agent(
+        kb,
+        scene=scene,
+        objects=objects,
+        seed=seed,
+        no_sim=True,
+        induces=induce,
+        actions=actions,
+        contexts=context,
+        settings=settings,
+        choices=choices,
+    ) as agent:
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
         decision = reply.achievement.decision if reply.achievement else None
-        changes = changes_of_mind(decision.object, agent.affordances.settings) if decision else []
+        changes = _changes(agent, decision)
         if svg and decision:
             _write(svg, drawing.svg(decision))
         if as_json:
@@ -43,6 +77,16 @@ def explain(
         else:
             terminal().print(console.explanation(reply, changes))
     finish(reply.is_done)
+
+
+def _changes(agent: Agent, decision: Decision | None) -> list[Change]:
+    """What would change the choice of the thing, and of the part, the smallest change first."""
+    from ...inference.explanation import changes_of_mind
+
+    nodes = [node for node in (decision.object, decision.part) if node] if decision else []
+    chosen = agent.affordances.settings
+    found = [change for node in nodes for change in changes_of_mind(node, chosen)]
+    return sorted(found, key=lambda change: change.size)
 
 
 @app.command()
@@ -78,7 +122,8 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
 @app.command()
 def abduce(
     conclusion: Annotated[
-        str, typer.Argument(help="What to explain: affordance:cutting, or part:blade.")
+        str,
+        typer.Argument(help="What to explain: affordance:cutting, part:blade, cutWith(bread)."),
     ],
     *,
     given: Annotated[
@@ -88,15 +133,16 @@ def abduce(
     as_json: AsJson = False,
 ) -> None:
     """Tell what would have to be true for something to follow, the likeliest first."""
-    from ...inference.abduction import hypotheses
-    from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom
+    from ...inference.abduction import concluded, hypotheses
+    from ...inference.taxonomy import Taxonomy
+    from ...kb.rule import Atom
     from .. import console
 
-    argument = Atom.parse(conclusion)
-    functor = USED_FOR if argument.kind == "affordance" else GRASP_OBJECT
     known = frozenset(Atom.parse(each) for each in given or ())
     with open_base(kb) as base:
-        found = hypotheses(base.rules(), functor, argument, given=known)
+        found = hypotheses(
+            base.rules(), concluded(conclusion), given=known, taxonomy=Taxonomy.of(base)
+        )
     if as_json:
         show([each.as_json() for each in found])
     else:

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 import typer
 
 from .options import (
+    ActionsFile,
     AsJson,
+    Choices,
+    Contexts,
     Eyes,
     Gui,
     Heard,
@@ -25,6 +28,7 @@ from .options import (
     Robot,
     SceneSpec,
     Seed,
+    SettingsFile,
     Speaker,
     Utterance,
     app,
@@ -102,6 +106,10 @@ def do(
     gui: Gui = False,
     no_sim: NoSim = False,
     induce: Induce = False,
+    actions: ActionsFile = None,
+    context: Contexts = None,
+    settings: SettingsFile = None,
+    choices: Choices = None,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
     with (
@@ -116,6 +124,10 @@ def do(
             gui=gui,
             no_sim=no_sim,
             induces=induce,
+            actions=actions,
+            contexts=context,
+            settings=settings,
+            choices=choices,
         ) as agent,
         _filmed(agent, record),
     ):
@@ -172,6 +184,11 @@ def chat(
     noise: NoiseText = "",
     gui: Gui = False,
     no_sim: NoSim = False,
+    induce: Induce = False,
+    actions: ActionsFile = None,
+    context: Contexts = None,
+    settings: SettingsFile = None,
+    choices: Choices = None,
 ) -> None:
     """Talk: teach, ask and command, a line each; /rules, /why, /scene and /quit."""
     from ..chat import run
@@ -186,6 +203,11 @@ def chat(
         noise=noise,
         gui=gui,
         no_sim=no_sim,
+        induces=induce,
+        actions=actions,
+        contexts=context,
+        settings=settings,
+        choices=choices,
     ) as agent:
         run(agent, terminal(), sys.stdin, speaker)
 

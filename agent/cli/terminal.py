@@ -16,7 +16,10 @@ from ...ontology.errors import DataError, HiltError, InUseError
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ...inference.settings import Settings
     from ...kb.beliefs import KnowledgeBase
+    from ...kb.interval import Interval
+    from ...kb.rule import Atom
     from ..agent import Agent
     from ..outcome import Json
     from ..reply import Reply
@@ -36,6 +39,10 @@ def open_agent(
     gui: bool = False,
     no_sim: bool = False,
     induces: bool = False,
+    actions: Path | None = None,
+    contexts: Iterable[str] | None = None,
+    settings: Path | None = None,
+    choices: Iterable[str] | None = None,
 ) -> Agent:
     """An agent over a knowledge base, as the options of a command say."""
     from ..agent import Agent
@@ -51,7 +58,31 @@ def open_agent(
         gui=gui,
         simulate=not no_sim,
         induces=induces,
+        actions=actions,
+        contexts=dict(_held(text) for text in contexts or ()),
+        settings=settings_of(settings, choices),
     )
+
+
+def settings_of(path: Path | None, choices: Iterable[str] | None) -> Settings:
+    """The choices of the inference: those of a file, with single ones changed."""
+    from ...inference.settings import SETTINGS_FILE, Settings
+
+    return Settings.load(path or SETTINGS_FILE).with_choices(choices or ())
+
+
+def _held(text: str) -> tuple[Atom, Interval]:
+    """A context and how surely it holds: "place:kitchen", "place:kitchen=0.9"."""
+    from ...kb.interval import Interval
+    from ...kb.rule import Atom
+
+    name, equals, sure = text.partition("=")
+    try:
+        return Atom.parse(name), Interval(float(sure) if equals else 1.0, 1.0)
+    except (HiltError, ValueError) as error:
+        raise DataError(
+            f'expected KIND:NAME or KIND:NAME=DEGREE, as "place:kitchen=0.9": {error}', source=text
+        ) from error
 
 
 def open_base(kb: str | None) -> KnowledgeBase:

@@ -4,6 +4,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import hypothesis
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -129,6 +130,7 @@ def test_smallest_change_of_mind_is_where_the_rival_draws_level():
     assert change.size == pytest.approx(0.25, abs=1e-6)
 
 
+@hypothesis.settings(deadline=None)
 @given(rules)
 def test_each_change_of_mind_turns_the_decision(told: list[Rule]):
     """Deciding again with the changed evidence chooses what the change says."""

@@ -5,11 +5,13 @@ import pytest
 
 from hilt.inference.abduction import hypotheses
 from hilt.inference.conflicts import conflicts
+from hilt.inference.goal import Conclusion
 from hilt.inference.induction import CAUTION, Induced, induce
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.objects import load_household
 
+CUTTING = Conclusion("usedFor", Atom("affordance", "cutting"))
 G, S, NEVER = Interval(0.95, 1.0), Interval(0.5, 1.0), Interval(0.0, 0.05)
 CUTS = functional("knife", "cutting", interval=G)
 BLADE = grasping("knife", "blade", "pass", interval=G)
@@ -44,7 +46,7 @@ def test_what_would_have_to_be_true_to_be_used_for_cutting():
         Atom("affordance", "cutting"), S,
     )  # fmt: skip
 
-    found = hypotheses([sharp, CUTS, BLADE], "usedFor", Atom("affordance", "cutting"))
+    found = hypotheses([sharp, CUTS, BLADE], CUTTING)
 
     assert [each.features for each in found] == [
         frozenset({Atom("object", "knife")}),
@@ -56,7 +58,9 @@ def test_context_that_explains_a_grasp():
     """Passing explains that the knife was taken by the blade."""
     given = frozenset({Atom("object", "knife")})
 
-    (found,) = hypotheses([BLADE, HANDLE], "graspObject", Atom("part", "blade"), given=given)
+    (found,) = hypotheses(
+        [BLADE, HANDLE], Conclusion("graspObject", Atom("part", "blade")), given=given
+    )
 
     assert (found.features, found.contexts) == (frozenset(), {Atom("action", "pass")})
 
@@ -65,7 +69,7 @@ def test_denied_conclusion_explains_nothing():
     """A rule that speaks against the conclusion is no way to it."""
     denial = functional("spoon", "cutting", interval=NEVER)
 
-    assert hypotheses([denial], "usedFor", Atom("affordance", "cutting")) == []
+    assert hypotheses([denial], CUTTING) == []
 
 
 # --- Induction -----------------------------------------------------------------------------
