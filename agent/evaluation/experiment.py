@@ -44,12 +44,21 @@ class Experiment(ABC):
     def run(self, case: Case) -> Result:
         """Run one case; what comes out depends on the case and the options only."""
 
+    def summary(self, results: Sequence[Result]) -> Json:
+        """What the results come to besides their counts; nothing by default."""
+        return {}
+
+    def files(self, results: Sequence[Result]) -> Mapping[str, Json]:
+        """What is written beside the results: name of the file -> document; nothing by default."""
+        return {}
+
 
 # Name -> where its class is. Modules are imported when they are needed: some take a second to load.
 EXPERIMENTS: Mapping[str, str] = {
     "paper": ".paper:PaperRun",
     "situations": ".situations:Situations",
     "grasps": ".grasps:Grasps",
+    "all-scenarios": ".all_scenarios:AllScenarios",
 }
 
 

@@ -37,7 +37,7 @@ class Scenario:
     def sentences(self) -> list[str]:
         """All that has to be said to teach it."""
         functional = [
-            f"{_article(name)} {name} is {level} used for {affordance}"
+            functional_sentence(name, affordance, level)
             for affordance, levels in self.affordances.items()
             for level, names in levels.items()
             for name in names
@@ -64,9 +64,14 @@ class Scenario:
         return Scenario(name, turned, self.grasps)
 
 
-def grasp_sentence(name: str, context: str, part: str) -> str:
-    """The sentence that teaches by which part to take an object in a context."""
-    return f"To {_INFINITIVES[context]} a {name} generally grab the {name} by the {part}"
+def functional_sentence(name: str, affordance: str, level: str) -> str:
+    """The sentence that teaches what an object is used for, and how surely."""
+    return f"{_article(name)} {name} is {level} used for {affordance}"
+
+
+def grasp_sentence(name: str, context: str, part: str, level: str = LEVELS[0]) -> str:
+    """The sentence that teaches by which part to take an object in a context, and how surely."""
+    return f"To {_INFINITIVES[context]} a {name} {level} grab the {name} by the {part}"
 
 
 def command(action: str, affordance: str) -> str:
