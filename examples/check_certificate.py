@@ -57,9 +57,11 @@ def situations(objects, affordances, cells, codes, action):
     for scene, f in product(range(2 ** len(objects)), range(len(affordances))):
         asked = [i * len(affordances) + f for i in range(len(objects)) if scene >> i & 1]
         tops = best([codes[cell] for cell in asked])
+        if not tops:  # then rules about absent objects are read, to say what would do
+            asked = range(f, len(objects) * len(affordances), len(affordances))
         tied = [cells[cell][0] for i, cell in enumerate(asked) if tops >> i & 1]
         grasps = [i for i, (o, _, c) in enumerate(cells) if [o] == tied[:1] and c == action]
-        parts, read = best([codes[i] for i in grasps]), {i for i in asked + grasps if codes[i]}
+        parts, read = best([codes[i] for i in grasps]), {i for i in [*asked, *grasps] if codes[i]}
         mask = sum(1 << objects.index(o) for o in tied)
         lines.append(f"{scene} {f} {mask} {parts} {sum(1 << i for i in read)}\n")
         kinds.append(min(len(tied), 2))
@@ -84,9 +86,11 @@ def expected(found, chosen=choices):
         return [rng.randrange(16) if seed + number else 15 for _ in cells]
 
     def row(shift, i):
-        o, _, c = cells[i]
+        c = cells[i][2]
         codes = [(shift + j) % 16 for j in range(len(cells))]
-        near = [j for j, cell in enumerate(cells) if j == i or (c and cell[::2] == (o, c))]
+        same = (2, 0) if c else (2, 1)  # of the object and context; without any, of the affordance
+        near = [j for j in range(len(cells)) if all(cells[j][k] == cells[i][k] for k in same)]
+        near = near if c or not codes[i] else [i]
         read = sum(1 << j for j in near if codes[j])
         return [*score(codes[i]), 1 << i if codes[i] else 0, read]
 

@@ -23,8 +23,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, cast
 
-from ...inference.affordance import Settings
 from ...inference.evidence import EPSILON
+from ...inference.settings import Settings
 from ..outcome import Json
 from . import finite_cases, hypotheses
 from .case import Case, Result

@@ -4,7 +4,9 @@
 teaching    a learning scenario told by sentence in order, shuffled, and everything twice and
             shuffled leaves the same rules in the base, and those are the ones that were told (H1)
 situations  every scene and command under one learning scenario: what is chosen, and of which cells
-            anything was read: those of the objects in the scene, and of the chosen one's parts (H2)
+            anything was read: those of the objects in the scene, and of the chosen one's parts
+            (H2). Where nothing can be chosen the program goes on to read what is said about
+            absent objects, to name one that would do; that is no choice any more.
 """
 
 from __future__ import annotations
@@ -104,7 +106,9 @@ def _truth(space: Space, codes: Codes, action: str, mask: int, affordance: int) 
     objects = [name for i, name in enumerate(scene) if tops >> i & 1]
     grasped = _part_cells(space, action, objects[0]) if objects else []
     parts = best([codes[cell] for cell in grasped])
-    read = sum(1 << cell for cell in (*cells, *grasped) if codes[cell])
+    step = len(space.affordances)
+    everywhere = range(affordance, len(space.objects) * step, step)
+    read = sum(1 << cell for cell in (*(cells if objects else everywhere), *grasped) if codes[cell])
     return mask, affordance, sum(1 << i for i in objects), parts, read
 
 

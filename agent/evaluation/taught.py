@@ -12,11 +12,12 @@ from dataclasses import dataclass
 from functools import cache
 from types import TracebackType
 
-from ...inference.affordance import Affordances, Settings
+from ...inference.affordance import Affordances
 from ...inference.goal import Candidate, Inference, Target
+from ...inference.settings import Settings
 from ...inference.taxonomy import Taxonomy
 from ...kb.rule import DEFAULT_SPEAKER, Rule
-from ...ontology.actions import load_actions
+from ...ontology.action_sheet import load_actions
 from ...ontology.objects import load_household
 from ...sim.scene import Placement, Scene
 from ..agent import open_base

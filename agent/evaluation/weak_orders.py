@@ -15,16 +15,17 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
-from ...inference.affordance import Judge, Settings
 from ...inference.goal import Candidate
-from ...inference.proof import UNKNOWN, Proof
-from ...kb.interval import Interval
+from ...inference.judging import Judge
+from ...inference.proof import Proof
+from ...kb.interval import VACUOUS, Interval
 from ..outcome import Json
 from .taught import acceptable
 from .tracing import BlindOperators, Opaque
 
 ABSENT, SILENT, RANKED = 0, 1, 2  # how an object can stand to what is asked
 NODE = "pass/findObject"
+NOT_TOLD = Proof("unknown", VACUOUS)
 
 
 @dataclass(frozen=True)
@@ -104,9 +105,9 @@ class _Chooser:
         # Which intervals stand for the scores does not matter: nothing reads them. What nothing
         # was told about gets the highest score of all, and must not be chosen even so.
         ranked = [Proof("seen", Interval(i / 1000, 1.0)) for i in range(1, levels + 1)]
-        proofs = [*ranked, UNKNOWN]
+        proofs = [*ranked, NOT_TOLD]
         scores = {proof.interval: Opaque(level) for level, proof in enumerate(proofs)}
-        self._judge = Judge(NODE, Settings(operators=BlindOperators(scores=scores)))
+        self._judge = Judge(NODE, 0.0, BlindOperators(scores=scores))
         self._candidates = [[_candidate(proof) for proof in proofs] for _ in range(objects)]
         self._bits = {id(each): 1 << i for i, row in enumerate(self._candidates) for each in row}
 
@@ -122,5 +123,5 @@ class _Chooser:
 
 
 def _candidate(proof: Proof) -> Candidate:
-    verdict = "unknown" if proof is UNKNOWN else "accepted"
+    verdict = "unknown" if proof is NOT_TOLD else "accepted"
     return Candidate("", "", None, proof, 0.0, verdict, "")

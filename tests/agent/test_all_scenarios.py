@@ -21,9 +21,10 @@ from hilt.agent.evaluation.space import Cell, Space, belief
 from hilt.agent.evaluation.taught import Taught
 from hilt.agent.evaluation.tracing import Opaque, Traced
 from hilt.agent.evaluation.weak_orders import Block, blocks, surjections
-from hilt.inference.affordance import Judge, Settings
 from hilt.inference.evidence import EPSILON, Operators
 from hilt.inference.goal import Inference, Target
+from hilt.inference.judging import Judge
+from hilt.inference.settings import Settings
 from hilt.kb import Interval, KnowledgeBase, functional
 
 CHECKER = Path(__file__).parents[2] / "examples" / "check_certificate.py"
