@@ -94,6 +94,7 @@ def run(
             if journal:
                 journal.add(each)
             advance()
+    ordered = tuple(done[case.key] for case in cases)
     if journal:
-        journal.finish(cases)
-    return tuple(done[case.key] for case in cases)
+        journal.finish(cases, experiment.files([each.result for each in ordered]))
+    return ordered

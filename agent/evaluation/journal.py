@@ -7,6 +7,8 @@ dropped. When all cases are done, the folder holds besides:
 
     results.jsonl  the results in the order of the cases; the same bytes for the same run
     times.csv      how long each took, which differs from run to run
+
+and whatever the experiment makes of its results, as the certificate of all learning scenarios.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import IO, cast
@@ -86,12 +88,19 @@ class Journal:
         )
         self.done[done.result.key] = done
 
-    def finish(self, cases: Sequence[Case]) -> None:
-        """Write the files of a complete run, each whole or not at all."""
+    def finish(self, cases: Sequence[Case], files: Mapping[str, Json] | None = None) -> None:
+        """Write the files of a complete run, each whole or not at all.
+
+        Args:
+            cases: all of them, in their order.
+            files: documents of the experiment's own, by the name of their file.
+        """
         done = [self.done[case.key] for case in cases]
         lines = (line_of(each.result.as_json()) for each in done)
         _replace(self.folder / RESULTS, "".join(f"{line}\n" for line in lines))
         _replace(self.folder / TIMES, _times(done))
+        for name, document in (files or {}).items():
+            _replace(self.folder / name, f"{line_of(document)}\n")
 
     def _lock(self) -> None:
         if os.name == "nt":  # a file that is open there cannot be replaced anyway

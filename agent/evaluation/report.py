@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ..outcome import Json
 from .case import Done, Result
+from .experiment import Experiment
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -23,11 +24,19 @@ class Report:
         name: of the experiment.
         options: of the experiment.
         done: its results, in the order of its cases.
+        summary: what the experiment itself makes of them.
     """
 
     name: str
     options: Mapping[str, object]
     done: tuple[Done, ...]
+    summary: Mapping[str, object] = field(default_factory=dict[str, object])
+
+    @classmethod
+    def of(cls, experiment: Experiment, done: Sequence[Done]) -> Report:
+        """The report of a run."""
+        summary = experiment.summary([each.result for each in done])
+        return cls(experiment.name, experiment.options, tuple(done), summary)
 
     @property
     def results(self) -> tuple[Result, ...]:
@@ -64,6 +73,7 @@ class Report:
             "wrong": [f"{r.key}: {r.found}, not {r.expected}" for r in self.results if not r.right],
             "seed": self.options.get("seed", 0),
             "options": dict(self.options),
+            **self.summary,
         }
 
     def _by_principle(self) -> dict[str, dict[str, int]]:

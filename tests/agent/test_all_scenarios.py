@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.agent.evaluation.all_scenarios import AllScenarios
-from hilt.agent.evaluation.case import Result
+from hilt.agent.evaluation.case import Case, Result, line_of
 from hilt.agent.evaluation.finite_cases import Lexis, scores
 from hilt.agent.evaluation.space import Cell, Space, belief
 from hilt.agent.evaluation.taught import Taught
@@ -34,7 +34,8 @@ SMALL = AllScenarios(objects=2, affordances=2, taught=2, traced=2)
 @pytest.fixture(scope="module")
 def results() -> list[Result]:
     """What comes of the verification for two objects and two affordances."""
-    return [SMALL.run(case) for case in SMALL.cases()]
+    sent = [Case.from_json(json.loads(line_of(case.as_json()))) for case in SMALL.cases()]
+    return [SMALL.run(case) for case in sent]
 
 
 @pytest.fixture(scope="module")
