@@ -24,15 +24,23 @@ def blocks(text: str, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
 
 
-def test_readme_commands_print_what_the_readme_shows(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+SESSIONS = [  # those that print what they show
+    page for page in DOCUMENTS if page.stem in {"README", "actions", "inference"}
+]
+
+
+@pytest.mark.parametrize("page", SESSIONS, ids=lambda path: path.name)
+def test_commands_print_what_the_page_shows(
+    page: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
-    """Every console line of the README runs and gives the output below it."""
+    """Every console line of a page runs and gives the output below it, one after the other."""
     monkeypatch.setenv("HILT_KB", str(tmp_path))
     monkeypatch.setenv("COLUMNS", "120")
-    (session,) = blocks(README, "console")
+    monkeypatch.chdir(ROOT)
+    session = "".join(blocks(page.read_text(encoding="utf-8"), "console"))
 
     for command, expected in re.findall(r"^\$ hilt (.*)\n((?:(?!\$ ).*\n)*)", session, re.M):
+        capfd.readouterr()
         with pytest.raises(SystemExit):
             main(shlex.split(command))
         printed = "\n".join(line.rstrip() for line in capfd.readouterr().out.splitlines())

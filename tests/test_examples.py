@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+EXAMPLES = sorted(path for path in (ROOT / "examples").iterdir() if path.suffix in {".py", ".yaml"})
 
 
 def output(*arguments: str) -> str:
@@ -37,7 +37,19 @@ def test_knowledge_part_runs_without_the_simulator():
     assert "arm: hand over" in output("-c", code)
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_kitchen_cuts_with_what_the_general_rules_conclude():
+    """Which thing cutWith(X, bread) follows of depends on where the robot is, and is proved."""
+    anywhere, kitchen = output("examples/kitchen.py").split("--- place:kitchen")
+
+    assert "hilt: I would cut the bread with the spatula." in anywhere
+    assert "hilt: I would cut the bread with the knife." in kitchen
+    assert "[0.81, 1.00]  modus ponens  knife affords cutWith(object:bread)" in kitchen
+    assert "I was told the contrary of a knife." in kitchen
+    assert "hilt: I would serve the knife by the blade." in anywhere
+    assert "I am not sure enough how to serve a knife. By which part?" in kitchen
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)
 def test_example_is_listed(example: Path):
     """The table of examples names each."""
     assert f"[{example.name}]" in (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
