@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib import import_module
 from time import monotonic
 from types import ModuleType
 from typing import Any
@@ -105,7 +106,7 @@ class _Run:
         self._waiting = deque(cases)
         self._again: deque[_Chunk] = deque()
         self._under_way: dict[Any, _Chunk] = {}
-        self._cpu_s, self._count = 0.0, 0
+        self._spent_s, self._count = 0.0, 0
         self._places, self._looked = 1, float("-inf")
 
     def results(self) -> Iterator[Done]:
@@ -133,7 +134,7 @@ class _Run:
 
     def _next_cases(self) -> list[Case]:
         """As many as take `CHUNK_S`, so far as is known; few at the end, so that none waits."""
-        each_s = self._cpu_s / self._count if self._count else CHUNK_S
+        each_s = self._spent_s / self._count if self._count else CHUNK_S
         fair = len(self._waiting) // (2 * self._places)
         size = max(1, min(int(CHUNK_S / max(each_s, 1e-6)), fair, MAX_CHUNK))
         return [self._waiting.popleft() for _ in range(min(size, len(self._waiting)))]
@@ -144,10 +145,9 @@ class _Run:
         except self._ray.exceptions.RayError as error:
             yield from self._given_up(chunk, type(error).__name__)
             return
-        for line in lines:
-            done = read_done(line, chunk.attempts + 1)
-            self._cpu_s, self._count = self._cpu_s + done.cpu_s, self._count + 1
-            yield done
+        self._spent_s += monotonic() - chunk.since
+        self._count += len(lines)
+        yield from (read_done(line, chunk.attempts + 1) for line in lines)
 
     def _given_up(self, chunk: _Chunk, why: str) -> Iterator[Done]:
         """Try again alone what was lost together: one case may be the reason for all."""
@@ -166,10 +166,9 @@ class _Run:
 
 
 def _import_ray() -> ModuleType:
-    # Ray tells its makers who uses it, unless told not to; both are read when it is imported.
+    # Ray tells its makers who uses it, unless told not to; and reads that when it is imported.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
-        import ray
+        return import_module("ray")
     except ImportError as error:
         raise MissingExtraError("cluster", "ray") from error
-    return ray

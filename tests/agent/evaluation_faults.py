@@ -13,12 +13,17 @@ from hilt.agent.evaluation.case import Case, Result
 from hilt.agent.evaluation.experiment import Experiment
 
 
+def notes(folder: Path) -> list[list[str]]:
+    """For each case that was begun, the processes in which it was."""
+    return [path.read_text().splitlines() for path in sorted(folder.iterdir())]
+
+
 @dataclass(frozen=True)
 class Squares(Experiment):
     """Squares of numbers.
 
     Attributes:
-        folder: where it is noted how often each case was begun.
+        folder: where each case notes in which process it is begun, whenever it is.
         count: how many cases.
         deadly: cases that kill their worker.
         endless: cases that never end.
@@ -50,9 +55,10 @@ class Squares(Experiment):
         """How often a case was begun, with this time."""
         if not self.folder:
             return self.times + 1
-        with Path(self.folder, str(number)).open("a+", encoding="utf-8") as notes:
-            notes.write(".")
-            return notes.tell()
+        notes = Path(self.folder, f"{number:04}")
+        with notes.open("a", encoding="utf-8") as file:
+            file.write(f"{os.getpid()}\n")
+        return len(notes.read_text().splitlines())
 
     def _go_wrong(self, number: int) -> None:
         if number in self.deadly:

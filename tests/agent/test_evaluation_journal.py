@@ -14,7 +14,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from evaluation_faults import Squares
+from evaluation_faults import Squares, notes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,11 +36,6 @@ def journaled(folder: Path, experiment: Squares, *, resume: bool = False) -> tup
         return run(experiment, cases, journal=journal)
 
 
-def begun(folder: Path) -> list[int]:
-    """How often each case was begun, as the experiment noted."""
-    return [path.stat().st_size for path in sorted(folder.iterdir())]
-
-
 def test_run_leaves_its_results_in_the_order_of_the_cases(tmp_path: Path):
     """One line a case, and a table of times beside it."""
     journaled(tmp_path, Squares(count=3))
@@ -54,8 +49,8 @@ def test_run_leaves_its_results_in_the_order_of_the_cases(tmp_path: Path):
 @given(share=st.floats(0, 1))
 def test_run_cut_off_anywhere_goes_on(tmp_path_factory: pytest.TempPathFactory, share: float):
     """Whatever byte of the journal was the last: no case is missing, and none is run again."""
-    folder, notes = tmp_path_factory.mktemp("run"), tmp_path_factory.mktemp("notes")
-    experiment = Squares(count=6, folder=str(notes))
+    folder, noted = tmp_path_factory.mktemp("run"), tmp_path_factory.mktemp("notes")
+    experiment = Squares(count=6, folder=str(noted))
     journaled(folder, experiment)
     whole, results = (folder / JOURNAL).read_bytes(), (folder / RESULTS).read_bytes()
     left = round(share * len(whole))
@@ -65,7 +60,7 @@ def test_run_cut_off_anywhere_goes_on(tmp_path_factory: pytest.TempPathFactory, 
 
     kept = max(0, whole[:left].count(b"\n") - 1)  # the header is no case
     assert (folder / RESULTS).read_bytes() == results
-    assert begun(notes) == [1] * kept + [2] * (6 - kept)
+    assert [len(each) for each in notes(noted)] == [1] * kept + [2] * (6 - kept)
 
 
 def test_run_that_is_there_is_not_overwritten(tmp_path: Path):
