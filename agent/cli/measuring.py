@@ -12,10 +12,11 @@ import typer
 from .options import AsJson, Seed, app
 from .terminal import finish, show, terminal
 
-What = Annotated[str, typer.Argument(help="paper, situations, grasps or all-scenarios.")]
+What = Annotated[str, typer.Argument(help="paper, situations, grasps, all-scenarios or noise.")]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
 Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
+Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
 Workers = Annotated[
     int, typer.Option("--workers", min=1, help="Processes; with --ray, cases at once at most.")
 ]
@@ -40,6 +41,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     sim: Sim = False,
     scenes: Scenes = None,
     poses: Poses = None,
+    trials: Trials = None,
     seed: Seed = 0,
     workers: Workers = 1,
     ray: Ray = None,
@@ -52,7 +54,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
     8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
-    by factorisation; --out keeps the certificate.
+    by factorisation; --out keeps the certificate. noise: accuracy against eyes, ears and teachers
+    that fail, as curves.
     """
     from ..evaluation.engine import open_engine, run
     from ..evaluation.experiment import make_experiment
@@ -61,7 +64,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
-    given = {"sim": sim or None, "scenes": scenes, "poses": poses, "seed": seed}
+    given = {"sim": sim or None, "scenes": scenes, "poses": poses, "trials": trials, "seed": seed}
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
     cases = experiment.cases()

@@ -59,6 +59,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "situations": ".situations:Situations",
     "grasps": ".grasps:Grasps",
     "all-scenarios": ".all_scenarios:AllScenarios",
+    "noise": ".noise:NoiseRun",
 }
 
 
