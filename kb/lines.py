@@ -8,10 +8,12 @@ together.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import BinaryIO, TypeVar
+from datetime import datetime
+from typing import Protocol, TypeVar
 
 from ..ontology.vocabulary import PREFIXES, Iri, iri
 from . import stars
+from .history import ASSERTS, HISTORY
 from .interval import DIGITS
 from .rule import Atom, Rule
 from .stars import BELIEFS
@@ -21,8 +23,8 @@ Key = TypeVar("Key")
 
 _MAX_KNOWN = 200_000  # names that are remembered
 _MAX_HELD = 2**20  # characters that are written at once
-_RULES = PREFIXES["rule"]
-_END = f" {as_sparql(BELIEFS)} .\n"
+_RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
+_END, _HISTORY_END = (f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY))
 
 
 def _keys(*names: Iri) -> tuple[str, ...]:
@@ -31,15 +33,25 @@ def _keys(*names: Iri) -> tuple[str, ...]:
 
 _FEATURE, _CONTEXT, _LOWER, _UPPER = _keys(stars.FEATURE, stars.CONTEXT, stars.LOWER, stars.UPPER)
 _RULE, _SOURCE, _TIME = _keys(stars.RULE, stars.DERIVED_FROM, stars.GENERATED_AT)
+(_ASSERTS,) = _keys(ASSERTS)
 _PLAIN = frozenset({stars.FEATURE, stars.CONTEXT, stars.LOWER, stars.UPPER, stars.GENERATED_AT})
+
+
+class Sink(Protocol):
+    """Where the lines go."""
+
+    def write(self, chunk: bytes, /) -> object:
+        """Take some whole lines."""
+        ...
 
 
 class Lines:
     """Writes rules and statements as lines; names that come again are written from memory."""
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def __init__(self, stream: Sink) -> None:
         self._stream = stream
         self._atoms: dict[Atom, str] = {}
+        self._ends: dict[tuple[str, frozenset[Atom]], tuple[str, ...]] = {}
         self._nodes: dict[str, str] = {}
         self._names: dict[Iri, str] = {}
         self._forms: dict[object, str] = {}
@@ -53,8 +65,8 @@ class Lines:
         start = _name(rule.id)
         interval = rule.interval
         said = [
-            *(f"{start}{_FEATURE}{self._atom(atom)}{_END}" for atom in rule.features),
-            *(f"{start}{_CONTEXT}{self._atom(atom)}{_END}" for atom in rule.contexts),
+            *(start + end for end in self._ending(_FEATURE, rule.features)),
+            *(start + end for end in self._ending(_CONTEXT, rule.contexts)),
             f"{start}{_LOWER}{_decimal(interval.lower)}{_END}",
             f"{start}{_UPPER}{_decimal(interval.upper)}{_END}",
             self._form(rule).replace("?", start),
@@ -77,10 +89,18 @@ class Lines:
             self._is_new = False
         self._write("".join(said))
 
-    def source(self, rule_id: str, utterance: int) -> None:
-        """From which utterance a rule comes."""
-        start = _name(rule_id)
-        self._write(f"{start}{_SOURCE}{as_sparql(iri('utterance', str(utterance)))}{_END}")
+    def told(self, rule_id: str, utterance: int, *, asserted: bool) -> None:
+        """From which utterance a rule comes; with `asserted` also that this one asserts it."""
+        start, said = _name(rule_id), f"<{_UTTERANCES}{utterance}>"
+        self._write(f"{start}{_SOURCE}{said}{_END}")
+        if asserted:
+            self._write(f"{said}{_ASSERTS}{start}{_HISTORY_END}")
+
+    def believed(self, rule_ids: Iterable[str], moment: datetime) -> None:
+        """Since when rules are believed."""
+        end = f"{_TIME}{as_sparql(moment)}{_END}"
+        for rule_id in rule_ids:
+            self._write(_name(rule_id) + end)
 
     def quads(self, quads: Iterable[Quad]) -> None:
         """Other statements."""
@@ -112,6 +132,16 @@ class Lines:
 
     def _atom(self, atom: Atom) -> str:
         return self._atoms.get(atom) or self._learn(self._atoms, atom, stars.atom_iri(atom))
+
+    def _ending(self, key: str, atoms: frozenset[Atom]) -> tuple[str, ...]:
+        """The lines of one property and these atoms, without the rule that they begin with."""
+        known = self._ends.get((key, atoms))
+        if known is None:
+            if len(self._ends) > _MAX_KNOWN:
+                self._ends.clear()
+            known = tuple(f"{key}{self._atom(atom)}{_END}" for atom in atoms)
+            self._ends[key, atoms] = known
+        return known
 
     def _plain_edges(self, rule: Rule) -> Iterator[str]:
         """As `stars.plain_edges`."""

@@ -126,9 +126,8 @@ class Recall:
     @property
     def sequence(self) -> int:
         """The number of the last utterance, 0 before the first: equal numbers, equal beliefs."""
-        for quad in self.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH):
-            return cast(int, quad.object)
-        return 0
+        numbers = self.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
+        return max((cast(int, quad.object) for quad in numbers), default=0)
 
     def trust(self, speaker: str) -> Interval | None:
         """How far a speaker is trusted; None when nobody said that the speaker is."""

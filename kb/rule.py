@@ -16,7 +16,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 from ..ontology.errors import ValidationError
@@ -169,8 +169,8 @@ class Rule:
         """Its name, made from its content: the same thing told twice by one speaker is one rule."""
         content = (
             self.speaker,
-            " ".join(sorted(str(atom).replace(" ", "_") for atom in self.features)),
-            " ".join(sorted(str(atom).replace(" ", "_") for atom in self.contexts)),
+            _spelled(self.features),
+            _spelled(self.contexts),
             f"{self.functor}({self.argument or ''})",
             f"{self.interval.lower:.6f} {self.interval.upper:.6f}",
         )
@@ -288,6 +288,11 @@ def check_speaker(name: str) -> None:
 def _seen(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     objects = () if name == "*" else (Atom("object", name),)
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
+
+
+@lru_cache(maxsize=2**16)
+def _spelled(atoms: frozenset[Atom]) -> str:
+    return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 
 
 def _only(atoms: frozenset[Atom], kind: str) -> str | None:

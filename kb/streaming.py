@@ -2,9 +2,9 @@
 """Imports of any size: a million rules are checked and written without being held in memory.
 
 The file is read once. Each rule is checked on its own as it comes (its interval, its form, its
-name) and written as lines of N-Quads into a temporary file; only numbers are kept of it. When all
-is right, that file is loaded into the store as one unit. What is not a rule (utterances, words,
-episodes) is staged and checked as for small files.
+name) and written as lines of N-Quads, which the engine takes while they are made; only numbers are
+kept of it. The engine makes them visible as one unit at the end, or drops all when something is
+wrong. What is not a rule (utterances, words, episodes) is staged and checked as for small files.
 
 The statements of one rule must stand together, as they do in every export.
 """
@@ -13,11 +13,10 @@ from __future__ import annotations
 
 import tempfile
 from array import array
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import groupby, islice
-from pathlib import Path
 from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
 
 from ..ontology.errors import DataError, ValidationError
@@ -58,10 +57,10 @@ T = TypeVar("T")
 
 @runtime_checkable
 class Loading(Protocol):
-    """A store that loads a file of N-Quads as one unit."""
+    """A store that loads N-Quads as one unit, while they are made."""
 
-    def load(self, file: Path) -> None:
-        """Add the statements of the file; durable when this returns."""
+    def load(self, lines: Iterable[bytes]) -> None:
+        """Add the statements of the lines; durable when this returns."""
         ...
 
 
@@ -69,6 +68,7 @@ class Loading(Protocol):
 class _Read:
     """What is kept of what was read."""
 
+    rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
     ids: array[int] = field(default_factory=lambda: array("Q"))  # of new rules
     utterances: array[int] = field(default_factory=lambda: array("Q"))  # of each; 0 where none
     timeless: set[int] = field(default_factory=set[int])  # ids of new rules without a time
@@ -77,6 +77,22 @@ class _Read:
     conflicting: int = 0
     conflicts: list[Conflict] = field(default_factory=list[Conflict])
     speakers: set[str] = field(default_factory=set[str])
+    trusted: set[str] = field(default_factory=set[str])
+    utterances_added: int = 0
+
+
+class _Held:
+    """What was written and is not taken yet."""
+
+    def __init__(self) -> None:
+        self._chunks = deque[bytes]()
+
+    def write(self, chunk: bytes) -> None:
+        self._chunks.append(chunk)
+
+    def taken(self) -> Iterator[bytes]:
+        while self._chunks:
+            yield self._chunks.popleft()
 
 
 def import_statements(
@@ -90,49 +106,67 @@ def import_statements(
         source: the name of the file.
         dry_run: only say what would come of it.
     """
-    rest: list[Quad] = []
+    read = _Read()
     quads = placed(_plain(statements, source), source=source)
-    return _import(base, _rules(quads, rest, source), rest, source=source, dry_run=dry_run)
+    return _import(base, _rules(quads, read.rest, source), read, source=source, dry_run=dry_run)
 
 
 def import_rules(
     base: KnowledgeBase, rules: Iterable[Rule], *, source: str, dry_run: bool
 ) -> Summary:
     """Take over many rules; as `import_statements`."""
-    return _import(base, rules, [], source=source, dry_run=dry_run)
+    return _import(base, rules, _Read(), source=source, dry_run=dry_run)
 
 
 def _import(
-    base: KnowledgeBase, rules: Iterable[Rule], rest: list[Quad], *, source: str, dry_run: bool
+    base: KnowledgeBase, rules: Iterable[Rule], read: _Read, *, source: str, dry_run: bool
 ) -> Summary:
-    """Spool the rules, then stage the rest (which is complete then), then load all."""
-    with tempfile.TemporaryDirectory(prefix="hilt-") as folder, base.store.writing():
-        spool = Path(folder) / "base.nq"
-        with spool.open("wb") as lines:
-            read = _spool(base, rules, lines)
-            staging = stage(rest, source=source)
-            rest.clear()
-            try:
-                refuse(findings(staging))
-                plan, before = Plan(base.sequence), base.sequence
-                other = Recall(staging)
-                plan_trust(plan, base, other)
-                plan_history(plan, base, other)
-                plan_rest(plan, base, other)
-                _finish(base, plan, read, lines, source)
-                trusted = {*base.speakers(), *other.speakers()}
-            finally:
-                staging.close()
-        if not dry_run:
-            _load(base, plan, before, spool)
+    """Load the lines of all that is new while they are made; a mistake in any loads none."""
+    store = base.store
+    with store.writing():
+        plan = Plan(base.sequence)
+        lines = _lines(base, rules, read, plan, source)
+        if dry_run:
+            deque(lines, maxlen=0)
+        else:
+            old = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
+            _load(store, lines, source)
+            store.apply(delete={*plan.delete, *old} - {*plan.insert})
     return Summary(
         len(read.ids),
         read.known,
         read.conflicting,
-        len({number for number in plan.numbers.values() if number > before}),
-        tuple(sorted(read.speakers - trusted)),
+        read.utterances_added,
+        tuple(sorted(read.speakers - read.trusted)),
         tuple(read.conflicts),
     )
+
+
+def _lines(
+    base: KnowledgeBase, rules: Iterable[Rule], read: _Read, plan: Plan, source: str
+) -> Iterator[bytes]:
+    """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
+    held = _Held()
+    write, before = Lines(held), plan.last
+    for rule in _new(base, rules, read):
+        write.rule(rule)
+        yield from held.taken()
+    staging = stage(read.rest, source=source)
+    read.rest.clear()
+    try:
+        refuse(findings(staging))
+        other = Recall(staging)
+        plan_trust(plan, base, other)
+        plan_history(plan, base, other)
+        plan_rest(plan, base, other)
+        for _ in _finish(base, plan, read, write, source):
+            yield from held.taken()
+        read.utterances_added = len({each for each in plan.numbers.values() if each > before})
+        read.trusted = {*base.speakers(), *other.speakers()}
+    finally:
+        staging.close()
+    write.flush()
+    yield from held.taken()
 
 
 def _plain(statements: Iterable[Quad | Reified], source: str) -> Iterator[Quad]:
@@ -172,9 +206,9 @@ def _rule(node: Iri, properties: list[tuple[Iri, object]]) -> Rule:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 
 
-def _spool(base: KnowledgeBase, rules: Iterable[Rule], lines: BinaryIO) -> _Read:
-    """Write the statements of all new rules, but for the utterances that they come from."""
-    read, write, contradicts = _Read(), Lines(lines), _Believed(base)
+def _new(base: KnowledgeBase, rules: Iterable[Rule], read: _Read) -> Iterator[Rule]:
+    """The rules that the base does not have; what has to be known of them is kept in `read`."""
+    contradicts = _Believed(base)
     there = _ids_of(base.store) if base.sequence else frozenset[int]()
     for rule in rules:
         number = _number(rule)
@@ -193,64 +227,62 @@ def _spool(base: KnowledgeBase, rules: Iterable[Rule], lines: BinaryIO) -> _Read
             found = contradicts.by(rule)
             read.conflicting += len(found)
             read.conflicts += found[: MAX_LISTED - len(read.conflicts)]
-        write.rule(rule)
-    write.flush()
-    return read
+        yield rule
 
 
-def _finish(base: KnowledgeBase, plan: Plan, read: _Read, lines: BinaryIO, source: str) -> None:
-    """Write where the rules come from, and everything else that is new."""
+def _finish(
+    base: KnowledgeBase, plan: Plan, read: _Read, write: Lines, source: str
+) -> Iterator[None]:
+    """Write where the rules come from, and everything else that is new; stop now and then."""
     moment = to_milliseconds(base.clock())
-    nameless = [
-        (number, told)
+    for some, said in _nameless(read, plan, source):
+        plan.last += 1
+        plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
+        add_utterance(plan, Utterance(plan.last, said, "", DEFAULT_SPEAKER, moment, "import"))
+        for rule_id in sorted(map(_id, some)):
+            write.told(rule_id, plan.last, asserted=True)
+        yield
+    for number, told in zip(read.ids, read.utterances, strict=True):
+        if told in plan.numbers:
+            write.told(_id(number), plan.numbers[told], asserted=False)
+    write.believed(map(_id, read.timeless), moment)
+    # The new number comes with what it counts; the old one goes after that, and never counts.
+    if plan.last:
+        plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
+    write.quads(plan.insert)
+
+
+def _nameless(read: _Read, plan: Plan, source: str) -> Iterator[tuple[list[int], str]]:
+    """The rules that no utterance asserted, some at a time, with what stands for one."""
+    numbers = [
+        number
         for number, told in zip(read.ids, read.utterances, strict=True)
         if told not in plan.numbers
     ]
     start = 1
-    writer = Lines(lines)
-    for some in _batched((number for number, _ in nameless), PER_UTTERANCE):
-        plan.last += 1
-        plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
-        where = f", rules {start} to {start + len(some) - 1}" if len(nameless) > len(some) else ""
-        ids = tuple(sorted(map(_id, some)))
-        said = f"import of {source}{where}"
-        add_utterance(
-            plan,
-            Utterance(plan.last, said, "", DEFAULT_SPEAKER, moment, "import", asserts=ids),
-        )
-        for rule_id in ids:
-            writer.source(rule_id, plan.last)
+    for some in _batched(numbers, PER_UTTERANCE):
+        where = f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
+        yield some, f"import of {source}{where}"
         start += len(some)
-    for number, told in zip(read.ids, read.utterances, strict=True):
-        if told in plan.numbers:
-            writer.source(_id(number), plan.numbers[told])
-    writer.quads(
-        Quad(stars.rule_iri(_id(number)), stars.GENERATED_AT, moment, BELIEFS)
-        for number in read.timeless
-    )
-    writer.quads(plan.insert)
-    writer.flush()
 
 
-def _load(base: KnowledgeBase, plan: Plan, before: int, spool: Path) -> None:
-    """The numbers first: if all ends between, some are skipped, but none is given twice."""
-    store = base.store
-    old = list(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
-    new = [Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH)] if plan.last > before else []
-    store.apply(insert=new, delete=[*(old if new else ()), *plan.delete])
+def _load(store: Store, lines: Iterable[bytes], source: str) -> None:
+    """Add all statements as one unit."""
     if isinstance(store, Loading):
-        store.load(spool)
-    else:
-        store.apply(insert=_spooled(spool))
+        store.load(lines)
+        return
+    with tempfile.TemporaryFile(prefix="hilt-") as spool:
+        spool.writelines(lines)
+        spool.seek(0)
+        store.apply(insert=_spooled(spool, source))
 
 
-def _spooled(spool: Path) -> Iterator[Quad]:
+def _spooled(spool: BinaryIO, source: str) -> Iterator[Quad]:
     from .oxigraph import read_rdf
 
-    with spool.open("rb") as stream:
-        for one in read_rdf(stream, format="nquads", source=str(spool), default=BELIEFS):
-            if isinstance(one, Quad):
-                yield one
+    for one in read_rdf(spool, format="nquads", source=source, default=BELIEFS):
+        if isinstance(one, Quad):
+            yield one
 
 
 def _ids_of(store: Store) -> frozenset[int]:

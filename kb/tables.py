@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from typing import Protocol
 
 from ..ontology.errors import DataError, HiltError
@@ -97,6 +98,7 @@ def _rule(cells: dict[str, str]) -> Rule:
     )
 
 
+@lru_cache(maxsize=2**16)
 def _atoms(cell: str, kind: str) -> frozenset[Atom]:
     return notation.read_atoms(filter(str.strip, cell.split(";")), kind)
 
