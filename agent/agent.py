@@ -35,8 +35,10 @@ from ..ontology.objects import Household, ObjectType
 from . import protocols
 from .dialogue import Dialogue
 from .embodiment import EYES, ROBOT, Embodiment, household
-from .goals import GoalManager
-from .outcome import Step
+from .episodes import Diary
+from .goals import GoalManager, Request
+from .keeping import file_as_json, settings_as_choices
+from .outcome import Achievement, Json, Step
 from .protocols import Motion, Vision
 from .reply import Reply
 from .translation import words_of
@@ -111,6 +113,7 @@ class Agent:
         motion: the hands that go with them; None decides but does not move.
         dialogue: somebody else's language part, which is asked first.
         contexts: what holds in this situation: places, roles, with how surely.
+        actions_file: where the user's own ones among the actions come from, if there are any.
     """
 
     def __init__(
@@ -126,6 +129,7 @@ class Agent:
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
         contexts: Mapping[Atom, Interval] | None = None,
+        actions_file: Path | None = None,
     ) -> None:
         self.base = base
         self.actions = actions
@@ -140,12 +144,15 @@ class Agent:
         self.induces = induces
         self.simulate = embodiment.simulate and vision is None
         self._vision, self._motion = vision, motion
+        self._actions_file = actions_file
         self._film: Film | None = None
+        diary = Diary(base, self.circumstances, self.state)
         self.dialogue = Dialogue(
             base,
             language.with_words(words_of(actions, language)),
             lambda: self.goals,
             self.visible,
+            diary,
             seed=self.scene.seed,
             other=dialogue,
         )
@@ -219,6 +226,7 @@ class Agent:
             motion=motion,
             dialogue=dialogue,
             contexts=contexts,
+            actions_file=actions,
         )
 
     def hear(
@@ -246,6 +254,39 @@ class Agent:
             self._film.end(reply.said)
             reply = reply.with_pictures(str(self._film.path))
         return reply
+
+    def attempt(self, text: str, request: Request) -> tuple[Achievement, str]:
+        """Carry out a request as it is; what came of it, and what is said about it.
+
+        Args:
+            text: what is said in a film of it.
+            request: what to do.
+        """
+        if self._film:
+            self._film.begin(text)
+        came, said = self.dialogue.attempt(request)
+        if self._film:
+            self._film.end(said)
+        return came, said
+
+    def circumstances(self) -> Json | None:
+        """What it takes to make this agent again; None when its eyes or hands are not Hilt's."""
+        if self._vision or self._motion:
+            return None
+        return {
+            "embodiment": self.embodiment.as_json(),
+            "actions": file_as_json(self._actions_file),
+            "settings": settings_as_choices(self.affordances.settings),
+            "induces": self.induces,
+        }
+
+    def state(self) -> str:
+        """In what state the world is, in a word; empty when nothing has moved yet."""
+        if "body" not in self.__dict__:
+            return ""
+        from ..sim.fingerprint import fingerprint
+
+        return fingerprint(self.body)
 
     def visible(self) -> tuple[str, ...]:
         """The objects on the table, in the order of the scene."""

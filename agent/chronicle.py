@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees of the history: utterances, changes, differences, merges.
+"""What a person sees of the history: utterances, changes, differences, merges, episodes.
 
 As in `console`, each function turns a value into something that rich can print.
 """
@@ -7,6 +7,7 @@ As in `console`, each function turns a value into something that rich can print.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -14,11 +15,15 @@ from rich.table import Table
 from rich.text import Text
 
 from ..kb.changes import Change, Difference
+from ..kb.episodes import Episode
 from ..kb.history import Utterance
 from ..kb.interval import Interval
 from ..kb.rule import Rule
-from .console import conflicts, rule_text, whole
+from .console import Quote, achievement, conflicts, rule_text, whole
 from .merging import Report
+
+if TYPE_CHECKING:
+    from .replay import Replay
 
 
 def history(found: Sequence[Utterance]) -> Table:
@@ -46,6 +51,27 @@ def difference(found: Difference) -> RenderableType:
     """How one base differs from another, as the lines of a patch."""
     lines = list(_lines(found))
     return Group(*lines) if lines else Text("They believe the same.")
+
+
+def episodes(found: Sequence[Episode]) -> Table:
+    """What was done about commands, a row each."""
+    table = Table("id", "when", "who", "said", "came", "chosen", caption=f"{len(found)} episodes")
+    for one in found:
+        when = one.time.astimezone().strftime("%Y-%m-%d %H:%M:%S") if one.time else ""
+        chosen = " by the ".join(filter(None, (one.object, one.part)))
+        table.add_row(*map(escape, (one.id, when, one.speaker, one.text, one.outcome, chosen)))
+    return whole(table)
+
+
+def replayed(came: Replay, quote: Quote) -> RenderableType:
+    """An episode as it was run again, and whether it came out as it did then."""
+    lines: list[RenderableType] = [Text(came.episode.text, "bold"), Text(str(came.after["said"]))]
+    if came.achievement.steps:
+        lines.append(achievement(came.achievement, quote))
+    state = came.after["state"] or "nothing moved"
+    told = f"The same as in {came.episode.id}, bit for bit (state of the world: {state})."
+    lines += [Text(each, "red") for each in came.differences] or [Text(told, "green")]
+    return Group(*lines)
 
 
 def merged(report: Report) -> RenderableType:

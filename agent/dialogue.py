@@ -23,7 +23,7 @@ from ..nlu.reference import Discourse
 from ..nlu.understanding import Understanding
 from ..ontology.errors import UnknownNameError
 from . import protocols
-from .episodes import episode_of
+from .episodes import Diary
 from .goals import GoalManager, Request
 from .outcome import Achievement, Answer, World
 from .questions import Knowledge, answer
@@ -80,6 +80,7 @@ class Dialogue:
         language: how utterances are understood and answers put into words.
         goals: gives the goal manager, which is made when the first command comes.
         visible: tells the objects in view.
+        diary: keeps what is done.
         seed: of everything random, kept with each reply.
         other: somebody else's language part, which is asked first.
 
@@ -95,6 +96,7 @@ class Dialogue:
         language: Language,
         goals: Callable[[], GoalManager],
         visible: Callable[[], tuple[str, ...]],
+        diary: Diary,
         *,
         seed: int = 0,
         other: protocols.Dialogue | None = None,
@@ -107,6 +109,7 @@ class Dialogue:
         self.last_done: Reply | None = None
         self._goals = goals
         self._visible = visible
+        self._diary = diary
         self._discourse = Discourse()
         self._pending: Pending | None = None
         self._topic: tuple[Rule, ...] = ()
@@ -230,17 +233,23 @@ class Dialogue:
         request = request_of(said, turn.speaker, acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
 
-    def _carry_out(self, turn: Turn, request: Request) -> Reply:
+    def attempt(self, request: Request) -> tuple[Achievement, str]:
+        """Carry out a request; what came of it, and what there is to say about it."""
         try:
             came = self._goals().achieve(request)
         except UnknownNameError:
             answered = Answer("cannot", {"goal": request.action}, "failed")
             came = Achievement(answered, None, (), World())
-        spoken = " ".join(self._say(each) for each in (*came.setbacks, came.answer))
+        return came, " ".join(self._say(each) for each in (*came.setbacks, came.answer))
+
+    def _carry_out(self, turn: Turn, request: Request) -> Reply:
+        came, spoken = self.attempt(request)
         reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
         self._record(reply, turn)
         if turn.keep:
-            self.base.record_episode(episode_of(reply))
+            self._diary.write(request, reply)
+        else:
+            self._diary.leave_out()
         self.last_done = reply
         self._turn_to(came.decision.rules if came.decision else ())
         settled = request.settled_on(came)

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..ontology.errors import DataError, UnknownNameError
+from ..ontology.errors import UnknownNameError
 from ..ontology.objects import Household, load_household
 from ..sim.scene import Placement, Scene, parse_scene
+from .keeping import file_as_json, file_from_json
 from .outcome import Json
 from .perception import PerfectVision
 from .protocols import Vision
@@ -130,7 +130,7 @@ class Embodiment:
                 "seed": scene.seed,
                 "gap": scene.gap,
             },
-            "objects": _marked(self.objects_file),
+            "objects": file_as_json(self.objects_file),
             "robot": self.robot,
             "vision": self.eyes,
             "noise": self.noise,
@@ -138,16 +138,18 @@ class Embodiment:
         }
 
     @classmethod
-    def from_json(cls, kept: Mapping[str, Any]) -> Embodiment:
-        """The same one again, without a window.
+    def from_json(cls, kept: Mapping[str, Any], *, gui: bool = False) -> Embodiment:
+        """The same one again.
+
+        Args:
+            kept: what `as_json` gave.
+            gui: whether the simulator shows a window.
 
         Raises:
             DataError: the user's own file of objects is not there any more, or was changed.
             UnknownNameError: the robot is not there any more.
         """
-        objects = kept["objects"] and Path(kept["objects"]["file"])
-        if objects and _marked(objects) != kept["objects"]:
-            raise DataError("has been changed since, or is gone.", source=str(objects))
+        objects = file_from_json(kept["objects"])
         _refuse_unknown(kept["robot"], kept["vision"])
         scene = kept["scene"]
         return cls(
@@ -158,20 +160,13 @@ class Embodiment:
             kept["vision"],
             kept["noise"],
             kept["simulated"],
+            gui,
         )
 
 
 def _placement(kept: dict[str, Any]) -> Placement:
     placement = Placement(**kept)
     return replace(placement, at=(kept["at"][0], kept["at"][1])) if kept["at"] else placement
-
-
-def _marked(path: Path | None) -> dict[str, str] | None:
-    """Where a file is and a hash of what it says; None when there is none."""
-    if path is None:
-        return None
-    content = path.read_bytes() if path.exists() else b""
-    return {"file": str(path.resolve()), "sha256": sha256(content).hexdigest()}
 
 
 def _refuse_unknown(robot: str, eyes: str) -> None:

@@ -1,22 +1,75 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A command and what came of it, as an episode to keep in the graph."""
+"""A command and what came of it, as an episode to keep in the graph.
+
+The document of an episode says what `hilt do --json` printed, and under "again" what it takes to
+run it once more: the request, the circumstances, and the episode before it, as what one command
+moves the next one finds moved.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
+from ..kb.beliefs import KnowledgeBase
 from ..kb.episodes import Episode, EpisodeStep
 from ..kb.interval import Interval
 from ..kb.rule import Atom
-from .outcome import Step
+from .goals import Request
+from .keeping import request_as_json
+from .outcome import Json, Step
 from .reply import Reply
 
+AGAIN = "again"  # key of the document
 
-def episode_of(reply: Reply) -> Episode:
-    """The episode of a command: its facts step by step, and the whole document as JSON."""
+
+class Diary:
+    """Keeps what one agent does, each episode with what it takes to run it again.
+
+    Args:
+        base: where episodes are kept.
+        circumstances: tells what the agent is put into; None when that cannot be had again.
+        state: tells in what state the world is, in a word.
+    """
+
+    def __init__(
+        self,
+        base: KnowledgeBase,
+        circumstances: Callable[[], Json | None],
+        state: Callable[[], str],
+    ) -> None:
+        self._base = base
+        self._circumstances, self._state = circumstances, state
+        self._last: str | None = None
+        self._is_whole = True
+
+    def write(self, request: Request, reply: Reply) -> None:
+        """Keep what came of a request."""
+        self._last = self._base.record_episode(episode_of(reply, self._again(request))).id
+
+    def leave_out(self) -> None:
+        """Something was done that is not kept: what is done from now on cannot be run again."""
+        self._is_whole = False
+
+    def _again(self, request: Request) -> Json | None:
+        circumstances = self._circumstances()
+        if circumstances is None or not self._is_whole:
+            return None
+        kept: Json = {"request": request_as_json(request), "state": self._state()}
+        return kept | {"circumstances": circumstances, "after": self._last}
+
+
+def episode_of(reply: Reply, again: Json | None = None) -> Episode:
+    """The episode of a command: its facts step by step, and the whole document as JSON.
+
+    Args:
+        reply: what came of the command.
+        again: what it takes to run it again; None when it cannot be.
+    """
     came = reply.achievement
     decision = came.decision if came else None
     best = decision.object.best if decision else None
+    document = reply.as_do_json() | {AGAIN: again}
     return Episode(
         goal=reply.understanding.content,
         text=reply.text,
@@ -24,7 +77,7 @@ def episode_of(reply: Reply) -> Episode:
         outcome=reply.ending,
         said=reply.said,
         seed=reply.seed,
-        document=json.dumps(reply.as_do_json(), ensure_ascii=False, sort_keys=True),
+        document=json.dumps(document, ensure_ascii=False, sort_keys=True),
         object=best.object if best else None,
         part=decision.chosen_part if decision else None,
         rules=tuple(rule.id for rule in decision.rules) if decision else (),

@@ -260,3 +260,11 @@ class Achievement:
     steps: tuple[Step, ...]
     world: World
     setbacks: tuple[Answer, ...] = ()
+
+    def as_json(self) -> Json:
+        """The parts of `hilt do --json` that tell what was decided and done."""
+        return {
+            "decision": self.decision.as_json() if self.decision else None,
+            "steps": [step.as_json() for step in self.steps],
+            "world": self.world.as_json(),
+        }

@@ -72,14 +72,12 @@ class Reply:
 
     def as_do_json(self) -> Json:
         """As `hilt do --json` prints it."""
-        came = self.achievement
+        nothing: Json = {"decision": None, "steps": [], "world": {"executed": False}}
         return {
             "utterance": self.text,
             "goal": self.understanding.content,
             "outcome": self.ending,
             "said": self.said,
-            "decision": came.decision.as_json() if came and came.decision else None,
-            "steps": [step.as_json() for step in came.steps] if came else [],
-            "world": came.world.as_json() if came else {"executed": False},
+            **(self.achievement.as_json() if self.achievement else nothing),
             "seed": self.seed,
         }

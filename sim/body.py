@@ -23,7 +23,7 @@ from .eyes import open_eyes
 from .grasp import Grasp, GraspPlan, plan_grasps
 from .motion import Held, Motion, Touch
 from .noise import Noise
-from .percept import Percept
+from .percept import Percept, visible_features
 from .poses import Array
 from .reach import Reach, Reacher
 from .report import MotionReport
@@ -149,8 +149,17 @@ class Body:
     # --- seeing -------------------------------------------------------------------------------
 
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
-        """The things in view that have one of the features ("object:knife"), the surest first."""
-        return self.vision.search(features, views=self._look())
+        """The things in view that have one of the features ("object:knife"), the surest first.
+
+        What is in the hand is known as it was seen there, also where the eyes do not tell it apart.
+        """
+        found = self.vision.search(features, views=self._look())
+        if self._held is None or self._sight is None:
+            return found
+        name, kind = self._held.name, self._sight.kind
+        is_missed = all(percept.name != name for percept in found)
+        is_wanted = not visible_features(kind).isdisjoint(features)
+        return (*found, self._sight.percept) if is_missed and is_wanted else found
 
     def picture(self, path: Path) -> Path:
         """Write a picture of the scene as it is now; gives the path back."""

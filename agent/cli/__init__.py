@@ -18,7 +18,7 @@ from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, 
 
 # The order in which help lists them.
 from . import talking, parsing, knowledge, exchanging, history, picturing, checking  # isort: skip
-from . import querying, safety, reasoning, seeing, measuring  # isort: skip
+from . import querying, safety, reasoning, seeing, episodes, measuring  # isort: skip
 from .options import app
 from .terminal import FAILED, complain
 
@@ -37,6 +37,7 @@ COMMANDS = (
     safety,
     reasoning,
     seeing,
+    episodes,
     measuring,
 )  # imported for what they add to `app`
 
