@@ -47,4 +47,4 @@ class Grasps(Experiment):
         with Agent.open("memory:", scene=f"objects:{name}", seed=seed, simulate=True) as agent:
             agent.hear(grasp_sentence(name, context, part), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
-        return grasped(case, part, reply)
+        return grasped(case, name, part, reply)

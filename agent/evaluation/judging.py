@@ -3,16 +3,18 @@
 
 The four principles of section 4.1: (1) the top-ranked object is there, and must be chosen; (2) it
 is not, and the next lower one must be; (3) several are equally high, and either may be; (4) there
-is none, and the robot says so. Where a hand moved, the world is judged too: which part the fingers
-touched, how high and how long the thing was held.
+is none, and the robot says so. What is judged by them is the first choice. Where a hand moved, the
+world is judged too: which part the fingers touched, how high and how long the thing was held. A
+robot that cannot take what it chose and takes the next best one has decided well and not succeeded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from ..outcome import Decision, Json, World
+from ...inference.goal import Candidate
+from ..outcome import Achievement, Json, World
 from ..reply import Reply
 from .case import Case, Kind, Result
 from .scenarios import Scenario
@@ -29,22 +31,21 @@ class Truth:
     Attributes:
         objects: the right choices; empty when the right answer is that there is none.
         principle: the one of section 4.1 that decides, 1 to 4.
-        parts: object -> the part to grasp, for those that are right and actions that grasp.
+        parts: object -> the part by which it is to be taken; empty for actions that do not grasp.
     """
 
     objects: frozenset[str]
     principle: int
-    parts: dict[str, str]
+    parts: Mapping[str, str]
 
     @classmethod
     def of(cls, scenario: Scenario, action: str, affordance: str, scene: Collection[str]) -> Truth:
         """Read it off the table of the scenario."""
         best = scenario.best(affordance, scene)
-        grasps = {name: scenario.grasps[name] for name in best if action in GRASPING}
-        parts = {name: each[action] for name, each in grasps.items() if action in each}
         is_top = best <= scenario.best(affordance, scenario.grasps)
         principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
-        return cls(best, principle, parts)
+        grasps = scenario.grasps.items() if action in GRASPING else ()
+        return cls(best, principle, {name: parts[action] for name, parts in grasps})
 
     @property
     def kind(self) -> Kind:
@@ -59,9 +60,8 @@ class Truth:
 
     def in_words(self) -> str:
         """As a table shows it."""
-        return " or ".join(named(name, self.parts.get(name)) for name in sorted(self.objects)) or (
-            "nothing"
-        )
+        each = (named(name, self.parts.get(name)) for name in sorted(self.objects))
+        return " or ".join(each) or "nothing"
 
 
 def named(chosen: str | None, part: str | None) -> str:
@@ -71,56 +71,70 @@ def named(chosen: str | None, part: str | None) -> str:
 
 def judged(case: Case, truth: Truth, reply: Reply) -> Result:
     """The result of a command: its decision and, where a hand moved, what it did in the world."""
-    came = reply.achievement
-    decision = came.decision if came else None
-    chosen = decision.object.best.object if decision and decision.object.best else None
-    part = decision.chosen_part if decision else None
+    found, grasp = _first(reply, "findObject"), _first(reply, "graspObject")
+    chosen = found.object if found else None
+    part = grasp.argument.name if grasp and grasp.argument else None
     right = truth.allows(chosen, part)
-    facts = _decided(decision, reply) | {"decided": right}
+    facts: Json = {
+        "asked": reply.text,
+        "said": reply.said,
+        "object": chosen,
+        "part": part,
+        "lower": round(found.interval.lower, 6) if found else None,
+        "upper": round(found.interval.upper, 6) if found else None,
+        "decided": right,
+    }
+    found_words = named(chosen, part)
+    came = reply.achievement
     if came and came.world.executed:
-        done = _done(came.world, part, reply)
-        facts |= done
-        right = right and done["success"] is True
+        facts |= _carried_out(came, truth, is_done=reply.is_done)
+        if not facts["success"]:
+            right, found_words = False, f"{found_words}, not carried out"
     return Result(
-        case.key, right, truth.kind, truth.principle, named(chosen, part), truth.in_words(), facts
+        case.key, right, truth.kind, truth.principle, found_words, truth.in_words(), facts
     )
 
 
-def _decided(decision: Decision | None, reply: Reply) -> Json:
-    found = decision.object if decision else None
-    best = found.best if found else None
-    return {
-        "asked": reply.text,
-        "said": reply.said,
-        "object": best.object if best else None,
-        "part": decision.chosen_part if decision else None,
-        "lower": round(best.interval.lower, 6) if best else None,
-        "upper": round(best.interval.upper, 6) if best else None,
-        "ties": [each.object for each in found.ties] if found else [],
-    }
-
-
-def _done(world: World, part: str | None, reply: Reply) -> Json:
-    """What happened in the world; `right_part` only where the fingers closed on something."""
-    if part is None:  # pointing
-        return {"success": reply.is_done}
-    held = world.lifted_m >= LIFTED_M and world.held_s >= HELD_S
-    right_part = world.touched == (part,)
-    facts: Json = {
-        "success": reply.is_done and held and right_part,
-        "touched": list(world.touched),
-        "lifted_m": round(world.lifted_m, 4),
-        "held_s": round(world.held_s, 3),
-        "handed_over": world.handed_over,
-        "attempts": world.attempts,
-    }
-    return facts | {"right_part": right_part} if world.touched else facts
-
-
-def grasped(case: Case, part: str, reply: Reply) -> Result:
+def grasped(case: Case, name: str, part: str, reply: Reply) -> Result:
     """The result of a grasp that was asked for by the name of the thing."""
     world = reply.achievement.world if reply.achievement else World()
-    facts: Json = {"asked": reply.text, "said": reply.said, **_done(world, part, reply)}
+    facts: Json = {"asked": reply.text, "said": reply.said, **_grasped(world, name, part)}
+    facts["success"] = reply.is_done and facts["success"] is True
     touched = ", ".join(world.touched) or "nothing"
     found = f"{touched}, {world.lifted_m:.3f} m, {world.held_s:.1f} s"
     return Result(case.key, facts["success"] is True, "grasp", 0, found, part, facts)
+
+
+def _first(reply: Reply, action: str) -> Candidate | None:
+    """What was concluded where an action came up first, before anything else was tried."""
+    steps = reply.achievement.steps if reply.achievement else ()
+    best = (step.inference.best for step in steps if step.node.endswith(f"/{action}"))
+    return next(best, None)
+
+
+def _carried_out(came: Achievement, truth: Truth, *, is_done: bool) -> Json:
+    """What happened in the world, to the thing that was taken in the end."""
+    world = came.world
+    best = came.decision.object.best if came.decision else None
+    taken = best.object if best else ""
+    facts: Json = {"success": True}
+    if truth.parts:
+        facts = _grasped(world, taken, truth.parts.get(taken, "")) | {
+            "handed_over": world.handed_over
+        }
+    facts["success"] = is_done and taken in truth.objects and facts["success"] is True
+    return facts
+
+
+def _grasped(world: World, taken: str, part: str) -> Json:
+    """How a thing was held; `right_part` only where the fingers closed on something."""
+    right_part = world.touched == (part,)
+    facts: Json = {
+        "success": right_part and world.lifted_m >= LIFTED_M and world.held_s >= HELD_S,
+        "taken": taken,
+        "touched": list(world.touched),
+        "lifted_m": round(world.lifted_m, 4),
+        "held_s": round(world.held_s, 3),
+        "attempts": world.attempts,
+    }
+    return facts | {"right_part": right_part} if world.touched else facts

@@ -70,7 +70,9 @@ class Report:
             "succeeded": sum(bool(each) for each in moved),
             "grasps": len(closed),
             "right_part": sum(bool(each) for each in closed),
-            "wrong": [f"{r.key}: {r.found}, not {r.expected}" for r in self.results if not r.right],
+            "wrong": [
+                f"{r.key}: {r.found}; expected {r.expected}" for r in self.results if not r.right
+            ],
             "seed": self.options.get("seed", 0),
             "options": dict(self.options),
             **self.summary,
