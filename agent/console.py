@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Sequence
+from itertools import islice
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -33,6 +34,7 @@ from .outcome import Achievement, Decision, Step, World
 from .reply import Reply
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
+MOST_ROWS = 1000  # of what a query found; laying out more takes longer than asking
 
 
 def whole(table: Table) -> Table:
@@ -235,10 +237,13 @@ def results(found: Solutions | Truth) -> RenderableType:
     """What a query found: a table of rows, or yes or no."""
     if isinstance(found, Truth):
         return Text("yes" if found.value else "no")
-    table = Table(*found.variables, caption=f"{len(found)} rows", caption_justify="left")
-    for row in found:
+    table = Table(*found.variables)
+    for row in islice(found, MOST_ROWS):
         table.add_row(*(escape(shortened(term)) for term in row))
-    return whole(table)
+    count = f"{len(found)} row{'' if len(found) == 1 else 's'}"
+    if len(found) > MOST_ROWS:
+        count += f", of which the first {MOST_ROWS} are shown; all of them: --format csv"
+    return Group(whole(table), Text(count))
 
 
 def shortened(term: Term | None) -> str:

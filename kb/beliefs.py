@@ -22,10 +22,11 @@ from .interval import CERTAIN
 from .limits import Limits
 from .migration import FORMAT, format_of, migrate, version_quad
 from .query import named_query
+from .reach import refuse_outside
 from .recall import BASE_GRAPH, BASE_NODE
 from .results import Answer, Found, Solutions, Statements
 from .rule import DEFAULT_SPEAKER
-from .sparql import bind, form, refuse_outside
+from .sparql import bind, form
 from .stars import TYPE
 from .store import Bindings, Store, open_store
 from .telling import Telling, to_milliseconds, trust_quads

@@ -9,6 +9,7 @@ new snapshot when the base has changed.
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 import threading
@@ -95,9 +96,9 @@ class Worker:
         try:
             return _exchange(process, request, limits)
         except (EOFError, BrokenPipeError):
+            process.wait()
             self.close()
-            # It was killed by us, or by the system, which ends what has no memory left.
-            raise (limits.too_long() if stopped.is_set() else limits.too_large()) from None
+            raise _ended(process.returncode, limits, was_stopped=stopped.is_set()) from None
         except BaseException:
             self.close()
             raise
@@ -116,6 +117,15 @@ class Worker:
                 stderr=subprocess.DEVNULL,
             )
         return self._process
+
+
+def _ended(code: int, limits: Limits, *, was_stopped: bool) -> QueryError:
+    """Why the process is no more: killed by us, or by the system."""
+    if was_stopped:
+        return limits.too_long()
+    if code == -signal.SIGSEGV:  # the engine's parser calls itself for each bracket
+        return QueryError("The query is nested too deeply, and was stopped.")
+    return limits.too_large()
 
 
 def _failure(kind: str, body: bytes, limits: Limits) -> Exception:

@@ -9,14 +9,16 @@ as object, or text, integer, decimal, time). Unbound parameters ask for all.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from functools import lru_cache
 from pathlib import Path
+from urllib.parse import unquote
 
 from ..ontology.errors import QueryError, UnknownNameError
-from ..ontology.vocabulary import KINDS, Iri, iri
+from ..ontology.vocabulary import KINDS, PREFIXES, Iri, iri
+from .sparql import variables
 from .store import Bindings
 from .terms import Term, read_time
 
@@ -47,7 +49,10 @@ class Parameter:
             QueryError: the text is no value of this kind.
         """
         if self.kind in KINDS:
-            return iri(self.kind, text.removeprefix(f"{self.kind}/"))
+            # As tables show it, as ids are printed, as its whole address, or only its name.
+            starts = (f"{self.kind}:", f"{self.kind}/", PREFIXES[self.kind])
+            start = next((start for start in starts if text.startswith(start)), "")
+            return _printed(self.kind, text.removeprefix(start)) if start else iri(self.kind, text)
         try:
             return _VALUES[self.kind](text)
         except (ValueError, InvalidOperation) as error:
@@ -70,23 +75,29 @@ class NamedQuery:
     parameters: Mapping[str, Parameter]
     text: str
 
-    def bindings(self, arguments: Mapping[str, str]) -> Bindings:
-        """Values for the variables, from arguments given as texts.
+    def bindings(self, arguments: Mapping[str, str | Sequence[str]]) -> Bindings:
+        """Values for the variables, from arguments given as texts; several are alternatives.
 
         A query that has no name and declares no parameters takes values for any variable.
 
         Raises:
-            UnknownNameError: there is no such parameter.
+            UnknownNameError: there is no such parameter or variable.
             QueryError: an argument is no value of its kind.
         """
-        if not self.parameters and not self.name:
-            return {name: term_of(text) for name, text in arguments.items()}
-        return {name: self._parameter(name).value(text) for name, text in arguments.items()}
+        return {
+            name: [self._value(name, text) for text in _as_list(given)]
+            for name, given in arguments.items()
+        }
 
-    def _parameter(self, name: str) -> Parameter:
-        if name not in self.parameters:
-            raise UnknownNameError("parameter", name, self.parameters)
-        return self.parameters[name]
+    def _value(self, name: str, text: str) -> Term:
+        if self.parameters or self.name:
+            if name not in self.parameters:
+                raise UnknownNameError("parameter", name, self.parameters)
+            return self.parameters[name].value(text)
+        known = variables(self.text)
+        if name not in known:
+            raise UnknownNameError("variable", name, known)
+        return term_of(text)
 
 
 @lru_cache(maxsize=64)
@@ -123,7 +134,9 @@ def term_of(text: str) -> Term:
     """
     kind, _, name = text.partition(":")
     if kind in KINDS and name:
-        return iri(kind, name)
+        return _printed(kind, name)
+    if kind in PREFIXES and name:
+        return Iri(PREFIXES[kind] + name)
     if kind in {"http", "https", "urn"}:
         return Iri(text)
     if _NUMBER.fullmatch(text):
@@ -139,6 +152,15 @@ def query_names() -> tuple[str, ...]:
 def node_iri(node: str) -> Iri:
     """The IRI of an action-tree node, from its key ("pass.graspObject")."""
     return iri("node", node)
+
+
+def _printed(kind: str, local: str) -> Iri:
+    """An individual from the last part of its IRI; spaces need not be escaped."""
+    return iri(kind, unquote(local.replace("_", " ")))
+
+
+def _as_list(given: str | Sequence[str]) -> Sequence[str]:
+    return [given] if isinstance(given, str) else given
 
 
 _VALUES = {

@@ -20,9 +20,6 @@ from ..ontology.vocabulary import PREFIXES, Iri
 from .store import Bindings
 from .terms import Quad, Term, as_sparql
 
-# What makes the engine fetch something from elsewhere.
-REACHING_OUT = frozenset({"SERVICE", "LOAD"})
-CHANCE = frozenset({"RAND", "UUID", "STRUUID", "NOW", "BNODE"})
 FORMS = ("SELECT", "ASK", "CONSTRUCT", "DESCRIBE")
 
 _TOKEN = re.compile(
@@ -32,14 +29,15 @@ _TOKEN = re.compile(
              |\"(?:[^\"\\\n\r]|\\.)*\"|'(?:[^'\\\n\r]|\\.)*')
   | (?P<iri><[^\x00-\x20<>\"{}|^`\\]*>)
   | (?P<variable>[?$]\w+)
-  | (?P<tag>@[A-Za-z][A-Za-z0-9-]*)
-  | (?P<pname>(?:[^\W\d_][\w.-]*)?:(?:[\w:.-]|%[0-9A-Fa-f]{2}|\\[_~.!$&'()*+,;=/?\#@%-])*)
+  | (?P<tag>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
+  | (?P<pname>(?:[^\W\d_][\w.-]{0,99})?:
+             (?:(?:[\w:]|%[0-9A-Fa-f]{2}|\\[_~.!$&'()*+,;=/?\#@%-])
+                (?:[\w:.-]|%[0-9A-Fa-f]{2}|\\[_~.!$&'()*+,;=/?\#@%-])*)?)
   | (?P<word>\w+)
-  | (?P<mark>\S)
+  | (?P<mark><<|\S)
     """,
     re.VERBOSE | re.DOTALL,
 )
-_CODE_POINT = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
 _POSITION = re.compile(r"error at (\d+):(\d+): ")
 
 
@@ -56,37 +54,6 @@ def bind(query: str, bindings: Bindings) -> str:
     return f"{query[:place]} {blocks}{query[place:]}"
 
 
-def refuse_outside(text: str) -> None:
-    """Refuse a query or update that would read from the network or from files.
-
-    Raises:
-        QueryError: it says SERVICE or LOAD, in any spelling.
-    """
-    for version in {text, _CODE_POINT.sub(_decoded, text)}:
-        found = next((word for word in words(version) if word in REACHING_OUT), None)
-        if found:
-            raise QueryError(
-                f"{found} is refused: a query reads this knowledge base and nothing else. "
-                "Import the data first."
-            )
-
-
-def refuse_chance(update: str) -> None:
-    """Refuse an update that would not do the same a second time.
-
-    It is tried out on a copy before it is applied, and both must come to the same.
-
-    Raises:
-        QueryError: it calls RAND, UUID, NOW or the like.
-    """
-    found = next((word for word in words(update) if word in CHANCE), None)
-    if found:
-        raise QueryError(
-            f"{found} is refused in an update: it must do the same each time. "
-            "Write the value itself."
-        )
-
-
 def form(query: str) -> str:
     """SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
     return next((word for word in words(query) if word in FORMS), "")
@@ -94,7 +61,13 @@ def form(query: str) -> str:
 
 def words(text: str) -> tuple[str, ...]:
     """The keywords, in capitals: what is no name, variable, text, IRI or comment."""
-    return tuple(token.group().upper() for token in _tokens(text) if token.lastgroup == "word")
+    return tuple(token.group().upper() for token in tokens(text) if token.lastgroup == "word")
+
+
+def variables(text: str) -> tuple[str, ...]:
+    """The names of all variables, sorted, without question mark."""
+    found = (token.group() for token in tokens(text) if token.lastgroup == "variable")
+    return tuple(sorted({name[1:] for name in found}))
 
 
 def declared(text: str) -> str:
@@ -102,15 +75,15 @@ def declared(text: str) -> str:
 
     They stand on its first line, so that the line numbers of messages stay right.
     """
-    used = {t.group().partition(":")[0] for t in _tokens(text) if t.lastgroup == "pname"}
+    used = {t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname"}
     missing = [prefix for prefix in PREFIXES if prefix in used - _declared_prefixes(text)]
     return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
 
 
 def own_limit(query: str) -> int | None:
     """The LIMIT that a query sets for its result; None when it sets none."""
-    tokens = [token.group().upper() for token in _modifiers(query)]
-    return next((int(n) for word, n in pairwise(tokens) if word == "LIMIT" and n.isdigit()), None)
+    found = [token.group().upper() for token in _modifiers(query)]
+    return next((int(n) for word, n in pairwise(found) if word == "LIMIT" and n.isdigit()), None)
 
 
 def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
@@ -134,7 +107,7 @@ def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> st
     page = f"LIMIT {size} OFFSET {offset}"
     if not variables:
         return f"{query}\n{page}"
-    start = next(t.start() for t in _tokens(query) if t.group().upper() == "SELECT")
+    start = next(t.start() for t in tokens(query) if t.group().upper() == "SELECT")
     by = " ".join(f"?{name}" for name in variables)
     order = by if "ORDER" in modifiers else f"ORDER BY {by}"
     # A subquery, because some engines sort only so many rows for a page of their own.
@@ -163,12 +136,12 @@ def joined(update: str, another: str) -> str:
     Raises:
         QueryError: the first one is empty.
     """
-    tokens = [*_tokens(update)]
-    while tokens and tokens[-1].group() == ";":
-        tokens.pop()
-    if not tokens:
+    found = [*tokens(update)]
+    while found and found[-1].group() == ";":
+        found.pop()
+    if not found:
         raise QueryError("The update is empty.")
-    return f"{update[: tokens[-1].end()]} ;\n{another}"
+    return f"{update[: found[-1].end()]} ;\n{another}"
 
 
 def insert_data(quads: Sequence[Quad]) -> str:
@@ -215,7 +188,7 @@ def _as_list(value: Term | Sequence[Term]) -> Sequence[Term]:
 def _where_group(query: str) -> int:
     """The place behind the brace that opens the outermost WHERE group."""
     depth, parentheses, before, is_template = 0, 0, "", False
-    for token in _tokens(query):
+    for token in tokens(query):
         text = token.group()
         parentheses += (text == "(") - (text == ")")
         if text == "{":
@@ -229,14 +202,15 @@ def _where_group(query: str) -> int:
     raise QueryError("The query has no WHERE group, so its variables cannot be given values.")
 
 
-def _tokens(text: str, start: int = 0) -> Iterator[re.Match[str]]:
+def tokens(text: str, start: int = 0) -> Iterator[re.Match[str]]:
+    """The tokens from a place on, without comments; `lastgroup` of each is its kind."""
     return (match for match in _TOKEN.finditer(text, start) if match.lastgroup != "comment")
 
 
 def _modifiers(query: str) -> list[re.Match[str]]:
     """What stands behind the outermost WHERE group."""
     depth, found = 1, list[re.Match[str]]()
-    for token in _tokens(query, _where_group(query)):
+    for token in tokens(query, _where_group(query)):
         depth += (token.group() == "{") - (token.group() == "}")
         if depth == 0:
             found.append(token)
@@ -244,20 +218,14 @@ def _modifiers(query: str) -> list[re.Match[str]]:
 
 
 def _declared_prefixes(text: str) -> set[str]:
-    tokens = list(_tokens(text))
     return {
         name.group().partition(":")[0]
-        for word, name in pairwise(tokens)
+        for word, name in pairwise(tokens(text))
         if word.group().upper() == "PREFIX" and name.lastgroup == "pname"
     }
 
 
 def _undeclared_prefix(text: str) -> str | None:
     known = {*PREFIXES, *_declared_prefixes(text)}
-    used = (t.group().partition(":")[0] for t in _tokens(text) if t.lastgroup == "pname")
+    used = (t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname")
     return next((prefix for prefix in used if prefix not in known), None)
-
-
-def _decoded(match: re.Match[str]) -> str:
-    code = int(match.group(1) or match.group(2), 16)
-    return chr(code) if code <= 0x10FFFF else ""

@@ -20,9 +20,10 @@ from .bounded import Worker
 from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
 from .limits import Limits
 from .migration import FORMAT, format_of
+from .reach import refuse_chance, refuse_outside
 from .recall import BASE_GRAPH, BASE_NODE, Recall
 from .rule import DEFAULT_SPEAKER
-from .sparql import declared, delete_insert, joined, refuse_chance, refuse_outside
+from .sparql import declared, delete_insert, joined
 from .store import Store
 from .telling import speaker_quads, to_milliseconds
 from .terms import Quad

@@ -95,12 +95,15 @@ def _asked(question: str) -> NamedQuery:
     return named_query(text) if is_name else read_query(text)
 
 
-def _arguments(given: Sequence[str]) -> dict[str, str]:
-    pairs = [one.partition("=") for one in given]
-    for name, sign, _ in pairs:
-        if not (name and sign):
-            raise QueryError(f'"{name}{sign}" gives no value: expected NAME=VALUE.')
-    return {name: value for name, _, value in pairs}
+def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
+    """The values of each variable; one that is given again has both."""
+    found: dict[str, list[str]] = {}
+    for one in given:
+        name, _, value = one.partition("=")
+        if not (name and value):
+            raise QueryError(f'"{one}" gives no value: expected NAME=VALUE.')
+        found.setdefault(name, []).append(value)
+    return found
 
 
 def _print(found: Found, format_: str) -> None:

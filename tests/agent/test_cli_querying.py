@@ -70,6 +70,13 @@ def test_own_question_takes_arguments(taught: Hilt):
     assert none["results"]["bindings"] == []
 
 
+def test_long_table_says_that_there_is_more(taught: Hilt):
+    """Only the first thousand rows are laid out."""
+    shown = taught("query", "SELECT ?o { ?s ?p ?o . ?a a ?b }").out
+
+    assert "rows, of which the first 1000 are shown; all of them: --format csv" in shown
+
+
 @pytest.mark.parametrize(
     ("format", "begins"),
     [("csv", "object\r\n"), ("tsv", "?object\n"), ("xml", "<?xml"), ("json", "{")],

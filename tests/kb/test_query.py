@@ -7,11 +7,11 @@ import pytest
 
 from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.interval import Interval
-from hilt.kb.query import QUERIES_FOLDER, named_query, query_names
+from hilt.kb.query import QUERIES_FOLDER, named_query, query_names, read_query
 from hilt.kb.rule import functional
 from hilt.kb.terms import Term
 from hilt.ontology.errors import QueryError, UnknownNameError
-from hilt.ontology.vocabulary import Iri, split
+from hilt.ontology.vocabulary import Iri, iri, split, term
 
 from .conftest import BLADE, CUTTING, teach
 
@@ -100,6 +100,33 @@ def test_argument_of_the_wrong_kind_is_refused():
     """A number must be one."""
     with pytest.raises(QueryError, match=r'"x" is no integer, as \?since must be'):
         named_query("changed-since").bindings({"since": "x"})
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["wine glass", "object:wine_glass", "object/wine glass", str(iri("object", "wine glass"))],
+)
+def test_argument_may_be_written_as_it_is_shown(text: str):
+    """By its name, as in tables, as an id, or as its whole address."""
+    found = named_query("uses-of").bindings({"object": text})
+
+    assert found == {"object": [iri("object", "wine glass")]}
+
+
+def test_several_values_are_alternatives(paper: KnowledgeBase):
+    """A parameter may be given more than once."""
+    bindings = named_query("best-for").bindings({"affordance": ["eating", "cutting"]})
+
+    assert len(paper.query(named_query("best-for").text, bindings)) == 1  # pyright: ignore[reportArgumentType]
+
+
+def test_value_for_no_variable_is_refused():
+    """It would have no effect, silently."""
+    own = read_query("SELECT ?s { ?s a ?kind }")
+
+    with pytest.raises(UnknownNameError, match='Did you mean "kind"'):
+        own.bindings({"kin": "hilt:ActionRule"})
+    assert own.bindings({"kind": "hilt:ActionRule"}) == {"kind": [term("ActionRule")]}
 
 
 def test_hostile_argument_is_only_a_name(paper: KnowledgeBase):

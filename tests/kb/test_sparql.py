@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.kb.sparql import bind, form, refuse_outside, syntax_problem
+from hilt.kb.sparql import bind, form, syntax_problem
 from hilt.kb.store import open_store
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
@@ -59,43 +59,6 @@ def test_malformed_value_is_refused():
         bind("SELECT * { ?x ?p ?o }", {"x": Iri("urn:a> }")})
     with pytest.raises(QueryError, match="no name of a variable"):
         bind("SELECT * { ?x ?p ?o }", {"x } #": 1})
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "SELECT * { SERVICE <http://x/> { ?s ?p ?o } }",
-        "SELECT * { service silent ?where { ?s ?p ?o } }",
-        "SELECT * { FILTER EXISTS { SeRvIcE ex:a { } } }",
-        "LOAD <http://x/>",
-        "LOAD SILENT <file:///etc/passwd> INTO GRAPH <urn:g>",
-        "CLEAR ALL ; load <http://x/>",
-        'SELECT * { ?s ?p "a" } SERVICE',
-        "SELECT * { \\u0053ERVICE <http://x/> { } }",
-        'SELECT * { ?s ?p "\\u0022 } SERVICE <http://x/> {} #" }',
-        "SELECT * { ?a <b> ?c } # \n SERVICE",
-        'SELECT * { ?s ?p "unclosed SERVICE',
-    ],
-)
-def test_reaching_outside_is_refused(text: str):
-    """SERVICE and LOAD are refused in every spelling and place."""
-    with pytest.raises(QueryError, match="is refused"):
-        refuse_outside(text)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "SELECT ?service { ?service ex:load ?load }",
-        'SELECT * { ?s ?p "SERVICE" } # LOAD',
-        "SELECT * { ?s <http://x/SERVICE#LOAD> '''LOAD''' }",
-        "SELECT * { ?s service:x load:y ; ex:a-load 'x'@load }",
-        'SELECT * { ?s ?p """a "quoted" LOAD""" }',
-    ],
-)
-def test_the_words_are_allowed_where_they_are_no_keywords(text: str):
-    """Names, strings, IRIs, tags and comments may say them."""
-    refuse_outside(text)
 
 
 @pytest.mark.parametrize(
