@@ -187,11 +187,14 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
     Raises:
         DataError: the file is wrong; says where and what was expected.
     """
+    return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
+
+
+def read_household(spec: Field, *, added_to: Household | None = None) -> Household:
+    """The same from a part of a file; as `load_household` otherwise."""
     words = {"classes", "roles", "properties", "materials"}
     known = added_to or Household({}, {}, {}, {}, {})
-    top = read_yaml(path or OBJECTS_FILE).entries(
-        required={"objects"} if added_to else {"objects", *words}, optional=words
-    )
+    top = spec.entries(required={"objects"} if added_to else {"objects", *words}, optional=words)
     given = {word: top[word].entries() if word in top else {} for word in words}
     reader = _Reader(
         objects=known.objects,

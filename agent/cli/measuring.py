@@ -12,11 +12,14 @@ import typer
 from .options import AsJson, Seed, app
 from .terminal import finish, show, terminal
 
-What = Annotated[str, typer.Argument(help="paper, situations, grasps, all-scenarios or noise.")]
+What = Annotated[
+    str, typer.Argument(help="paper, situations, grasps, all-scenarios, noise or custom.")
+]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
 Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
 Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
+File = Annotated[Path | None, typer.Option("--file", help="The YAML file of a custom experiment.")]
 Workers = Annotated[
     int, typer.Option("--workers", min=1, help="Processes; with --ray, cases at once at most.")
 ]
@@ -42,6 +45,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     scenes: Scenes = None,
     poses: Poses = None,
     trials: Trials = None,
+    file: File = None,
     seed: Seed = 0,
     workers: Workers = 1,
     ray: Ray = None,
@@ -55,7 +59,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
     8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
     by factorisation; --out keeps the certificate. noise: accuracy against eyes, ears and teachers
-    that fail, as curves.
+    that fail, as curves. custom: objects, norms and scenes of your own, from --file.
     """
     from ..evaluation.engine import open_engine, run
     from ..evaluation.experiment import make_experiment
@@ -64,7 +68,14 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
-    given = {"sim": sim or None, "scenes": scenes, "poses": poses, "trials": trials, "seed": seed}
+    given = {
+        "sim": sim or None,
+        "scenes": scenes,
+        "poses": poses,
+        "trials": trials,
+        "file": str(file) if file else None,
+        "seed": seed,
+    }
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
     cases = experiment.cases()

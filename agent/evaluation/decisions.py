@@ -34,6 +34,11 @@ class Decisions(Experiment):
 
     sim: bool = False
 
+    @property
+    def actions(self) -> Sequence[str]:
+        """What is commanded."""
+        return tuple(ACTIONS)
+
     @cached_property
     def scenarios(self) -> Mapping[str, Scenario]:
         """What is taught, by name."""
@@ -42,7 +47,7 @@ class Decisions(Experiment):
     def commands(
         self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
     ) -> Iterator[Case]:
-        """A case for each of the 15 commands.
+        """A case for each command: the paper's 15, for its scenarios.
 
         Args:
             scenario: what is taught.
@@ -51,7 +56,7 @@ class Decisions(Experiment):
             seed: of how they lie there, and of what the robot does.
         """
         for affordance in scenario.affordances:
-            for action in ACTIONS:
+            for action in self.actions:
                 yield Case(
                     self.name,
                     f"{scenario.name}/{name}/{action}/{affordance}",
@@ -76,14 +81,17 @@ class Decisions(Experiment):
         truth = Truth.of(self.scenarios[scenario], action, affordance, objects)
         return judged(case, truth, reply)
 
+    def mind(self) -> Agent:
+        """An agent without a body that was told nothing yet, over a base in memory."""
+        return Agent.open("memory:", simulate=False)
+
     @cached_property
     def _taught(self) -> Mapping[str, Agent]:
-        return {name: taught(scenario) for name, scenario in self.scenarios.items()}
+        return {name: taught(scenario, self.mind()) for name, scenario in self.scenarios.items()}
 
 
-def taught(scenario: Scenario) -> Agent:
-    """An agent without a body that was told a scenario, over a base in memory."""
-    agent = Agent.open("memory:", simulate=False)
+def taught(scenario: Scenario, mind: Agent) -> Agent:
+    """An agent after it was told a scenario."""
     for sentence in scenario.sentences():
-        agent.hear(sentence, only="tell")
-    return agent
+        mind.hear(sentence, only="tell")
+    return mind

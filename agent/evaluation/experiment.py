@@ -60,6 +60,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "grasps": ".grasps:Grasps",
     "all-scenarios": ".all_scenarios:AllScenarios",
     "noise": ".noise:NoiseRun",
+    "custom": ".custom:Custom",
 }
 
 

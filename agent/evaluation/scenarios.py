@@ -9,7 +9,7 @@ has one in the scene.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...ontology.source import Field, read_yaml
@@ -27,12 +27,14 @@ class Scenario:
     Attributes:
         name: "A" or "B".
         affordances: affordance -> level -> the objects of that level.
-        grasps: object -> context -> the part to grasp.
+        grasps: object -> context -> the part to grasp; every object has an entry.
+        levels: the words of confidence, the surest first; grasps are taught by the first.
     """
 
     name: str
     affordances: Mapping[str, Mapping[str, tuple[str, ...]]]
     grasps: Mapping[str, Mapping[str, str]]
+    levels: tuple[str, ...] = LEVELS
 
     def sentences(self) -> list[str]:
         """All that has to be said to teach it."""
@@ -43,7 +45,7 @@ class Scenario:
             for name in names
         ]
         return functional + [
-            grasp_sentence(name, context, part)
+            grasp_sentence(name, context, part, self.levels[0])
             for name, parts in self.grasps.items()
             for context, part in parts.items()
         ]
@@ -51,17 +53,17 @@ class Scenario:
     def best(self, affordance: str, scene: Collection[str]) -> frozenset[str]:
         """The right choices for an affordance among the objects of a scene; empty if none."""
         levels = self.affordances[affordance]
-        present = (frozenset(levels.get(level, ())) & frozenset(scene) for level in LEVELS)
+        present = (frozenset(levels.get(level, ())) & frozenset(scene) for level in self.levels)
         return next((names for names in present if names), frozenset())
 
     def mirrored(self, name: str) -> Scenario:
         """The scenario with its columns reversed."""
-        opposite: dict[str, str] = dict(zip(LEVELS, reversed(LEVELS), strict=True))
+        opposite: dict[str, str] = dict(zip(self.levels, reversed(self.levels), strict=True))
         turned = {
             affordance: {opposite[level]: names for level, names in levels.items()}
             for affordance, levels in self.affordances.items()
         }
-        return Scenario(name, turned, self.grasps)
+        return replace(self, name=name, affordances=turned)
 
 
 def functional_sentence(name: str, affordance: str, level: str) -> str:
