@@ -81,9 +81,12 @@ def not_found(target: Target, inference: Inference) -> Answer:
     return Answer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
 
 
-def not_sure_how(action: str, object_name: str) -> Answer:
-    """The answer when no part is sure enough to take a thing by."""
-    return Answer("not_sure_how", {"goal": action, "object": object_name}, "asked", "not_sure")
+def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> Answer:
+    """The answer when no part is sure enough to take a thing by; it asks about the likeliest."""
+    is_guess = any(rule.speaker == INDUCER for rule in likeliest.rules)
+    part = likeliest.argument.name if likeliest.argument else "part"
+    slots = {"goal": action, "object": object_name, "part": part}
+    return Answer("guess_how" if is_guess else "not_sure_how", slots, "asked", "not_sure")
 
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:

@@ -45,10 +45,14 @@ class Request:
     assumed: frozenset[str] = frozenset()
 
     def settled_on(self, came: Achievement) -> Request | None:
-        """This request about the likeliest thing, once its speaker has said yes to it."""
-        if came.decision is None or not came.decision.object.candidates:
+        """This request about the likeliest thing or part, once its speaker has said yes to it."""
+        decision = came.decision
+        is_asked = came.answer.ending == "asked"
+        if not is_asked or decision is None or not decision.object.candidates:
             return None
-        likeliest = Target(object=came.decision.object.candidates[0].object, is_confirmed=True)
+        if decision.object.best:
+            return replace(self, part=str(came.answer.slots["part"]))
+        likeliest = Target(object=decision.object.candidates[0].object, is_confirmed=True)
         parameter = TOOL if TOOL in self.arguments or PATIENT in self.arguments else "object"
         arguments = {**self.arguments, parameter: likeliest}
         return replace(self, arguments=arguments, assumed=self.assumed - {parameter})

@@ -280,8 +280,9 @@ class Walk:
         if self.decision:
             self.decision = replace(self.decision, part=inference)
         part = self._part(percept, inference)
-        if part is None and any(each.verdict == "unsure" for each in inference.candidates):
-            return None, answers.not_sure_how(self.request.action, percept.object)
+        unsure = [each for each in inference.candidates if each.verdict == "unsure"]
+        if part is None and unsure:
+            return None, answers.not_sure_how(self.request.action, percept.object, unsure[0])
         return part, None
 
     def _part(self, percept: Percept, inference: Inference) -> str | None:

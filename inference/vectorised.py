@@ -37,6 +37,11 @@ def conjunction_min(intervals: Array) -> Array:
     return intervals.min(axis=-2)
 
 
+def disjunction(intervals: Array) -> Array:
+    """OR along the last but one axis: (..., k, 2) -> (..., 2)."""
+    return negation(conjunction(negation(intervals)))
+
+
 def negation(intervals: Array) -> Array:
     """NOT: (..., 2) -> (..., 2)."""
     return 1.0 - intervals[..., ::-1]
@@ -79,6 +84,18 @@ def fuse_dempster(intervals: Array, starts: Groups) -> Array:
     return _pairs((true - either) * share, true * share)
 
 
+def fuse_cautious(intervals: Array, starts: Groups) -> Array:
+    """Fuse runs of rows by the cautious rule: (n, 2), (g,) -> (g, 2); NaN where lower = upper."""
+    lower, upper = intervals[:, 0], intervals[:, 1]
+    width = np.where(upper > lower, upper - lower, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        true, false = width / upper, width / (1.0 - lower)
+    weights = np.minimum.reduceat(true, starts), np.minimum.reduceat(false, starts)
+    ones, zeros = np.ones(len(starts)), np.zeros(len(starts))
+    sources = (_pairs(1.0 - weights[0], ones), _pairs(zeros, weights[1]))
+    return fuse_dempster(np.stack(sources, axis=1).reshape(-1, 2), np.arange(len(starts)) * 2)
+
+
 def fuse_mean(intervals: Array, starts: Groups) -> Array:
     """Fuse runs of rows by the average of their bounds: (n, 2), (g,) -> (g, 2)."""
     counts = np.diff(np.append(starts, len(intervals)))
@@ -95,6 +112,16 @@ def relative_plausibility(intervals: Array) -> Array:
     return intervals[..., 1] / (1.0 + intervals[..., 1] - intervals[..., 0])
 
 
+def belief(intervals: Array) -> Array:
+    """The lower bound: (..., 2) -> (...)."""
+    return intervals[..., 0]
+
+
+def pignistic(intervals: Array) -> Array:
+    """The middle, in [0, 1]: (..., 2) -> (...)."""
+    return intervals.sum(axis=-1) / 2.0
+
+
 def certainty(intervals: Array) -> Array:
     """The measure lambda, in [0, 1]: (..., 2) -> (...)."""
     share = relative_plausibility(intervals)
@@ -105,6 +132,11 @@ def is_affirmed(intervals: Array, threshold: float) -> Flags:
     """Which to act on: (..., 2) -> (...)."""
     rather_true = intervals.sum(axis=-1) > 1.0 + EPSILON
     return rather_true & (certainty(intervals) > threshold)
+
+
+def is_certain(intervals: Array, threshold: float) -> Flags:
+    """Where lambda alone is above the threshold: (..., 2) -> (...)."""
+    return certainty(intervals) > threshold
 
 
 def _commonalities(intervals: Array, starts: Groups) -> tuple[Array, Array, Array]:
@@ -140,7 +172,19 @@ FUSIONS: Mapping[str, Callable[[Array, Groups], Array]] = MappingProxyType(
     {
         "yager": fuse_yager,
         "dempster": fuse_dempster,
+        "cautious": fuse_cautious,
         "mean": fuse_mean,
         "latest": fuse_latest,
     }
+)
+RANKINGS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
+    {
+        "plausibility": relative_plausibility,
+        "belief": belief,
+        "pignistic": pignistic,
+        "lambda": certainty,
+    }
+)
+ACCEPTANCES: Mapping[str, Callable[[Array, float], Flags]] = MappingProxyType(
+    {"directed": is_affirmed, "lambda": is_certain}
 )

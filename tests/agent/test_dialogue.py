@@ -354,7 +354,7 @@ def test_part_that_is_not_sure_enough_is_asked_about(agent: Agent):
     reply = agent.hear("pass me the mug")
 
     assert reply.ending == "asked"
-    assert reply.said == "I am not sure enough how to pass a mug. By which part?"
+    assert reply.said == "I am not sure enough how to pass a mug. By the barrel?"
 
 
 @pytest.mark.parametrize(

@@ -9,15 +9,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.outcome import Constraint
 from hilt.agent.reply import Reply
-from hilt.sim.percept import Percept
+from hilt.inference.settings import Settings
+from hilt.inference.taxonomy import Taxonomy
+from hilt.kb.interval import Interval
+from hilt.kb.rule import Atom, Rule
+from hilt.sim.percept import PartPercept, Percept
 from hilt.sim.report import MotionReport
 
 POUND = "pound the nail"
+POINT = np.zeros((1, 3))
 
 
 class Eyes:
@@ -36,12 +42,24 @@ class Eyes:
         ]
 
 
+class OneThing:
+    """Sees this one thing, whatever is looked for."""
+
+    def __init__(self, seen: Percept) -> None:
+        self.seen = seen
+
+    def search(self, features: Sequence[str]) -> list[Percept]:
+        """The one thing."""
+        return [self.seen]
+
+
 class Arm:
     """Does as it is told, but for the things that it cannot do it with.
 
     Attributes:
         fails: (action, thing held or meant) -> how often, and why.
         done: what it did, in order.
+        parts: by which parts it took hold.
     """
 
     abilities = frozenset(
@@ -53,6 +71,7 @@ class Arm:
         self.drives = drives
         self.done: list[str] = []
         self.held = ""
+        self.parts: list[str | None] = []
 
     def _report(self, action: str, thing: str, **facts: bool) -> MotionReport:
         reason = self.fails.get((action, thing), "")
@@ -65,6 +84,7 @@ class Arm:
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
         """Take a thing."""
         self.held = percept.name
+        self.parts.append(part)
         return self._report("grasp", percept.name)
 
     def lift(self) -> MotionReport:
@@ -325,9 +345,6 @@ def test_branches_mend_what_failed(own: Path, reason: str, shaken: int, ending: 
 
 def test_rule_of_any_functor_binds_a_primitive_of_ones_own(own: Path, tmp_path: Path):
     """What a rule concludes at a node reaches the hands as their constraint."""
-    from hilt.kb import Interval
-    from hilt.kb.rule import Atom, Rule
-
     gently = Rule(
         frozenset({Atom("object", "glass")}), frozenset({Atom("action", "season")}), "shake",
         Atom("property", "gentle"), Interval(0.9, 1),
@@ -340,3 +357,34 @@ def test_rule_of_any_functor_binds_a_primitive_of_ones_own(own: Path, tmp_path: 
     assert arm.done[-1] == "shake glass (property:gentle)"
     steps = {step["node"]: step for step in reply.as_do_json()["steps"]}
     assert steps["season/shake"]["constraint"]["argument"] == "property:gentle"
+
+
+# --- By which part -------------------------------------------------------------------------
+
+
+def test_guess_that_is_not_sure_enough_is_asked_about_first():
+    """What follows by likeness alone is asked about before its first use, and "yes" settles it."""
+    careful = Settings(threshold=0.5)
+    with Agent.open("memory:", simulate=False, induces=True, settings=careful) as agent:
+        agent.hear("To pass a knife grab it by the blade")
+        asked = agent.hear("pass me the screwdriver")
+        done = agent.hear("yes")
+
+    assert asked.said == (
+        "Nobody told me how to pass a screwdriver, but it is like something else. By the shaft?"
+    )
+    assert (asked.ending, done.said) == ("asked", "I would pass the screwdriver by the shaft.")
+
+
+def test_part_of_a_kind_is_the_part_that_the_thing_has():
+    """What was told of blades holds for the serrated blade of a bread knife."""
+    blade, serrated = Atom("part", "blade"), Atom("part", "serrated blade")
+    seen = Percept("bread knife", "knife", 1.0, {"serrated blade": PartPercept("", POINT, 1)})
+    arm = Arm({})
+    with Agent.open("memory:", vision=Eyes(), motion=arm) as agent:
+        agent.affordances.taxonomy = Taxonomy([(serrated, blade)])
+        agent.goals.vision = OneThing(seen)
+        agent.hear("To pass a knife grab it by the blade")
+        reply = agent.hear("pass me the knife")
+
+    assert (reply.ending, arm.parts) == ("done", ["serrated blade"])

@@ -77,19 +77,41 @@ def test_full_conflict_is_told_by_nan():
     assert np.isnan(fused).all()
 
 
-def test_measures_agree_with_the_scalar_ones(rng: np.random.Generator):
-    """Lambda, PlP, NOT and acceptance, row by row."""
+@pytest.mark.parametrize("name", vectorised.RANKINGS)
+def test_ranking_agrees_with_the_scalar_one(name: str, rng: np.random.Generator):
+    """Every ranking, row by row."""
     rows = random_intervals(rng, ROWS)
-    intervals = scalars(rows)
 
-    assert vectorised.certainty(rows) == pytest.approx(
-        [evidence.certainty(each) for each in intervals], abs=1e-12
+    expected = [evidence.RANKINGS[name](each) for each in scalars(rows)]
+
+    assert vectorised.RANKINGS[name](rows) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", vectorised.ACCEPTANCES)
+def test_acceptance_agrees_with_the_scalar_one(name: str, rng: np.random.Generator):
+    """Both acceptances, row by row."""
+    rows = random_intervals(rng, ROWS)
+
+    expected = [evidence.ACCEPTANCES[name](each, 0.1) for each in scalars(rows)]
+
+    assert vectorised.ACCEPTANCES[name](rows, 0.1).tolist() == expected
+
+
+@pytest.mark.parametrize(
+    "table", ["CONJUNCTIONS", "MODUS_PONENS", "FUSIONS", "RANKINGS", "ACCEPTANCES"]
+)
+def test_every_scalar_choice_has_its_vectorised_one(table: str):
+    """No name of a table is missing in the other."""
+    assert set(getattr(vectorised, table)) == set(getattr(evidence, table))
+
+
+def test_logical_operators_agree_with_the_scalar_ones(rng: np.random.Generator):
+    """OR and NOT, row by row."""
+    rows = random_intervals(rng, ROWS, 3)
+
+    expected = bounds([evidence.disjunction(scalars(row)) for row in rows])
+
+    assert vectorised.disjunction(rows) == pytest.approx(expected, abs=1e-12)
+    assert vectorised.negation(rows[:, 0]) == pytest.approx(
+        bounds([evidence.negation(each) for each in scalars(rows[:, 0])]), abs=1e-12
     )
-    assert vectorised.relative_plausibility(rows) == pytest.approx(
-        [evidence.relative_plausibility(each) for each in intervals], abs=1e-12
-    )
-    assert vectorised.negation(rows) == pytest.approx(
-        bounds([evidence.negation(each) for each in intervals]), abs=1e-12
-    )
-    affirmed = [evidence.is_affirmed(each, 0.005) for each in intervals]
-    assert vectorised.is_affirmed(rows, 0.005).tolist() == affirmed
