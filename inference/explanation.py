@@ -101,9 +101,8 @@ def changes_of_mind(inference: Inference, settings: Settings) -> list[Change]:
     Returns:
         Of each leaf of the proofs the smallest change in each direction that turns the decision.
     """
-    shown = (*inference.candidates, *inference.absent)
-    leaves = dict.fromkeys(leaf for each in shown for leaf in each.proof.leaves)
     mind = _Mind(inference, settings)
+    leaves = dict.fromkeys(leaf for each in mind.candidates for leaf in each.proof.leaves)
     found = [change for leaf in leaves for change in mind.turned_by(leaf)]
     return sorted(found, key=lambda change: change.size)
 
@@ -113,6 +112,7 @@ class _Mind:
 
     def __init__(self, inference: Inference, settings: Settings) -> None:
         self.candidates = (*inference.candidates, *inference.absent)
+        self.leaves = [frozenset(each.proof.leaves) for each in self.candidates]
         self.operators = settings.operators
         self.judge = Judge(inference.node, inference.threshold, settings.operators)
         self.intervals = [each.interval for each in self.candidates]
@@ -120,13 +120,13 @@ class _Mind:
 
     def turned_by(self, leaf: Proof) -> Iterator[Change]:
         """The smallest change of a leaf upwards, and the smallest downwards, that turn it."""
+        about = [i for i, leaves in enumerate(self.leaves) if leaf in leaves]
         for paths in _paths(leaf.interval):
-            turned = [each for path in paths if (each := self._turned(leaf, path))]
+            turned = [each for path in paths if (each := self._turned(leaf, path, about))]
             yield from sorted(turned, key=lambda change: change.size)[:1]
 
-    def _turned(self, leaf: Proof, path: Sequence[Interval]) -> Change | None:
+    def _turned(self, leaf: Proof, path: Sequence[Interval], about: Sequence[int]) -> Change | None:
         """The nearest point of a path at which the decision is another."""
-        about = [i for i, each in enumerate(self.candidates) if leaf in each.proof.leaves]
         before = 0.0
         for stretch in range(1, STRETCHES + 1):
             after = stretch / STRETCHES

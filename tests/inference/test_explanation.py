@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations_with_replacement
 
 import hypothesis
 import pytest
@@ -13,8 +14,9 @@ from hilt.inference.affordance import Affordances
 from hilt.inference.evidence import Operators
 from hilt.inference.explanation import changes_of_mind, why, why_not
 from hilt.inference.goal import Goal, Inference, Observation, Target
+from hilt.inference.judging import Judge
 from hilt.inference.settings import Settings
-from hilt.kb.interval import Interval
+from hilt.kb.interval import VACUOUS, Interval
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.ontology.errors import UnknownNameError
 
@@ -130,7 +132,7 @@ def test_smallest_change_of_mind_is_where_the_rival_draws_level():
     assert change.size == pytest.approx(0.25, abs=1e-6)
 
 
-@hypothesis.settings(deadline=None)
+@hypothesis.settings(deadline=None, max_examples=30)
 @given(rules)
 def test_each_change_of_mind_turns_the_decision(told: list[Rule]):
     """Deciding again with the changed evidence chooses what the change says."""
@@ -145,6 +147,56 @@ def test_each_change_of_mind_turns_the_decision(told: list[Rule]):
         best = inference.best
         assert change.chosen != (best.name if best else None)
         assert change.chosen is None or change.chosen in {name for _, name in again}
+
+
+STEPS = 12  # of the grid on which brute force looks for a smaller change
+
+
+@hypothesis.settings(deadline=None, max_examples=10)
+@given(rules, st.sampled_from([1.0, 0.9, 0.6]))
+def test_no_smaller_change_of_one_interval_turns_the_decision(told: list[Rule], sure: float):
+    """Brute force over every interval on a grid finds nothing nearer, for any leaf."""
+    inference = decided(told, sure)
+    judge = Judge(inference.node, inference.threshold, Operators())
+    found = {
+        change.evidence: change.size for change in reversed(changes_of_mind(inference, Settings()))
+    }
+    now = judge.first([each.interval for each in inference.candidates])
+
+    for leaf in {leaf for each in inference.candidates for leaf in each.proof.leaves}:
+        for low, high in combinations_with_replacement(range(STEPS + 1), 2):
+            instead = Interval(low / STEPS, high / STEPS)
+            size = abs(instead.lower - leaf.interval.lower) + abs(
+                instead.upper - leaf.interval.upper
+            )
+            if size < found.get(leaf, 3.0) - 1e-6:
+                then = [
+                    c.proof.evaluate(Operators(), {leaf: instead}) for c in inference.candidates
+                ]
+                assert judge.first(then) == now, (leaf, instead)
+
+
+def test_denial_needs_both_bounds_to_move():
+    """From never to likely the lower bound alone cannot move: it would pass the upper one."""
+    denied = decided([functional("knife", "cutting", interval=Interval(0, 0.05))], sure=1.0)
+
+    change = next(c for c in changes_of_mind(denied, Settings()) if c.evidence.rule)
+
+    assert change.chosen == "knife"
+    assert change.after.lower == pytest.approx(change.after.upper)
+    assert change.after.lower > 0.5
+
+
+def test_what_is_absent_is_proved_and_would_change_the_mind():
+    """A rule whose thing is not in view leaves [0, 1]; to see it a little would be enough."""
+    inference = Affordances(Told([rule("hammer", 0.95)])).infer("pass/findObject", CUTTING, [])
+
+    (absent,) = inference.absent
+    (change,) = changes_of_mind(inference, Settings())
+
+    assert (absent.verdict, absent.interval) == ("absent", VACUOUS)
+    assert (change.evidence.label, change.chosen) == ("object:hammer not seen", "hammer")
+    assert change.after.lower == pytest.approx(0.162, abs=1e-3)
 
 
 def test_proof_as_json_names_rules_and_numbers():

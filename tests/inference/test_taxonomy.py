@@ -7,6 +7,7 @@ import pytest
 
 from hilt.inference.affordance import Affordances
 from hilt.inference.goal import Goal, Observation, Target
+from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
@@ -95,3 +96,77 @@ def test_what_is_told_of_a_kind_does_not_hold_above_it():
     knife = Observation("knife", "knife", {KNIFE: CERTAIN})
 
     assert affordances.infer("pass/findObject", CUTTING, [knife]).best is None
+
+
+HAFT, HANDLE = Atom("part", "haft"), Atom("part", "handle")
+GALLEY, KITCHEN = Atom("place", "galley"), Atom("place", "kitchen")
+CHILD, PERSON = Atom("role", "child"), Atom("role", "person")
+WHOLE = Taxonomy([(HAFT, HANDLE), (GALLEY, KITCHEN), (CHILD, PERSON), (BREAD_KNIFE, KNIFE)])
+
+
+def test_parts_are_inherited():
+    """What holds of things with a handle holds of one with a haft."""
+    grips = Rule(frozenset({HANDLE}), frozenset(), "usedFor", Atom("affordance", "cutting"), G)
+    affordances = Affordances(Told(grips), taxonomy=WHOLE)
+    axe = Observation("axe", "axe", {HAFT: Interval(0.9, 1.0)})
+
+    best = affordances.infer("pass/findObject", CUTTING, [axe]).best
+
+    assert affordances.features("pass/findObject", CUTTING) == (HAFT, HANDLE)
+    assert best is not None
+    assert (best.interval.lower, best.inherited) == (pytest.approx(0.855), 1)
+
+
+@pytest.mark.parametrize(("told", "here"), [(KITCHEN, GALLEY), (PERSON, CHILD)])
+def test_places_and_roles_are_inherited(told: Atom, here: Atom):
+    """A galley is a kitchen, and a child a person; each as surely as it holds."""
+    rule = Rule(frozenset({KNIFE}), frozenset({told}), "usedFor", Atom("affordance", "cutting"), G)
+    goal = Goal("pass", Target(used_for="cutting"), {here: Interval(0.5, 1.0)})
+    knife = Observation("knife", "knife", {KNIFE: CERTAIN})
+
+    best = Affordances(Told(rule), taxonomy=WHOLE).infer("pass/findObject", goal, [knife]).best
+
+    assert best is not None
+    assert best.interval.lower == pytest.approx(0.475)
+    assert f"{here}, which is a kind of {told.name}" in {each.label for each in best.proof}
+
+
+def test_what_is_told_above_does_not_hold_of_another_place():
+    """What was told of a galley says nothing about kitchens."""
+    rule = Rule(
+        frozenset({KNIFE}), frozenset({GALLEY}), "usedFor", Atom("affordance", "cutting"), G
+    )
+    goal = Goal("pass", Target(used_for="cutting"), {KITCHEN: CERTAIN})
+    knife = Observation("knife", "knife", {KNIFE: CERTAIN})
+
+    assert (
+        Affordances(Told(rule), taxonomy=WHOLE).infer("pass/findObject", goal, [knife]).best is None
+    )
+
+
+def test_answer_says_which_rule_went_before_which():
+    """The inherited rule is set aside, and listed."""
+    far, near = (functional(name, "cutting", interval=G) for name in ("knife", "bread knife"))
+
+    best = (
+        Affordances(Told(far, near), taxonomy=KINDS).infer("pass/findObject", CUTTING, [SEEN]).best
+    )
+
+    assert best is not None
+    assert (best.rules, best.overruled) == ((near,), (far,))
+    assert repr(far) in best.reason
+
+
+@pytest.mark.parametrize(
+    ("holding", "threshold"),
+    [({}, 0.1), ({GALLEY: CERTAIN}, 0.9), ({PERSON: CERTAIN}, 0.1)],
+)
+def test_threshold_of_a_place_only_asks_for_more(holding: dict[Atom, Interval], threshold: float):
+    """Serving is a kind of passing, a galley a kitchen; a person asks for less than passing."""
+    settings = Settings(thresholds={"pass": 0.1, "place:kitchen": 0.9, "role:person": 0.01})
+    kinds = Taxonomy([(SERVE, PASS), (GALLEY, KITCHEN)])
+    goal = Goal("serve", Target(used_for="cutting"), holding)
+
+    inference = Affordances(Told(), settings, kinds).infer("serve/findObject", goal, [SEEN])
+
+    assert inference.threshold == threshold

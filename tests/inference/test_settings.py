@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The choices of the theory are data: every name is taken, every mistake is told with its place."""
+
+from pathlib import Path
+
+import pytest
+
+from hilt.inference.evidence import ACCEPTANCES, CONJUNCTIONS, FUSIONS, MODUS_PONENS, RANKINGS
+from hilt.inference.settings import DETECTIONS, STAGES, Settings
+from hilt.ontology.errors import DataError
+
+CHOICES = {
+    "conjunction": tuple(CONJUNCTIONS),
+    "modus_ponens": tuple(MODUS_PONENS),
+    "fusion": tuple(FUSIONS),
+    "ranking": tuple(RANKINGS),
+    "acceptance": tuple(ACCEPTANCES),
+    "stage": STAGES,
+    "detection": DETECTIONS,
+}
+NAMED = [(choice, name) for choice, names in CHOICES.items() for name in names]
+
+
+def chosen(settings: Settings, choice: str) -> str:
+    """What was chosen."""
+    return getattr(settings if choice in {"stage", "detection"} else settings.operators, choice)
+
+
+def written(tmp_path: Path, text: str) -> Path:
+    """A file with this text."""
+    path = tmp_path / "settings.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_file_that_comes_with_hilt_says_the_defaults():
+    """What the documentation calls the default is what a mind without settings does."""
+    assert Settings.load() == Settings()
+
+
+@pytest.mark.parametrize(("choice", "name"), NAMED)
+def test_every_choice_can_be_made_in_a_file(tmp_path: Path, choice: str, name: str):
+    """Each named option of each operator."""
+    assert chosen(Settings.load(written(tmp_path, f"{choice}: {name}\n")), choice) == name
+
+
+@pytest.mark.parametrize(("choice", "name"), NAMED)
+def test_every_choice_can_be_made_on_the_command_line(choice: str, name: str):
+    """As NAME=VALUE."""
+    assert chosen(Settings().with_choices([f"{choice}={name}"]), choice) == name
+
+
+def test_thresholds_are_data(tmp_path: Path):
+    """A general one, and those of single contexts."""
+    text = "threshold: {default: 0.01, contexts: {pass: 0.2, 'place:hospital': 0.5}}\n"
+
+    settings = Settings.load(written(tmp_path, text)).with_choices(["threshold.pass=0.3"])
+
+    assert settings.threshold == 0.01
+    assert settings.thresholds == {"pass": 0.3, "place:hospital": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("fusion: dempsta\n", r':1:9: There is no fusion "dempsta"\. Did you mean "dempster"\?'),
+        ("fusoin: yager\n", r':1:9: unknown key "fusoin" \(did you mean "fusion"\?\)'),
+        ("threshold: {default: 2}\n", r":1:22: expected a number in \[0, 1\], found 2"),
+        ("threshold: {contexts: {}}\n", r':1:12: the key "default" is missing'),
+        ("threshold: {default: 0, contexts: {'spot:x': 0}}\n", r':1:46: "spot" is no kind'),
+        ("detection: sharp\n", r':1:12: There is no detection "sharp"'),
+    ],
+)
+def test_mistake_in_a_file_is_told_with_its_place(tmp_path: Path, text: str, message: str):
+    """Line, column, what was expected; and the line itself with a caret."""
+    with pytest.raises(DataError, match=r"settings\.yaml" + message) as told:
+        Settings.load(written(tmp_path, text))
+
+    assert told.value.excerpt().splitlines()[1].strip() == "^"
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        ("fusion", "expected NAME=VALUE"),
+        ("fusion=nonsense", 'There is no fusion "nonsense"'),
+        ("fision=yager", 'Did you mean "fusion"'),
+        ("threshold=much", "expected a number"),
+        ("threshold.pass=-1", r"expected a number in \[0, 1\]"),
+    ],
+)
+def test_mistake_on_the_command_line_is_told(choice: str, message: str):
+    """With what there is to choose from."""
+    with pytest.raises(DataError, match=message):
+        Settings().with_choices([choice])
