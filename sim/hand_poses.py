@@ -2,7 +2,7 @@
 """Hand poses worth a closer look: where two fingers find room on both sides of the wanted part.
 
 From points spread over the part and a fixed set of hand directions, each pose is judged by one
-row of bins along the closing direction: what the fingers would sweep over is counted into them,
+row of bins along the closing direction: the first point that a finger would meet is kept in each,
 and beside the part there must be room for a finger on either side, with the part narrower than
 the hand and nothing else between the fingers. Thin plates rule out surface normals (a plate of
 2 mm has none that can be trusted), so the direction is tried, not derived.
@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from . import poses
 from .clouds import Label, Surroundings, level_direction, spread
@@ -98,17 +99,20 @@ class _Sections:
         if not possible.any():
             return cls(np.zeros((0, 3)), np.zeros(0), 0, 0)
         starts, tips = starts[possible], tips[possible]
-        wanted, other, nearest = _count(points, surroundings.labels, starts, tips, gripper)
+        starts[:, :2] = np.rint(starts[:, :2] / BIN) * BIN  # bins begin where samples are
+        ahead = _ahead(points, surroundings.labels, starts, gripper.finger_width / 2)
+        nearest = ahead.min(axis=(0, 2))
+        wanted, other = ahead[:, :, None] <= np.maximum.accumulate(tips, axis=1)[..., None]
         room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
-        left, right = _ends(wanted + other, room)
+        left, right = _ends(wanted | other, room)
         width = (left + right - 1) * BIN
         reach = np.arange(-HALF_BINS, HALF_BINS + 1)
         left_end, right_end = -left[..., None], right[..., None]
         at_left = (reach > left_end - room) & (reach <= left_end + PART_BINS)
         at_right = (reach < right_end + room) & (reach >= right_end - PART_BINS)
-        clear = ~np.any((other > 0) & (at_left | at_right), axis=-1)
+        clear = ~np.any(other & (at_left | at_right), axis=-1)
         narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
-        shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
+        shallow = tips <= (np.minimum(nearest, 0.0) + gripper.tip - gripper.palm)[:, None]
         ok = clear & narrow & shallow & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
         row, depth = np.nonzero(ok)
         shift = (right - left)[row, depth] * BIN / 2
@@ -133,51 +137,51 @@ def _tip_depths(rotation: Array, samples: Array, table: float, gripper: Gripper)
     return np.where(fresh, depths, -1.0)
 
 
-def _count(
-    points: Array, labels: np.ndarray, starts: Array, tips: Array, gripper: Gripper
-) -> tuple[np.ndarray, np.ndarray, Array]:
-    """Points that the fingers would sweep over: (s, t, bins), wanted and other ones.
+def _ahead(points: Array, labels: np.ndarray, starts: Array, half: float) -> Array:
+    """How far below each sample the first point lies that a finger would meet (2, s, bins) [m].
 
-    Also how far the nearest one to the palm lies below each sample (s,) [m].
+    For the wanted part and for all else, in each bin beside the sample; inf where there is none.
+
+    Args:
+        points: (n, 3), z the way the hand comes, y the way the fingers close [m].
+        labels: (n,) of `Label`.
+        starts: the samples (s, 3), x and y whole multiples of `BIN` [m].
+        half: of the width of a finger along x [m].
     """
-    s, t = tips.shape
-    bins = 2 * HALF_BINS + 1
-    row, point = _beside(points[:, 0], starts[:, 0], gripper.finger_width / 2)
-    depth = points[point, 2] - starts[row, 2]
-    above = depth <= tips.max(axis=1)[row]
-    row, point, depth = row[above], point[above], depth[above]
-    nearest = np.zeros(s)
-    np.minimum.at(nearest, row, depth)
-    place = np.rint((points[point, 1] - starts[row, 1]) / BIN).astype(int) + HALF_BINS
-    layer = np.sum(depth[:, None] > np.maximum.accumulate(tips, axis=1)[row], axis=1)
-    inside = (place >= 0) & (place < bins) & (layer < t)
-    row, place, layer, point = row[inside], place[inside], layer[inside], point[inside]
-    kind = (labels[point] != Label.WANTED).astype(int)
-    key = ((kind * s + row) * t + layer) * bins + place
-    counts = np.bincount(key, minlength=2 * s * t * bins).reshape(2, s, t, bins)
-    wanted, other = np.cumsum(counts, axis=2)
-    return wanted, other, nearest
+    margin = np.array([round(half / BIN), HALF_BINS])
+    corner = starts[:, :2].min(axis=0) - margin * BIN
+    cells = np.rint((points[:, :2] - corner) / BIN).astype(int)
+    middles = np.rint((starts[:, :2] - corner) / BIN).astype(int)
+    size = middles.max(axis=0) + margin + 1
+    inside = np.all((cells >= 0) & (cells < size), axis=1)
+    place = (labels[inside] != Label.WANTED) * size[0] + cells[inside, 0]
+    first = np.full(2 * size[0] * size[1], np.inf)
+    np.minimum.at(first, place * size[1] + cells[inside, 1], points[inside, 2])
+    swept = _least_of(first.reshape(2, *size), 2 * int(margin[0]) + 1)
+    beside = sliding_window_view(swept, 2 * HALF_BINS + 1, axis=2)
+    x, y = (middles - margin).T
+    return beside[:, x, y] - starts[:, 2, None]
 
 
-def _beside(x: Array, middles: Array, half: float) -> tuple[np.ndarray, np.ndarray]:
-    """All pairs (sample, point) with a point at most `half` [m] from the sample along x."""
-    order = np.argsort(x, kind="stable")
-    first = np.searchsorted(x[order], middles - half)
-    count = np.searchsorted(x[order], middles + half, side="right") - first
-    row = np.repeat(np.arange(len(middles)), count)
-    within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    return row, order[first[row] + within]
+def _least_of(grid: Array, count: int) -> Array:
+    """The least of each `count` rows of a grid (k, rows, columns) that follow each other."""
+    size = 1
+    while size < count:
+        step = min(size, count - size)
+        grid = np.minimum(grid[:, :-step], grid[:, step:])
+        size += step
+    return grid
 
 
-def _ends(counts: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
+def _ends(full: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
     """Bins from the middle to the first room for a finger, to the left and to the right."""
-    return _first_room(counts[..., ::-1], room), _first_room(counts, room)
+    return _first_room(full[..., ::-1], room), _first_room(full, room)
 
 
-def _first_room(counts: np.ndarray, room: int) -> np.ndarray:
+def _first_room(full: np.ndarray, room: int) -> np.ndarray:
     """Bins from the middle to the first run of `room` empty ones; half of them if there is none."""
-    middle = counts.shape[-1] // 2
-    total = np.cumsum(counts[..., middle:], axis=-1)
+    middle = full.shape[-1] // 2
+    total = np.cumsum(full[..., middle:], axis=-1, dtype=np.int16)
     empty = total[..., room:] == total[..., :-room]  # bins i+1 .. i+room are empty
     first = np.argmax(empty, axis=-1) + 1
     return np.where(empty.any(axis=-1), first, middle)

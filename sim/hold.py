@@ -10,11 +10,10 @@ goes on outwards beyond the tips is a slope that would push the fingers open.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from . import poses
 from .clouds import Label, Surroundings
 from .poses import Array
 from .robots import Gripper
@@ -33,6 +32,7 @@ TORQUE_SCALE = 0.3  # [N m], a weight that costs all of `_TORQUE`; more may turn
 REACH_SCALE = 0.5  # [m], the same for the distance to the centre of mass
 TABLE_CLEARANCE = 0.0008  # [m] from the hand to the table
 
+ROUNDING = 1e-6  # [m], more than single precision loses
 RULED_OUT = 10.0  # taken from the score of a pose that something is in the way of
 
 DEEP_ROWS = 3  # of cells, from the tips; a thing held by less pops out when it is moved
@@ -96,20 +96,19 @@ def judge(
         surroundings: the part, and what is near it.
         gripper: the hand.
     """
-    local = poses.transform(poses.inverse(world_from_grip), surroundings.points)  # (c, n, 3)
-    wanted = surroundings.labels == Label.WANTED
-    shift, width = _centre(local, wanted, gripper)
-    local[..., 1] -= shift[:, None]
+    near = _Near.to(world_from_grip, surroundings, gripper)
+    shift, width = _centre(near, gripper)
+    near = near.moved(shift)
     centred = world_from_grip @ _sideways(shift)
     opening = np.maximum(width + 2 * SPARE, between + 2 * (np.abs(shift) + SPARE_ABOVE))
     opening = np.minimum(opening, gripper.opening)
-    profile = _Profile.between(local, wanted, width, gripper)
+    profile = _Profile.between(near, width, gripper)
     touched = profile.touched(width)  # (c, 2, CELLS_X, CELLS_Z)
     both = np.logical_and(
         *np.moveaxis(_between(touched), 1, 0)
     )  # (c, CELLS_X, CELLS_Z), cells that both pads rest on
     overlap = both.mean(axis=(1, 2))
-    obstacle = _obstacle(local, surroundings.labels, width, opening, gripper)
+    obstacle = _obstacle(near, width, opening, gripper)
     obstacle[(obstacle == _NONE) & (overlap < LEAST_CELLS)] = _UNEVEN
     obstacle[hits_table(centred, opening, surroundings.table, gripper)] = _TABLE
     obstacle[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
@@ -136,19 +135,65 @@ def _sideways(shift: Array) -> Array:
     return move
 
 
-def _band(local: Array, gripper: Gripper) -> np.ndarray:
-    """Which points (c, n) lie between the pads."""
-    return (np.abs(local[..., 0]) <= gripper.pad_width / 2) & (
-        np.abs(local[..., 2]) <= gripper.pad_length / 2
-    )
+@dataclass(frozen=True)
+class _Near:
+    """Pairs of a hand and a point so near to it that it matters; p of them.
+
+    Attributes:
+        hands: how many hands there are.
+        hand: (p,), which hand, in ascending order.
+        x, y, z: (p,) of the point in the grip frame of that hand [m].
+        label: (p,) of the point.
+    """
+
+    hands: int
+    hand: np.ndarray
+    x: Array
+    y: Array
+    z: Array
+    label: np.ndarray
+
+    @classmethod
+    def to(cls, world_from_grip: Array, surroundings: Surroundings, gripper: Gripper) -> _Near:
+        # A tenth of a micrometre is enough here, and numbers of half the size take half the time.
+        middle = surroundings.points.mean(axis=0)
+        points = (surroundings.points - middle).astype(np.float32).T
+        axes = np.swapaxes(world_from_grip[:, :3, :3], 1, 2)
+        origin = axes @ (world_from_grip[:, :3, 3] - middle)[..., None]
+        # One product a hand: a product of all of them would be shared out among threads.
+        local = axes.astype(np.float32) @ points - origin.astype(np.float32)  # (c, 3, n)
+        x, y, z = local[:, 0], local[:, 1], local[:, 2]
+        half = max(gripper.palm_size[0] / 2, gripper.finger_width / 2 + PART_CLEARANCE)
+        end = gripper.tip + max(BEYOND, PART_CLEARANCE)
+        hand, point = np.nonzero((np.abs(x) <= half) & (z <= end))
+        x, y, z = (each[hand, point] for each in (x, y, z))
+        return cls(len(world_from_grip), hand, x, y, z, surroundings.labels[point])
+
+    def moved(self, shift: Array) -> _Near:
+        """The same for hands that have moved sideways by `shift` (c,) [m]."""
+        return replace(self, y=self.y - shift[self.hand])
+
+    def any(self, which: np.ndarray) -> np.ndarray:
+        """Which hands (c,) have one of some pairs (p,)."""
+        result = np.zeros(self.hands, dtype=bool)
+        result[self.hand[which]] = True
+        return result
+
+    def in_band(self, gripper: Gripper) -> np.ndarray:
+        """Which points (p,) of the wanted part lie between the pads."""
+        band = (np.abs(self.x) <= gripper.pad_width / 2) & (
+            np.abs(self.z) <= gripper.pad_length / 2
+        )
+        return band & (self.label == Label.WANTED)
 
 
-def _centre(local: Array, wanted: np.ndarray, gripper: Gripper) -> tuple[Array, Array]:
+def _centre(near: _Near, gripper: Gripper) -> tuple[Array, Array]:
     """Middle and width (c,) [m] of the part between the pads."""
-    band = _band(local, gripper) & wanted & (np.abs(local[..., 1]) <= gripper.opening / 2)
+    band = near.in_band(gripper) & (np.abs(near.y) <= gripper.opening / 2)
     far = gripper.opening  # an empty band counts as twice as wide as the hand
-    high = np.max(np.where(band, local[..., 1], -far), axis=1)
-    low = np.min(np.where(band, local[..., 1], far), axis=1)
+    high, low = np.full(near.hands, -far), np.full(near.hands, far)
+    np.maximum.at(high, near.hand[band], near.y[band])
+    np.minimum.at(low, near.hand[band], near.y[band])
     width = np.where(high >= low, high - low, 2 * far)
     return np.where(high >= low, (high + low) / 2, 0.0), width
 
@@ -163,19 +208,19 @@ class _Profile:
     heights: Array
 
     @classmethod
-    def between(cls, local: Array, wanted: np.ndarray, width: Array, gripper: Gripper) -> _Profile:
-        inside = np.abs(local[..., 1]) <= width[:, None] / 2 + 1e-9
-        row, point = np.nonzero(_band(local, gripper) & wanted & inside)
-        x, y, z = local[row, point].T
+    def between(cls, near: _Near, width: Array, gripper: Gripper) -> _Profile:
+        inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
+        band = near.in_band(gripper) & inside
+        hand, x, y, z = (each[band] for each in (near.hand, near.x, near.y, near.z))
         cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
         cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
-        cell = (cell_x * CELLS_Z) + cell_z
-        heights = np.full((2, len(local) * CELLS_X * CELLS_Z), -np.inf)
+        cell = (hand * CELLS_X + cell_x) * CELLS_Z + cell_z
+        heights = np.full((2, near.hands * CELLS_X * CELLS_Z), -np.inf)
         for side, outwards in enumerate((y, -y)):
-            np.maximum.at(heights[side], row * CELLS_X * CELLS_Z + cell, outwards)
+            np.maximum.at(heights[side], cell, outwards)
         # A cell whose points all lie on the other side is empty on this one.
         heights[heights < 0] = -np.inf
-        shaped = heights.reshape(2, len(local), CELLS_X, CELLS_Z)
+        shaped = heights.reshape(2, near.hands, CELLS_X, CELLS_Z)
         return cls(np.ascontiguousarray(np.swapaxes(shaped, 0, 1)))
 
     def touched(self, width: Array) -> np.ndarray:
@@ -220,32 +265,29 @@ def _slopes(edges: Array, spacing: float) -> Array:
     return np.einsum("cn,csn->cs", centred, heights) / spread[:, None]
 
 
-def _obstacle(
-    local: Array, labels: np.ndarray, width: Array, opening: Array, gripper: Gripper
-) -> np.ndarray:
-    x, y, z = np.abs(local[..., 0]), np.abs(local[..., 1]), local[..., 2]
-    half = (width / 2)[:, None]
+def _obstacle(near: _Near, width: Array, opening: Array, gripper: Gripper) -> np.ndarray:
+    x, y, z = np.abs(near.x), np.abs(near.y), near.z
+    half, half_open = (width / 2)[near.hand], (opening / 2)[near.hand]
     on_finger = x <= gripper.finger_width / 2
     beyond = (z > gripper.tip) & (z <= gripper.tip + BEYOND)
     slope = on_finger & beyond & (y > half + OUTWARD) & (y < half + gripper.finger_thickness)
-    swept = _swept(x, y, z, (opening / 2)[:, None], gripper)
+    hit = slope | _swept(x, y, z, half_open, gripper)
     # Between the fingers may be more of the thing that stands back from the pads; no neighbour.
-    near = (
+    close = (
         (x <= gripper.finger_width / 2 + PART_CLEARANCE)
         & (z <= gripper.tip + PART_CLEARANCE)
-        & (y <= (opening / 2)[:, None] + gripper.finger_thickness)
+        & (y <= half_open + gripper.finger_thickness)
     )
-    beside = near & (y >= half - RECESS)
-    own, other = labels == Label.WANTED, labels == Label.OTHER_PART
-    result = np.full(len(local), _NONE)
-    result[np.any((slope | swept) & own, axis=1)] = _SLOPE
-    result[np.any((slope | swept | beside) & other, axis=1)] = _PART
-    result[np.any((slope | swept | near) & (labels == Label.NEIGHBOUR), axis=1)] = _NEIGHBOUR
+    beside = close & (y >= half - RECESS)
+    result = np.full(near.hands, _NONE)
+    result[near.any(hit & (near.label == Label.WANTED))] = _SLOPE
+    result[near.any((hit | beside) & (near.label == Label.OTHER_PART))] = _PART
+    result[near.any((hit | close) & (near.label == Label.NEIGHBOUR))] = _NEIGHBOUR
     return result
 
 
 def _swept(x: Array, y: Array, z: Array, half_open: Array, gripper: Gripper) -> np.ndarray:
-    """Which points (c, n) the fingers and the palm of the open hand would run into."""
+    """Which points (p,) the fingers and the palm of the open hand would run into."""
     in_width = x <= gripper.finger_width / 2 + SWEEP_CLEARANCE
     outside = y >= half_open - SWEEP_CLEARANCE
     finger = outside & (y <= half_open + gripper.finger_thickness + SWEEP_CLEARANCE)

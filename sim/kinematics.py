@@ -24,7 +24,8 @@ from .poses import Array
 
 POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to 30 steps
 ROTATION_TOLERANCE = 2e-3  # [rad]
-MAX_STEPS = 80
+MAX_STEPS = 50  # from a start far away; what needs more is mostly out of reach
+TRACK_STEPS = 15  # from the pose before
 LARGEST_STEP = 0.4  # [rad] a joint may turn in one step, else the linearisation means little
 LARGEST_JUMP = 0.5  # [rad] between two poses of a path; more means another branch of the arm
 DAMPING = 0.03  # of a far target; near the target it goes down to a tenth
@@ -174,11 +175,11 @@ class Chain:
         rows = np.arange(m)
         return Solution(joints.reshape(m, s, -1)[rows, best], found[rows, best])
 
-    def _descend(self, joints: Array, targets: Array) -> Array:
-        """Improve `joints` (n, k) in place; the errors (n, 6) that remain."""
+    def _descend(self, joints: Array, targets: Array, *, most: int = MAX_STEPS) -> Array:
+        """Improve `joints` (n, k) in place, in `most` steps; the errors (n, 6) that remain."""
         error = np.empty((len(joints), 6))
         busy = np.arange(len(joints))
-        for _ in range(MAX_STEPS):
+        for _ in range(most):
             frames = self.frames(joints[busy])
             error[busy] = pose_error(frames[:, -1], targets[busy])
             unfinished = ~_is_small(error[busy])
@@ -202,9 +203,12 @@ class Chain:
         joints, path = starts.copy(), []
         found = np.ones(len(starts), dtype=bool)
         for step in range(base_from_tip.shape[1]):
-            before = joints.copy()
-            error = self._descend(joints, base_from_tip[:, step])
-            found &= _is_small(error) & (np.abs(joints - before).max(axis=1) < LARGEST_JUMP)
+            rows = np.flatnonzero(found)  # those that are lost need not be followed any longer
+            after = joints[rows]
+            error = self._descend(after, base_from_tip[rows, step], most=TRACK_STEPS)
+            near = np.abs(after - joints[rows]).max(axis=1, initial=0.0) < LARGEST_JUMP
+            found[rows] = _is_small(error) & near
+            joints[rows] = after
             path.append(joints.copy())
         return Solution(np.stack(path, axis=1), found)
 

@@ -24,10 +24,10 @@ from .reach import Reach, Reacher
 from .robot import NAME, Robot
 from .sight import Sight
 
-TRANSIT_PACE = 0.7  # shares of the joints' speed limits
-APPROACH_PACE = 0.3
-LIFT_PACE = 0.2
-CARRY_PACE = 0.5
+TRANSIT_PACE = 0.9  # shares of the joints' speed limits
+APPROACH_PACE = 0.45
+LIFT_PACE = 0.45
+CARRY_PACE = 0.9
 CAREFUL_TORQUE = 0.25  # [N m], a thing that turns so much in the hand is carried at half the pace
 FEEL_EVERY = 12  # steps between two looks at what the fingers feel
 LOST_LOOKS = 2

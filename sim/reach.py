@@ -22,7 +22,7 @@ from .poses import Array
 from .robot import Robot
 
 RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
-APPROACH_STEP = 0.015  # [m] between the poses of a straight way
+APPROACH_STEP = 0.0225  # [m] between the poses of a straight way; between them it bends by 0.5 mm
 CHECK_STEP = 0.12  # [rad] between the postures that are checked
 TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
 APPROACH_GAP = -0.003  # [m] to the rest; the spheres are a little larger than the hand
