@@ -211,7 +211,8 @@ class _Profile:
     def between(cls, near: _Near, width: Array, gripper: Gripper) -> _Profile:
         inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
         band = near.in_band(gripper) & inside
-        hand, x, y, z = (each[band] for each in (near.hand, near.x, near.y, near.z))
+        hand = near.hand[band]
+        x, y, z = (each[band] for each in (near.x, near.y, near.z))
         cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
         cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
         cell = (hand * CELLS_X + cell_x) * CELLS_Z + cell_z
