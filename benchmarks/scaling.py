@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much faster an evaluation is with more worker processes.
+
+Runs `hilt evaluate WHAT...` with 1, 2, ... workers, checks that the results are the same bytes, and
+prints for each the time on the clock, the processor time of all processes, and the speed-up on the
+clock and as the processor time has it (what it would be with a core for every worker and nothing
+else running). Say nothing else is running, or believe the second figure:
+
+    python benchmarks/scaling.py --workers 1,2 paper --sim
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
+
+HILT = (sys.executable, "-c", "from hilt.agent.cli import main; main()", "evaluate")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run.
+
+    Attributes:
+        workers: processes.
+        clock_s: time on the clock [s].
+        cpu_s: processor time of the command and its workers [s].
+        results: what it wrote.
+    """
+
+    workers: int
+    clock_s: float
+    cpu_s: float
+    results: bytes
+
+
+def measured(what: list[str], workers: int) -> Run:
+    """Run the command once, from its start to its end."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [*HILT, *what, "--workers", str(workers), "--out", folder, "--json"]
+        before, began = _cpu_s(), time.perf_counter()
+        # Exit code 1 says that some case is wrong, which is no matter here.
+        subprocess.run(command, stdout=subprocess.DEVNULL, check=False)  # noqa: S603
+        clock_s, cpu_s = time.perf_counter() - began, _cpu_s() - before
+        return Run(workers, clock_s, cpu_s, Path(folder, "results.jsonl").read_bytes())
+
+
+def _cpu_s() -> float:
+    used = getrusage(RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description="Speed-up of an evaluation by workers.")
+    parser.add_argument(
+        "--workers", default="1,2", help="numbers of workers, the first is compared"
+    )
+    parser.add_argument("what", nargs=argparse.REMAINDER, help="evaluation and its options")
+    given = parser.parse_args()
+    print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+    runs = [measured(given.what, int(workers)) for workers in given.workers.split(",")]
+    first = runs[0]
+    for run in runs:
+        assert run.results == first.results, "the results differ"
+        clock = first.clock_s / run.clock_s
+        ideal = first.cpu_s / first.workers / (run.cpu_s / run.workers)
+        print(
+            f"{run.workers} workers: {run.clock_s:7.1f} s, {run.cpu_s:7.1f} s of processor, "
+            f"{clock:.2f} times as fast ({ideal:.2f} by processor time)"
+        )
+
+
+if __name__ == "__main__":
+    main()
