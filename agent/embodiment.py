@@ -13,7 +13,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..ontology.errors import UnknownNameError
 from ..ontology.objects import Household, load_household
 from ..sim.scene import Placement, Scene, parse_scene
 from .keeping import file_as_json, file_from_json
@@ -39,7 +38,7 @@ class Embodiment:
         household: the types of objects that there are.
         objects_file: the user's own file among them, if any.
         robot: its name.
-        eyes: where percepts come from, "mask" or "learned".
+        eyes: where percepts come from, "mask", "learned" or "learned:FILE".
         noise: how the eyes fail, as text ("missed=0.1,confused=0.05"); empty for not at all.
         simulate: whether there is a simulated body; without one all is seen with certainty.
         gui: whether the simulator shows a window.
@@ -175,7 +174,6 @@ def _refuse_unknown(robot: str, eyes: str) -> None:
 
         find_robot(robot)
     if eyes != EYES:
-        from ..sim.eyes import SOURCES
+        from ..sim import eyes as sources
 
-        if eyes not in SOURCES:
-            raise UnknownNameError("source of vision", eyes, SOURCES)
+        sources.refuse_unknown(eyes)

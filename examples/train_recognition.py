@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trains the networks of `hilt.sim.recognition` on rendered scenes and keeps them in a file.
 
-    python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--out FILE]
+    python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--objects MY] [--out OUT]
 
 Scene number i has the seed SEED + i. A fifth of the scenes is kept back: on it the temperature is
 found and the accuracy printed. The mask of the simulator serves as the teacher here, and here only.
+With objects of your own, `hilt do --objects MY --vision learned:OUT` sees with what was learned.
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from hilt.ontology.errors import SimulationError
-from hilt.ontology.objects import load_objects
+from hilt.ontology.objects import ObjectType, load_household
 from hilt.sim.camera import View
 from hilt.sim.descriptors import describe
 from hilt.sim.familiarity import Familiarity
@@ -26,67 +29,90 @@ from hilt.sim.segmentation import TABLE_MARGIN, Segment, segments
 from hilt.sim.vision import Vision
 from hilt.sim.world import World
 
-OBJECTS = load_objects()
-KINDS = (*graspable(OBJECTS), "block", "nail")
-PARTS = tuple((kind, part) for kind in KINDS for part in OBJECTS[kind].parts)
 UNUSUAL = 0.3  # how often a thing lies in any way it can, usual or not
 NAIL, LOOSE_NAIL = 0.25, 0.15  # how often there is one
 POINTS = 80  # of a segment, for the part network
 EXAMPLES = 100  # of each kind, to tell what is familiar
 NOISY = 0.3  # share of the scenes with some depth noise
+FEWEST = 40  # scenes, so that some of every type are kept back
+AT_ONCE = 8  # most things on the table, besides a nail
 Rows = list[tuple[np.ndarray, int, np.ndarray, np.ndarray]]  # thing, kind, points, their parts
 
 
-def make_scene(seed: int) -> Scene:
-    """All objects, some of them in unusual ways, and sometimes a nail."""
-    rng = np.random.default_rng(seed)
-    placed = [Placement(name, name, rest=_rest(name, rng)) for name in graspable(OBJECTS)]
-    if rng.random() < LOOSE_NAIL:
-        placed.append(Placement("loose nail", "nail", rest="flat"))
-    with_block = scene_of(["nail"], seed=seed, objects=OBJECTS).placements
-    return Scene((*placed, *(with_block if rng.random() < NAIL else ())), seed)
+@dataclass(frozen=True)
+class Teacher:
+    """Shows objects, and says what they are.
 
+    Attributes:
+        objects: the types, by name.
+    """
 
-def _rest(name: str, rng: np.random.Generator) -> str | None:
-    rests = OBJECTS[name].rests
-    return rests[int(rng.integers(len(rests)))].name if rng.random() < UNUSUAL else None
+    objects: Mapping[str, ObjectType]
 
+    @cached_property
+    def kinds(self) -> tuple[str, ...]:
+        """The types to be told apart."""
+        return (*graspable(self.objects), "block", "nail")
 
-def samples(seed: int) -> Rows:
-    """What a scene shows to all cameras, to two of them, and to one."""
-    rng = np.random.default_rng([seed, 1])
-    noise = Noise(depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed)
-    try:
-        with World.build(make_scene(seed), OBJECTS) as world:
-            views = Vision(world.engine, world.kinds, world.models, noise=noise).look()
-            kinds = {name: kind.name for name, kind in world.kinds.items()}
-    except SimulationError:  # a table that is too full
-        return []
-    rows: Rows = []
-    for count in (len(views), 2, 1):
-        chosen = [views[i] for i in rng.choice(len(views), count, replace=False)]
-        for segment in segments(chosen, margin=TABLE_MARGIN + 4 * noise.depth_m):
-            rows += _sample(segment, chosen, kinds, rng)
-    return rows
+    @cached_property
+    def parts(self) -> tuple[tuple[str, str], ...]:
+        """The parts to be told apart, each with its type."""
+        return tuple((kind, part) for kind in self.kinds for part in self.objects[kind].parts)
 
+    def make_scene(self, seed: int) -> Scene:
+        """Objects, some of them in unusual ways, and sometimes a nail."""
+        rng = np.random.default_rng(seed)
+        shown = graspable(self.objects)
+        if len(shown) > AT_ONCE:
+            shown = tuple(str(name) for name in rng.choice(shown, AT_ONCE, replace=False))
+        placed = [Placement(name, name, rest=self._rest(name, rng)) for name in shown]
+        if rng.random() < LOOSE_NAIL:
+            placed.append(Placement("loose nail", "nail", rest="flat"))
+        with_block = scene_of(["nail"], seed=seed, objects=self.objects).placements
+        return Scene((*placed, *(with_block if rng.random() < NAIL else ())), seed)
 
-def _sample(
-    segment: Segment, views: list[View], kinds: dict[str, str], rng: np.random.Generator
-) -> Iterator[tuple[np.ndarray, int, np.ndarray, np.ndarray]]:
-    """A segment with what the mask says it is; nothing when that is not one of the objects."""
-    links = [
-        views[view].names.get(int(views[view].labels.flat[pixel]))
-        for view, pixel in segment.sources
-    ]
-    pairs = [(kinds.get(link[0], ""), link[1]) if link else ("", "") for link in links]
-    known = np.array([PARTS.index(pair) if pair in PARTS else -1 for pair in pairs])
-    if (known < 0).mean() > 0.2:
-        return
-    owners = np.bincount([KINDS.index(PARTS[i][0]) for i in known if i >= 0], minlength=len(KINDS))
-    kind = int(np.argmax(owners))
-    chosen = rng.permutation(np.flatnonzero(known >= 0))[:POINTS]
-    inputs = point_inputs(segment, kind, len(KINDS))[chosen]
-    yield describe(segment), kind, inputs, known[chosen]
+    def _rest(self, name: str, rng: np.random.Generator) -> str | None:
+        rests = self.objects[name].rests
+        return rests[int(rng.integers(len(rests)))].name if rng.random() < UNUSUAL else None
+
+    def samples(self, seed: int) -> Rows:
+        """What a scene shows to all cameras, to two of them, and to one."""
+        rng = np.random.default_rng([seed, 1])
+        noise = Noise(depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed)
+        try:
+            with World.build(self.make_scene(seed), self.objects) as world:
+                views = Vision(world.engine, world.kinds, world.models, noise=noise).look()
+                kinds = {name: kind.name for name, kind in world.kinds.items()}
+        except SimulationError:  # a table that is too full
+            return []
+        rows: Rows = []
+        for count in (len(views), 2, 1):
+            chosen = [views[i] for i in rng.choice(len(views), count, replace=False)]
+            for segment in segments(chosen, margin=TABLE_MARGIN + 4 * noise.depth_m):
+                rows += self._sample(segment, chosen, kinds, rng)
+        return rows
+
+    def _sample(
+        self, segment: Segment, views: list[View], kinds: dict[str, str], rng: np.random.Generator
+    ) -> Iterator[tuple[np.ndarray, int, np.ndarray, np.ndarray]]:
+        """A segment with what the mask says it is; nothing when that is not one of the objects."""
+        links = [
+            views[view].names.get(int(views[view].labels.flat[pixel]))
+            for view, pixel in segment.sources
+        ]
+        pairs = [(kinds.get(link[0], ""), link[1]) if link else ("", "") for link in links]
+        known = np.array([self.parts.index(pair) if pair in self.parts else -1 for pair in pairs])
+        if (known < 0).mean() > 0.2:
+            return
+        owned = [self.kinds.index(self.parts[i][0]) for i in known if i >= 0]
+        kind = int(np.argmax(np.bincount(owned, minlength=len(self.kinds))))
+        chosen = rng.permutation(np.flatnonzero(known >= 0))[:POINTS]
+        yield (
+            describe(segment),
+            kind,
+            point_inputs(segment, kind, len(self.kinds))[chosen],
+            known[chosen],
+        )
 
 
 def main() -> None:
@@ -94,27 +120,36 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=260)
     parser.add_argument("--seed", type=int, default=1_000_000)
+    parser.add_argument("--objects", type=Path, help="a file with objects of your own")
     parser.add_argument("--out", type=Path, default=NETWORKS_FILE)
     given = parser.parse_args()
+    if given.scenes < FEWEST:
+        parser.error(f"expected at least {FEWEST} scenes")
     print(f"scenes {given.scenes}, seeds {given.seed} to {given.seed + given.scenes - 1}")
 
-    scenes = []
+    household = load_household()
+    if given.objects:
+        household = load_household(given.objects, added_to=household)
+    teacher, scenes = Teacher(household.objects), []
     for i in range(given.scenes):
-        scenes.append(samples(given.seed + i))
+        scenes.append(teacher.samples(given.seed + i))
         if i % 20 == 19:
             print(f"  {i + 1} scenes rendered", flush=True)
     held = given.scenes // 5
-    _train(scenes[held:], scenes[:held], np.random.default_rng(given.seed)).save(given.out)
+    rng = np.random.default_rng(given.seed)
+    _train(teacher, scenes[held:], scenes[:held], rng).save(given.out)
     print(f"{given.out}: {given.out.stat().st_size / 1000:.0f} kB")
 
 
-def _train(scenes: list[Rows], held: list[Rows], rng: np.random.Generator) -> Recogniser:
+def _train(
+    teacher: Teacher, scenes: list[Rows], held: list[Rows], rng: np.random.Generator
+) -> Recogniser:
     """Both networks and what is usual, calibrated on the scenes that were held back."""
     things, kinds, inputs, parts = _stacked(scenes)
     held_things, held_kinds, held_inputs, held_parts = _stacked(held)
-    named = fit(things, kinds, count=len(KINDS), units=48, epochs=60, rng=rng)
+    named = fit(things, kinds, count=len(teacher.kinds), units=48, epochs=60, rng=rng)
     named = named.calibrated(held_things, held_kinds)
-    shared = fit(inputs, parts, count=len(PARTS), units=64, epochs=20, rng=rng)
+    shared = fit(inputs, parts, count=len(teacher.parts), units=64, epochs=20, rng=rng)
     shared = shared.calibrated(held_inputs, held_parts)
     for what, network, rows, wanted in (
         ("things", named, held_things, held_kinds),
@@ -123,7 +158,7 @@ def _train(scenes: list[Rows], held: list[Rows], rng: np.random.Generator) -> Re
         right = (network.shares(rows).argmax(axis=1) == wanted).mean()
         print(f"{what}: {right:.4f} of {len(rows)} right, temperature {network.temperature:.2f}")
     usual = Familiarity.learned(things, kinds, held_things, held_kinds, count=EXAMPLES)
-    return Recogniser(KINDS, PARTS, named, shared, usual)
+    return Recogniser(teacher.kinds, teacher.parts, named, shared, usual)
 
 
 def _stacked(scenes: list[Rows]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -49,21 +50,40 @@ def open_eyes(world: World, *, source: str = "mask", noise: Noise | None = None)
 
     Args:
         world: what they look at.
-        source: "mask" or "learned".
+        source: "mask", "learned", or "learned:FILE" with networks of one's own.
         noise: of which they have the depth noise; for the rest see `NoisyVision`.
 
     Raises:
         UnknownNameError: there is no such source.
+        DataError: the file of networks cannot be read.
     """
-    if source not in SOURCES:
-        raise UnknownNameError("source of vision", source, SOURCES)
+    refuse_unknown(source)
     noise = noise or Noise()
     if source == "mask":
         room = (FLOOR, TABLE)  # below all that there is to see: they cannot hide anything
         return Vision(world.engine, world.kinds, world.models, noise=noise, room=room)
-    from .recognition import LearnedVision  # scipy and the networks only where they are used
+    from .recognition import (
+        LearnedVision,
+        Recogniser,
+    )  # scipy and the networks only where they are used
 
-    return LearnedVision(world.engine, world.objects, noise=noise, track=Tracker(world))
+    track = Tracker(world)
+    networks = source.partition(":")[2]
+    if not networks:
+        return LearnedVision(world.engine, world.objects, noise=noise, track=track)
+    learned = Recogniser.load(Path(networks))
+    return LearnedVision(world.engine, world.objects, noise=noise, track=track, recogniser=learned)
+
+
+def refuse_unknown(source: str) -> None:
+    """Tell that there is no such source of percepts, before anything is made.
+
+    Raises:
+        UnknownNameError: there is none.
+    """
+    kind, _, networks = source.partition(":")
+    if kind not in SOURCES or (networks and kind != "learned"):
+        raise UnknownNameError("source of vision", source, (*SOURCES, "learned:FILE"))
 
 
 @dataclass(frozen=True)

@@ -150,6 +150,9 @@ class LearnedVision:
         noise: of which the cameras have the depth noise.
         track: gives a percept the name by which its thing is tracked; by what it is when left out.
         recogniser: what was learned; that of Hilt's own objects when left out.
+
+    Raises:
+        DataError: something was learned that is not among the types.
     """
 
     engine: Engine
@@ -158,6 +161,15 @@ class LearnedVision:
     noise: Noise = field(default_factory=Noise)
     track: Callable[[Percept], str] = _by_kind
     recogniser: Recogniser = field(default_factory=_recogniser)
+
+    def __post_init__(self) -> None:
+        missing = [kind for kind in self.recogniser.kinds if kind not in self.objects]
+        if missing:
+            raise DataError(
+                f"they know {', '.join(missing)}, which is not among the objects: name the file of "
+                "those with --objects.",
+                source="networks",
+            )
 
     def look(self) -> tuple[View, ...]:
         """What all cameras see now."""

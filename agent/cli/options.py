@@ -43,7 +43,7 @@ Eyes = Annotated[
     str,
     typer.Option(
         "--vision",
-        metavar="mask|learned",
+        metavar="mask|learned[:FILE]",
         help="Where percepts come from: the simulator's mask, or what was learned from pictures.",
     ),
 ]

@@ -60,7 +60,7 @@ def test_changed_file_of_objects_is_refused(mine: Path):
     ("option", "error"),
     [
         ({"robot": "r2d2"}, 'no robot "r2d2".* Known: kuka, panda'),
-        ({"eyes": "xray"}, 'no source of vision "xray".* Known: learned, mask'),
+        ({"eyes": "xray"}, 'no source of vision "xray".* Known: learned, learned:FILE, mask'),
         ({"noise": "blind=1"}, "expected one of missed, confused, confidence, depth_m"),
         ({"noise": "missed=2"}, r"missed must be in \[0, 1\], found 2"),
         ({"objects": Path("nowhere.yaml")}, "nowhere.yaml"),
@@ -108,3 +108,18 @@ def test_own_object_is_grasped_by_the_part_that_was_told(mine: Path):
     assert came is not None
     assert came.world.touched == ("grip",)
     assert came.world.lifted_m > 0.1
+
+
+@pytest.mark.sim
+def test_eyes_that_are_not_sure_make_the_robot_ask(mine: Path):
+    """A rolling pin is nothing that was learned: it is not taken for anything unasked."""
+    with Agent.open(
+        "memory:", scene="objects:rolling pin", objects=mine, eyes="learned", seed=1
+    ) as robot:
+        taken_for = robot.body.search([f"object:{name}" for name in robot.objects])[0].object
+        reply = robot.hear(f"pick up the {taken_for}")
+
+    assert reply.ending == "asked"
+    assert "not sure enough that what I see is a" in reply.said
+    assert reply.achievement is not None
+    assert not reply.achievement.world.executed

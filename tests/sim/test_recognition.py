@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hilt.ontology.errors import DataError
-from hilt.ontology.objects import ObjectType, load_household, load_objects
+from hilt.ontology.objects import load_household, load_objects
 from hilt.sim import poses
 from hilt.sim.camera import View
 from hilt.sim.descriptors import describe, segment_frame
@@ -23,22 +23,22 @@ pytestmark = pytest.mark.sim
 
 OBJECTS = load_objects()
 ALL = [f"object:{name}" for name in OBJECTS]
-BOTTLE = """
+THING = """
 objects:
-  bottle:
-    is_a: vessel
+  thing:
+    is_a: tool
     parts:
-      body:
-        role: container
-        material: glass
-        colour: "#d060c0"
-        mass: 0.4
-        shape:
-          - cylinder: {radius: 0.03, length: 0.24}
-            at: [0, 0, 0.12]
-    rests:
-      upright: {turn_deg: [0, 0, 0]}
+      body: {{role: container, material: glass, colour: "{colour}", mass: 0.3, shape: [{shape}]}}
+    rests: {{lying: {{turn_deg: [0, {turn}, 0]}}}}
 """
+STRANGE = {
+    "bottle": ("#d060c0", "cylinder: {radius: 0.03, length: 0.24}", 0),
+    "lying bottle": ("#e070a0", "cylinder: {radius: 0.035, length: 0.16}", 90),
+    "rolling pin": ("#c99e6c", "cylinder: {radius: 0.03, length: 0.3}", 90),
+    "brick": ("#a03020", "box: {size: [0.16, 0.06, 0.05]}", 0),
+    "plate": ("#f0f0f0", "cylinder: {radius: 0.09, length: 0.015}", 0),
+    "pen": ("#202080", "cylinder: {radius: 0.006, length: 0.14}", 90),
+}
 
 
 @pytest.fixture(scope="module")
@@ -140,13 +140,15 @@ def test_nail_is_seen_in_its_block():
         assert np.linalg.norm(away) < 0.01
 
 
-def test_what_was_never_learned_is_not_sure(tmp_path: Path):
-    """A bottle is taken for something known, for want of a better word, but not surely."""
-    (tmp_path / "mine.yaml").write_text(BOTTLE, encoding="utf-8")
-    objects: dict[str, ObjectType] = dict(
-        load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
-    )
-    with World.build(Scene((Placement("it", "bottle", (0.5, 0.1)),), 0), objects) as world:
+@pytest.mark.parametrize("strange", STRANGE)
+def test_what_was_never_learned_is_not_sure(strange: str, tmp_path: Path):
+    """It is taken for something known, for want of a better word, but not surely."""
+    colour, shape, turn = STRANGE[strange]
+    text = THING.format(colour=colour, shape=f"{{{shape}}}", turn=turn)
+    (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    objects = load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
+
+    with World.build(Scene((Placement("it", "thing", (0.5, 0.1)),), 0), objects) as world:
         percepts = LearnedVision(world.engine, objects).search(ALL)
 
     assert all(percept.confidence < 0.15 for percept in percepts)
@@ -181,3 +183,12 @@ def test_unreadable_networks_are_told(tmp_path: Path):
 
     with pytest.raises(DataError, match=r"it\.npz: cannot be read"):
         Recogniser.load(tmp_path / "it.npz")
+
+
+def test_networks_need_the_objects_that_they_know(world: World):
+    """Networks of somebody's own objects say whose they are without the file of these."""
+    knowing = Recogniser.load()
+    knowing = replace(knowing, kinds=("rolling pin", *knowing.kinds[1:]))
+
+    with pytest.raises(DataError, match=r"they know rolling pin.* --objects"):
+        LearnedVision(world.engine, OBJECTS, recogniser=knowing)
