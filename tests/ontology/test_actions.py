@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from hilt.ontology.action_sheet import load_actions
-from hilt.ontology.actions import Affords, Loop, Step
+from hilt.ontology.actions import Actions, Affords, Condition, Loop, Step
 from hilt.ontology.errors import DataError, UnknownNameError
 
 HEAD = "primitives:\n  findObject: [object]\n  raise: []\ntrees:\n"
@@ -78,3 +78,87 @@ def test_wrong_tree_is_refused_with_its_place(tmp_path: Path, tree: str, message
     """Each mistake in a user's action file is told with its line."""
     with pytest.raises(DataError, match=rf"actions\.yaml:5:\d+: .*{message}"):
         load_actions(written(tmp_path, tree))
+
+
+# --- Files of one's own --------------------------------------------------------------------
+
+OWN = """primitives: {shake: [object]}
+failures: [spilled]
+trees:
+  season:
+    is_a: use
+    parameters: [patient, tool]
+    defaults: {tool: {affords: seasonWith, of: patient}}
+    requires: [{sees: patient}, {holds: tool}]
+    steps: [{pickUp: tool}, {shake: {object: tool}}]
+    otherwise:
+      - {after: [spilled], again: 2}
+      - {after: [unreachable], next: tool}
+      - {after: any, steps: [{pointTo: tool}]}
+"""
+
+
+def own(tmp_path: Path, text: str) -> Actions:
+    """The actions of a file, added to those of Hilt."""
+    path = tmp_path / "own.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load_actions(path, added_to=load_actions())
+
+
+def test_file_of_ones_own_adds_to_those_of_hilt(tmp_path: Path):
+    """Its trees use both, and Hilt's stay."""
+    actions = own(tmp_path, OWN)
+
+    season = actions.tree("season")
+    assert season.requires == (Condition("sees", "patient"), Condition("holds", "tool"))
+    assert season.defaults["tool"] == Affords("seasonWith", of="patient")
+    assert [branch.again for branch in season.otherwise] == [2, 0, 0]
+    assert season.otherwise[2].follows("anything at all")
+    assert actions.kinds == {"season": "use"}
+    assert {"season/pickUp/graspObject", "season/pointTo/pointAt"} <= set(actions.nodes)
+    assert actions.tree("pass") == load_actions().tree("pass")
+
+
+def test_tree_of_the_same_name_takes_the_place_of_hilts(tmp_path: Path):
+    """A robot may pass things in its own way."""
+    text = "trees: {pass: {parameters: [object], steps: [{pointAt: object}]}}\n"
+
+    assert own(tmp_path, text).tree("pass").parameters == ("object",)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("sees: patient", "sees: nail", r':8:23: There is no parameter "nail"'),
+        ("{sees", "{smells", r':8:25: There is no condition "smells"'),
+        ("[spilled], again", "[split], again", r':11:18: expected one of .*found "split"'),
+        ("again: 2", "again: 99", r":11:35: expected a number in \[1, 10\], found 99"),
+        (", again: 2", "", r":11:9: expected one of next, again, steps, found none"),
+        ("again: 2", "again: 2, next: tool", r":11:9: .*found next and again"),
+        ("is_a: use", "is_a: sue", r':5:11: There is no other action "sue"\. Did you mean "use"'),
+        ("is_a: use", "is_a: season", r':5:11: There is no other action "season"'),
+        ("of: patient", "of: salt", r':7:48: There is no parameter "salt"'),
+        ("affords: seasonWith", "afords: x", r':7:31: unknown key "afords"'),
+        ("pickUp: tool", "season: tool", r':5:5: the tree "season" contains itself'),
+        ("object: tool", "thing: tool", r':9:45: unknown key "thing"'),
+    ],
+)
+def test_mistake_is_told_with_line_column_and_caret(
+    tmp_path: Path, before: str, after: str, message: str
+):
+    """What was expected, what was found, and what may have been meant."""
+    with pytest.raises(DataError, match=r"own\.yaml" + message) as told:
+        own(tmp_path, OWN.replace(before, after))
+
+    line, caret = told.value.excerpt().splitlines()
+    assert line == OWN.replace(before, after).splitlines()[told.value.line - 1]
+    assert caret.index("^") == told.value.column - 1
+
+
+def test_circle_of_kinds_is_refused(tmp_path: Path):
+    """Neither of two actions can be a kind of the other."""
+    tree = "{is_a: %s, parameters: [object], steps: [{pointAt: object}]}"
+    text = f"trees:\n  show: {tree % 'present'}\n  present: {tree % 'show'}\n"
+
+    with pytest.raises(DataError, match='the tree "show" would be a kind of itself'):
+        own(tmp_path, text)
