@@ -98,7 +98,8 @@ def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:
 
 def unable(action: str, primitive: str, decision: Decision) -> Answer:
     """The answer when the robot's motion cannot perform a step of the tree."""
-    return Answer("not_able", _chosen(action, decision) | {"ability": primitive}, "failed")
+    key = "not_able_with" if decision.patient else "not_able"
+    return Answer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
 
 
 def _nothing(target: Target, inference: Inference) -> Answer:

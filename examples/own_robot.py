@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Somebody else's detector and motion stack behind Hilt: no simulator needed.
+"""Somebody else's detector, motion stack and dialogue manager behind Hilt: no simulator needed.
 
-`Camera` stands for your detector and `Arm` for your motion stack; Hilt asks of them what the
-protocols `Vision` and `Motion` say, and nothing else. Replace the bodies of the methods by calls
-into your own system. Run: python examples/own_robot.py
+`Camera` stands for your detector, `Arm` for your motion stack and `Butler` for your dialogue
+manager; Hilt asks of them what the protocols `Vision`, `Motion`, `Skills` and `Dialogue` say, and
+nothing else. Replace the bodies of the methods by calls into your own system.
+Run: python examples/own_robot.py
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hilt.agent import Agent
+from hilt.agent.outcome import Answer, Constraint
+from hilt.nlu.meaning import Command, Meaning, Target
 from hilt.sim.percept import Percept
 from hilt.sim.report import MotionReport
 
@@ -70,14 +73,34 @@ class Arm:
         """This arm does not use tools."""
         raise NotImplementedError
 
+    def perform(
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: Constraint | None
+    ) -> MotionReport:
+        """A skill of your own, named in `abilities` and in a file of actions (docs/actions.md)."""
+        print(f"arm: {action} {arguments}, bound to {constraint}")
+        return MotionReport(action, ok=True)
+
+
+class Butler:
+    """Your dialogue manager: it has words of its own, and leaves the rest to Hilt's grammar."""
+
+    def understand(self, text: str, *, speaker: str) -> Meaning | None:
+        """What your parser makes of an utterance; None where Hilt is to read it."""
+        if text == "scalpel!":
+            return Command("pass", Target(used_for="cutting"))
+        return None
+
+    def say(self, answer: Answer, spoken: str) -> str:
+        """The answer in your words, or in Hilt's."""
+        return f"At your service. {spoken}" if answer.ending == "done" else f"Alas. {spoken}"
+
 
 def main() -> None:
     """Teach, ask, and show what the arm was told to do."""
-    with Agent.open("memory:", vision=Camera(), motion=Arm()) as agent:
-        for lesson in LESSONS:
-            print(f"sam: {lesson}\nhilt: {agent.hear(lesson).said}")
-        for command in ("pass me something used for cutting", "point to the knife"):
-            print(f"sam: {command}\nhilt: {agent.hear(command).said}")
+    robot = {"vision": Camera(), "motion": Arm(), "dialogue": Butler()}
+    with Agent.open("memory:", **robot) as agent:
+        for said in (*LESSONS, "scalpel!", "point to the knife"):
+            print(f"sam: {said}\nhilt: {agent.hear(said).said}")
 
 
 if __name__ == "__main__":

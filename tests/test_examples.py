@@ -22,8 +22,11 @@ def test_own_robot_is_told_what_to_do_and_what_it_cannot():
     out = output("examples/own_robot.py")
 
     assert "arm: grasp knife by the blade\narm: lift\narm: hand over\n" in out
-    assert "hilt: Here is the knife. I hold it by the blade, as you told me." in out
-    assert "my body cannot do that yet: it lacks pointAt" in out
+    assert "sam: scalpel!\nhilt: At your service. Here is the knife. I hold it by the" in out
+    assert (
+        "hilt: Alas. I would point to the knife, but my body cannot do that yet: it lacks pointAt"
+        in out
+    )
 
 
 def test_knowledge_part_runs_without_the_simulator():
