@@ -10,7 +10,8 @@ format carries what.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
+from contextlib import contextmanager
 from itertools import chain, islice
 from pathlib import Path
 from typing import BinaryIO, TypeVar, cast
@@ -19,11 +20,13 @@ from ..ontology.vocabulary import split, term
 from . import stars
 from .annotated import Reified, settled, write_annotated
 from .beliefs import KnowledgeBase
+from .dumping import dump_rules, dump_statements, is_dumped, is_large
 from .files import Progress, Source, reading, writing
 from .formats import FORMATS, RULE_FORMATS, Format, format_of
 from .history import HISTORY
 from .lines import Lines
 from .merging import Merged, Summary, merge
+from .nquads import Group
 from .recall import TRUST_LOWER, TRUST_UPPER, Recall
 from .rule import Rule
 from .staging import GRAPHS, findings, stage, stage_rules
@@ -170,12 +173,31 @@ def _import(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: boo
             every = chain(some, rules)
             return streaming.import_rules(base, every, source=name, dry_run=dry_run)
         return _take(base, stage_rules(some), name, dry_run=dry_run).summary
-    statements = read_statements(source, chosen)
-    first = list(islice(statements, MAX_SORTED + 1))
-    if len(first) > MAX_SORTED:
-        every = chain(first, statements)
-        return streaming.import_statements(base, every, source=name, dry_run=dry_run)
-    return _take(base, _settled(first, name), name, dry_run=dry_run).summary
+    groups = read_groups(source, chosen)
+    first = _first(groups, MAX_SORTED)
+    if _size(first) > MAX_SORTED:
+        every = chain(first, groups)
+        return streaming.import_groups(base, every, source=name, dry_run=dry_run)
+    return _take(base, _settled(_flat(first), name), name, dry_run=dry_run).summary
+
+
+def _first(groups: Iterator[Group | Reified], most: int) -> list[Group | Reified]:
+    """Some groups, of more than `most` statements where there are so many."""
+    found: list[Group | Reified] = []
+    count = 0
+    while count <= most and (group := next(groups, None)) is not None:
+        found.append(group)
+        count += _size([group])
+    return found
+
+
+def _size(groups: Iterable[Group | Reified]) -> int:
+    return sum(len(group.pairs) if isinstance(group, Group) else 1 for group in groups)
+
+
+def _flat(groups: Iterable[Group | Reified]) -> Iterator[Quad | Reified]:
+    for group in groups:
+        yield from group.quads() if isinstance(group, Group) else (group,)
 
 
 def _take(base: KnowledgeBase, staging: Store, source: str, *, dry_run: bool) -> Merged:
@@ -189,7 +211,7 @@ def _take(base: KnowledgeBase, staging: Store, source: str, *, dry_run: bool) ->
 def _staged(source: Source, chosen: Format) -> Store:
     if chosen.name in RULE_FORMATS:
         return stage_rules(read_rules(source, chosen))
-    return _settled(read_statements(source, chosen), source.name)
+    return _settled(_flat(read_groups(source, chosen)), source.name)
 
 
 def _settled(statements: Iterable[Quad | Reified], source: str) -> Store:
@@ -202,8 +224,9 @@ def read_all(source: Source, chosen: Format) -> int:
     Raises:
         DataError: it cannot be read or parsed; says where.
     """
-    read = read_rules if chosen.name in RULE_FORMATS else read_statements
-    return sum(1 for _ in read(source, chosen))
+    if chosen.name in RULE_FORMATS:
+        return sum(1 for _ in read_rules(source, chosen))
+    return _size(read_groups(source, chosen))
 
 
 def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:
@@ -223,13 +246,13 @@ def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:
             yield from read_sheet("".join(source.lines()), source=source.name)
 
 
-def read_statements(source: Source, chosen: Format) -> Iterator[Quad | Reified]:
+def read_groups(source: Source, chosen: Format) -> Iterator[Group | Reified]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
-    from .oxigraph import read_rdf
+    from . import oxigraph
 
     name = chosen.name.removesuffix("12")
     stream = cast(BinaryIO, source)
-    for one in read_rdf(stream, format=name, source=source.name, default=BELIEFS):
+    for one in oxigraph.read_groups(stream, format=name, source=source.name, default=BELIEFS):
         source.heard()
         yield one
 
@@ -268,6 +291,8 @@ def _write_statements(
     *,
     rules_only: bool,
 ) -> int:
+    if is_dumped(store, chosen, MAX_SORTED, rules_only=rules_only):
+        return dump_statements(store, stream, chosen, progress, rules_only=rules_only)
     count = _Count(progress)
     first = list(islice(_exported(store, rules_only=rules_only), MAX_SORTED + 1))
     if len(first) <= MAX_SORTED:
@@ -313,11 +338,7 @@ def _write_rules(
     rules = count.over(all_rules(base))
     match chosen.name:
         case "csv":
-            from .tables import write_table
-
-            text = io.TextIOWrapper(stream, encoding="utf-8", newline="", write_through=True)
-            write_table(rules, text)
-            text.detach()
+            return _write_table(base, stream, progress)
         case "graphml":
             from .graph import write_graphml
 
@@ -327,6 +348,27 @@ def _write_rules(
 
             stream.writelines(line.encode() for line in write_sheet(rules))
     return count.total
+
+
+def _write_table(base: KnowledgeBase, stream: BinaryIO, progress: Progress | None) -> int:
+    """A small table in the order of the ids, a large one as the rules come."""
+    from .tables import table_writer
+
+    with _as_text(stream) as text:
+        write = table_writer(text)
+        if is_large(base.store, MAX_SORTED):
+            return dump_rules(base.store, write, progress)
+        count = _Count(progress)
+        for rule in count.over(all_rules(base)):
+            write(rule)
+        return count.total
+
+
+@contextmanager
+def _as_text(stream: BinaryIO) -> Generator[io.TextIOWrapper]:
+    text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
+    yield text
+    text.detach()
 
 
 def all_rules(base: Recall) -> Iterator[Rule]:

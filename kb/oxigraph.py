@@ -31,8 +31,10 @@ from ..ontology.vocabulary import PREFIXES, Iri
 from . import snapshots, worker
 from .annotated import Edge, Reified
 from .bounded import Worker
+from .dumping import Sink
 from .journal import Journal
 from .limits import Limits
+from .nquads import Group, Reader, grouped
 from .results import RDF_12, Found, Solutions
 from .sparql import delete_insert, syntax_problem
 from .store import MEMORY
@@ -42,9 +44,12 @@ from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 _MARK = "CURRENT"
 _MAX_KNOWN = 100_000  # terms that are remembered
 _MAX_LINE = 2**20  # bytes of a line that are looked at
+_MAX_TERM = 2**24  # bytes of a line with one statement, as the engine has it
+_CHUNK = 2**18  # bytes that are read at once
 _NO_SPACE = "No space left"
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
+_OF_LINES = frozenset({"nquads", "ntriples"})  # formats with one statement a line
 RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
     "trig": engine.RdfFormat.TRIG,
@@ -186,6 +191,27 @@ class OxigraphStore:
             stream = cast(BinaryIO, _Stream(lines))
             store.bulk_load(stream, format=engine.RdfFormat.N_QUADS)
             store.flush()
+
+    @property
+    def is_sorted(self) -> bool:
+        """Whether `quads` of a graph, and `dump`, have the statements of a node together."""
+        return self._folder is not None or self._snapshot is not None
+
+    def dump(self, stream: Sink, *, format: str, graph: Iri | None = None) -> None:  # noqa: A002
+        """Write all statements, or those of a graph, as RDF text.
+
+        Args:
+            stream: takes the text in chunks.
+            format: one of `RDF_FORMATS`; one without graphs needs `graph`.
+            graph: whose statements; None for all.
+        """
+        with _reported(self.location):
+            self._engine().dump(
+                cast(BinaryIO, stream),
+                format=RDF_FORMATS[format],
+                from_graph=None if graph is None else engine.NamedNode(graph),
+                prefixes=_PREFIXES,
+            )
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
@@ -363,11 +389,67 @@ def read_rdf(
         DataError: it is wrong; says where.
     """
     terms = _Terms()
+    with _read_errors(source):
+        try:
+            for quad in engine.parse(stream, format=RDF_FORMATS[format]):
+                yield _placed(quad, terms, default)
+        except SyntaxError as error:
+            raise _syntax_error(error, source, _line(stream, error.lineno or 0)) from error
+
+
+def read_groups(
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+) -> Iterator[Group | Reified]:
+    """As `read_rdf`, the statements of one node together where they stand so."""
+    if format in _OF_LINES:
+        with _read_errors(source):
+            yield from _read_lines(stream, format=format, source=source, default=default)
+    else:
+        yield from grouped(read_rdf(stream, format=format, source=source, default=default))
+
+
+def _read_lines(
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+) -> Iterator[Group | Reified]:
+    """As `read_groups`, for the formats with one statement a line."""
+    reader = line_reader(format, source=source, default=default)
+    while chunk := stream.read(_CHUNK):
+        yield from reader.feed(chunk)
+        if reader.held > _MAX_TERM:
+            raise MemoryError
+    yield from reader.finish()
+
+
+def line_reader(format: str, *, source: str, default: Iri) -> Reader:  # noqa: A002
+    """A reader of N-Quads or N-Triples; arguments as for `read_rdf`.
+
+    It raises DataError where a line is wrong.
+    """
+    terms, chosen = _Terms(), RDF_FORMATS[format]
+
+    def parse(line: str) -> list[Quad | Reified]:
+        try:
+            return [_placed(quad, terms, default) for quad in engine.parse(line, format=chosen)]
+        except SyntaxError as error:
+            raise _syntax_error(error, source, line, reader.line) from error
+
+    reader = Reader(parse, default=default, has_graphs=chosen.supports_datasets)
+    return reader
+
+
+@contextmanager
+def _read_errors(source: str) -> Generator[None]:
+    """What goes wrong while a text is read, told as ours."""
     try:
-        for quad in engine.parse(stream, format=RDF_FORMATS[format]):
-            yield _placed(quad, terms, default)
-    except SyntaxError as error:
-        raise _syntax_error(error, stream, source) from error
+        yield
     except MemoryError as error:
         raise DataError("has a text or name of more than 16 MB.", source=source) from error
     except (ValueError, OSError) as error:
@@ -511,15 +593,15 @@ def _reported(location: str, text: str = "") -> Generator[None]:
         raise QueryError(syntax_problem(str(error), text)) from error
 
 
-def _syntax_error(error: SyntaxError, stream: BinaryIO, source: str) -> DataError:
-    line, column = error.lineno or 0, error.offset or 0
+def _syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> DataError:
+    """What is wrong with a text; `line` where the engine was given that one only."""
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
     return DataError(
         problem.rstrip(".") + ".",
         source=source,
-        line=line,
-        column=column,
-        text=_line(stream, line),
+        line=line or error.lineno or 0,
+        column=error.offset or 0,
+        text=text.rstrip()[:500],
     )
 
 
@@ -529,7 +611,7 @@ def _line(stream: BinaryIO, number: int) -> str:
         return ""
     stream.seek(0)
     text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
-    return text.decode("utf-8", "replace").rstrip()[:500]
+    return text.decode("utf-8", "replace")
 
 
 def _term(term: Any) -> Term:

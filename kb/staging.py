@@ -64,13 +64,22 @@ def placed(quads: Iterable[Quad], *, source: str) -> Iterable[Quad]:
         DataError: one is in a graph that a base has not.
     """
     for quad in quads:
-        if quad.graph not in GRAPHS:
-            raise DataError(
-                f"the graph {shortened(str(quad.graph))} is none of a base's; expected "
-                f"{', '.join(sorted(map(shortened, GRAPHS)))}.",
-                source=source,
-            )
+        check_graph(quad.graph, source=source)
         yield quad
+
+
+def check_graph(graph: Iri | None, *, source: str) -> None:
+    """Refuse a graph that a base has not.
+
+    Raises:
+        DataError: it is one.
+    """
+    if graph not in GRAPHS:
+        raise DataError(
+            f"the graph {shortened(str(graph))} is none of a base's; expected "
+            f"{', '.join(sorted(map(shortened, GRAPHS)))}.",
+            source=source,
+        )
 
 
 def findings(staging: Store, *, progress: Progress | None = None) -> list[Finding]:

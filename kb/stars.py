@@ -173,8 +173,8 @@ def _read(found: dict[Iri, list[Term]]) -> Rule:
     arguments = [*found.get(PART, ()), *found.get(AFFORDANCE, ()), *found.get(ARGUMENT, ())]
     source = found.get(DERIVED_FROM)
     return Rule(
-        frozenset(atom_of(cast(Iri, node)) for node in found.get(FEATURE, ())),
-        frozenset(atom_of(cast(Iri, node)) for node in found.get(CONTEXT, ())),
+        _atoms_of(tuple(found.get(FEATURE, ()))),
+        _atoms_of(tuple(found.get(CONTEXT, ()))),
         _functor_of(cast(Iri, _one(found, FUNCTOR))),
         atom_of(cast(Iri, arguments[0])) if arguments else None,
         Interval(cast(float, _one(found, LOWER)), cast(float, _one(found, UPPER))),
@@ -183,6 +183,11 @@ def _read(found: dict[Iri, list[Term]]) -> Rule:
         cast("datetime | None", found[GENERATED_AT][0] if GENERATED_AT in found else None),
         _status_of(cast(Iri, _one(found, STATUS))),
     )
+
+
+@lru_cache(maxsize=2**16)
+def _atoms_of(nodes: tuple[Term, ...]) -> frozenset[Atom]:
+    return frozenset(atom_of(cast(Iri, node)) for node in nodes)
 
 
 def _one(found: dict[Iri, list[Term]], predicate: Iri) -> Term:

@@ -11,20 +11,21 @@ The statements of one rule must stand together, as they do in every export.
 
 from __future__ import annotations
 
+import re
 import tempfile
 from array import array
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
-from itertools import groupby, islice
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
 
 from ..ontology.errors import DataError, ValidationError
-from ..ontology.vocabulary import ATOM_KINDS, Iri, shortened, split, term
+from ..ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
 from . import stars
 from .annotated import Reified
 from .beliefs import KnowledgeBase
-from .history import SEQUENCE, Utterance
+from .history import ASSERTS, HISTORY, SEQUENCE, Utterance
 from .lines import Lines
 from .merging import (
     MAX_LISTED,
@@ -38,19 +39,23 @@ from .merging import (
     plan_rest,
     plan_trust,
 )
+from .nquads import Group
 from .recall import BASE_GRAPH, BASE_NODE, Recall
 from .rule import DEFAULT_SPEAKER, Rule
-from .staging import findings, placed, stage
+from .staging import check_graph, findings, stage
 from .stars import BELIEFS, LABEL, RULE, STATUS, TYPE
 from .store import Store
 from .telling import to_milliseconds
-from .terms import Quad
+from .terms import Quad, Term
 from .validation import refuse
 
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
 _DERIVED = frozenset((TYPE, LABEL, RULE, term("usedFor"), term("graspedBy"), term("affords")))
 _NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
+
+_RULES = PREFIXES["rule"]
+_ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 T = TypeVar("T")
 
@@ -69,6 +74,9 @@ class _Read:
     """What is kept of what was read."""
 
     rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
+    asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
+        default_factory=lambda: defaultdict(lambda: array("Q"))
+    )
     ids: array[int] = field(default_factory=lambda: array("Q"))  # of new rules
     utterances: array[int] = field(default_factory=lambda: array("Q"))  # of each; 0 where none
     timeless: set[int] = field(default_factory=set[int])  # ids of new rules without a time
@@ -95,26 +103,26 @@ class _Held:
             yield self._chunks.popleft()
 
 
-def import_statements(
-    base: KnowledgeBase, statements: Iterable[Quad | Reified], *, source: str, dry_run: bool
+def import_groups(
+    base: KnowledgeBase, groups: Iterable[Group | Reified], *, source: str, dry_run: bool
 ) -> Summary:
     """Take over a large RDF file; see `exchange.import_file`.
 
     Args:
         base: what is written to.
-        statements: as they are read.
+        groups: its statements as they are read.
         source: the name of the file.
         dry_run: only say what would come of it.
     """
     read = _Read()
-    quads = placed(_plain(statements, source), source=source)
-    return _import(base, _rules(quads, read.rest, source), read, source=source, dry_run=dry_run)
+    rules = _rules(_placed(groups, source), read, source)
+    return _import(base, rules, read, source=source, dry_run=dry_run)
 
 
 def import_rules(
     base: KnowledgeBase, rules: Iterable[Rule], *, source: str, dry_run: bool
 ) -> Summary:
-    """Take over many rules; as `import_statements`."""
+    """Take over many rules; as `import_groups`."""
     return _import(base, rules, _Read(), source=source, dry_run=dry_run)
 
 
@@ -155,7 +163,7 @@ def _lines(
     read.rest.clear()
     try:
         refuse(findings(staging))
-        other = Recall(staging)
+        other = _Staged(staging, read.asserted)
         plan_trust(plan, base, other)
         plan_history(plan, base, other)
         plan_rest(plan, base, other)
@@ -169,29 +177,26 @@ def _lines(
     yield from held.taken()
 
 
-def _plain(statements: Iterable[Quad | Reified], source: str) -> Iterator[Quad]:
-    for one in statements:
-        if isinstance(one, Reified):
+def _placed(groups: Iterable[Group | Reified], source: str) -> Iterator[Group]:
+    """The groups, as long as they are in graphs of a base."""
+    for group in groups:
+        if isinstance(group, Reified):
             raise DataError(
                 "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
                 source=source,
             )
-        yield one
+        check_graph(group.graph, source=source)
+        yield group
 
 
-def _rules(quads: Iterable[Quad], rest: list[Quad], source: str) -> Iterator[Rule]:
+def _rules(groups: Iterable[Group], read: _Read, source: str) -> Iterator[Rule]:
     """The rules among statements; what belongs to none is put aside."""
-    for node, several in groupby(quads, key=lambda quad: quad.subject):
-        kind, _ = split(node)
-        if kind == "rule":
-            yield _rule(node, [(quad.predicate, quad.object) for quad in several])
+    for group in groups:
+        if group.node.startswith(_RULES):
+            yield _rule(group.node, group.pairs)
             continue
-        for quad in several:
-            # What a rule stands for besides its star is written again with the rule.
-            if quad.graph == BELIEFS and kind in _NAMED and quad.predicate in _DERIVED:
-                continue
-            rest.append(quad)
-        if len(rest) > MAX_REST:
+        read.rest += _beside_rules(group, read)
+        if len(read.rest) > MAX_REST:
             raise DataError(
                 f"has more than {MAX_REST} statements besides its rules; import the rules alone "
                 "(hilt export --rules), or restore a backup.",
@@ -199,9 +204,23 @@ def _rules(quads: Iterable[Quad], rest: list[Quad], source: str) -> Iterator[Rul
             )
 
 
-def _rule(node: Iri, properties: list[tuple[Iri, object]]) -> Rule:
+def _beside_rules(group: Group, read: _Read) -> Iterator[Quad]:
+    """What has to be kept of the statements about a node that is no rule."""
+    node, graph, pairs = group
+    kind, name = split(node)
+    # What a rule stands for besides its star is written again with the rule.
+    written = _DERIVED if graph == BELIEFS and kind in _NAMED else frozenset[Iri]()
+    is_utterance = kind == "utterance" and name.isdecimal() and graph == HISTORY
+    for key, value in pairs:
+        if is_utterance and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
+            read.asserted[int(name)].append(int(rule[1], 16))
+        elif key not in written:
+            yield Quad(node, key, value, graph)
+
+
+def _rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
     try:
-        return stars.read_rule(properties)  # pyright: ignore[reportArgumentType]
+        return stars.read_rule(properties)
     except ValidationError as error:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 
@@ -304,6 +323,20 @@ def _batched(things: Iterable[T], size: int) -> Iterator[list[T]]:
     rest = iter(things)
     while some := list(islice(rest, size)):
         yield some
+
+
+class _Staged(Recall):
+    """What was put aside; which rules an utterance asserts was kept as numbers only."""
+
+    def __init__(self, staging: Store, asserted: Mapping[int, array[int]]) -> None:
+        super().__init__(staging)
+        self._asserted = asserted
+
+    def utterance(self, sequence: int) -> Utterance:
+        """As `Recall.utterance`, with the rules that it asserts."""
+        found = super().utterance(sequence)
+        ids = map(_id, self._asserted.get(sequence, ()))
+        return replace(found, asserts=tuple(sorted({*found.asserts, *ids})))
 
 
 class _Believed:

@@ -8,7 +8,7 @@ in one cell are separated by a semicolon.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import Protocol
 
@@ -62,11 +62,18 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
         raise DataError(problem, source=source, line=line) from error
 
 
-def write_table(rules: Iterable[Rule], target: _Writable) -> None:
-    """Write a table with these rules."""
+def table_writer(target: _Writable) -> Callable[[Rule], object]:
+    """Begin a table; what is returned adds a rule to it."""
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows(map(_cells, rules))
+    return lambda rule: writer.writerow(_cells(rule))
+
+
+def write_table(rules: Iterable[Rule], target: _Writable) -> None:
+    """Write a table with these rules."""
+    write = table_writer(target)
+    for rule in rules:
+        write(rule)
 
 
 def _header(names: Sequence[str], source: str) -> list[str]:
@@ -118,5 +125,6 @@ def _cells(rule: Rule) -> tuple[str, ...]:
     )
 
 
+@lru_cache(maxsize=2**16)
 def _joined(atoms: frozenset[Atom], kind: str) -> str:
     return _BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))

@@ -15,7 +15,8 @@ from rdflib import Graph
 
 from hilt.kb import exchange, streaming
 from hilt.kb.beliefs import KnowledgeBase
-from hilt.kb.exchange import export_file, import_file, import_text
+from hilt.kb.dumping import dump_statements
+from hilt.kb.exchange import export_file, import_file, import_text, read_file
 from hilt.kb.files import Source
 from hilt.kb.formats import FORMATS
 from hilt.kb.graph import graph_of, rules_of_graph
@@ -107,6 +108,35 @@ def test_large_files_bring_the_same(paper: KnowledgeBase, tmp_path: Path, suffix
     told = {rule.id: rule.status for rule in paper.rules(status=None)}
     assert {rule.id: rule.status for rule in again.rules(status=None)} == told
     assert import_file(again, tmp_path / f"base.{suffix}").known == 3
+
+
+@pytest.mark.parametrize("suffix", ["nq", "trig.gz", "ttl", "nt", "csv"])
+@pytest.mark.usefixtures("streamed")
+def test_large_folders_are_written_as_small_ones(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+):
+    """The engine writes them itself: the same statements, and as many of them."""
+    with KnowledgeBase.open(tmp_path / "base") as base:
+        teach(base, CUTTING, BLADE)
+        base.retract(CUTTING.id, "Forget it.", "", "sam")
+        count = export_file(base, tmp_path / f"large.{suffix}")
+        monkeypatch.undo()
+
+        assert export_file(base, tmp_path / f"small.{suffix}") == count
+
+    large, small = (read_file(tmp_path / f"{size}.{suffix}") for size in ("large", "small"))
+    assert set(large.quads()) == set(small.quads())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_full_disk_is_blamed_on_the_file(tmp_path: Path):
+    """Where the engine writes it, too."""
+    with (
+        KnowledgeBase.open(tmp_path / "base") as base,
+        Path("/dev/full").open("wb", buffering=0) as full,
+        pytest.raises(OSError, match="space"),
+    ):
+        dump_statements(base.store, full, FORMATS["nquads"], None, rules_only=False)
 
 
 @given(rules, st.sampled_from(["active", "retracted"]))
