@@ -25,6 +25,11 @@ class Atom:
     def __str__(self) -> str:
         return self.name
 
+    @property
+    def is_words(self) -> bool:
+        """Whether it stands for certain words of a construction, and nothing else."""
+        return self.name.startswith('"')
+
 
 @dataclass(frozen=True, slots=True)
 class Functor:

@@ -107,13 +107,38 @@ class Chart:
     def _add_words(
         self, tokens: Sequence[str], lexicon: Lexicon, guesses: Mapping[int, Sequence[Entry]]
     ) -> None:
+        turns = self._combinator.turns
+        open_turns: list[tuple[int, int, Entry]] = []
         for start in range(self.length):
             found = list(lexicon.lookup(tokens, start))
             found += [(start + len(guess.words), (guess,)) for guess in guesses.get(start, ())]
             for end, entries in found:
                 cell = self._cells[start][end]
                 for entry in entries:
-                    cell.setdefault(entry.sign, []).append(_Way(entry))
+                    if entry.sign in turns:
+                        open_turns.append((start, end, entry))
+                    else:
+                        cell.setdefault(entry.sign, []).append(_Way(entry))
+        for start, end, entry in self._usable(open_turns):
+            self._cells[start][end].setdefault(entry.sign, []).append(_Way(entry))
+
+    def _usable(self, found: list[tuple[int, int, Entry]]) -> list[tuple[int, int, Entry]]:
+        """The entries of constructions without those whose other words are not there.
+
+        Nothing is lost: a category that seeks certain words never finds them, and words that
+        nothing seeks are part of nothing. It is most of the entries, and most of the time.
+        """
+        turns = self._combinator.turns
+        there = {entry.sign for _, _, entry in found}
+        kept = [each for each in found if turns[each[2].sign].needs <= there]
+        wanted = self._combinator.wanted_by_changes | {
+            need for each in kept for need in turns[each[2].sign].needs
+        }
+        for sign in there:
+            for needs in turns[sign].changes:
+                if needs <= there:
+                    wanted |= {sign, *needs}
+        return [each for each in kept if not turns[each[2].sign].is_words or each[2].sign in wanted]
 
     def _fill(self) -> None:
         join, cells, signs = self._combinator.join, self._cells, self._signs
@@ -161,7 +186,15 @@ class Chart:
             return [Derivation(category, rule.value, rule.cost, start, end, rule)]
         if isinstance(rule, Unary):
             return [
-                Derivation(category, rule.value(part.value), part.cost, start, end, rule, (part,))
+                Derivation(
+                    category,
+                    rule.value(part.value),
+                    part.cost + rule.cost,
+                    start,
+                    end,
+                    rule,
+                    (part,),
+                )
                 for part in self._derivations(start, end, way.left)
             ]
         return [

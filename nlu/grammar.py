@@ -31,12 +31,14 @@ class Unary:
         target: what it becomes.
         term: the function from the old meaning to the new one.
         value: the same, ready to be applied.
+        cost: how unlikely it is.
     """
 
     source: Category
     target: Category
     term: Term
     value: Value
+    cost: float = 0.0
 
     def __str__(self) -> str:
         return f"{self.source} => {self.target}"
@@ -92,7 +94,8 @@ class Grammar:
         """A category in words, for a person who does not know the grammar."""
         while isinstance(category, Functor):
             category = category.result
-        return self.descriptions[category.name]
+        # A run of words of a construction describes itself.
+        return self.descriptions.get(category.name, category.name)
 
 
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:

@@ -19,6 +19,7 @@ from pathlib import Path
 from ..ontology.errors import UnknownNameError
 from ..ontology.qualifiers import Degrees, load_degrees
 from ..ontology.source import read_yaml
+from .asides import fronted
 from .chart import Chart
 from .combinators import Combinator
 from .expression import Expression, load_expression
@@ -40,6 +41,8 @@ from .vocabulary import Vocabulary, household_vocabulary
 from .words import WordBook
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
+
+_WORD_FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 
 
 @dataclass(frozen=True, repr=False)
@@ -91,11 +94,12 @@ class Language:
         inflection = load_inflection(folder / "inflection.yaml")
         combinator = Combinator(grammar.unary)
         book = WordBook(grammar, inflection, combinator)
-        book.read(folder / "lexicon.yaml")
+        for name in _WORD_FILES:
+            book.read(folder / name)
         if extra_lexicon is not None:
             book.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
-        lexicon = Lexicon(list(book.vocabulary(names)), Lexicon(book.entries))
+        lexicon = Lexicon(list(book.vocabulary(names)), Lexicon(book.entries, Lexicon(book.turns)))
         interpreter = Interpreter(degrees.intervals, book.tool_acts(), frozenset(names.contexts))
         listener = Listener(
             grammar,
@@ -163,7 +167,9 @@ class Language:
             again = self._taken(tokens.without_breaks(), situation, insist)
             found = again if again.reading is not None else found
         if isinstance(found.meaning, Misunderstanding):
-            return self._in_turn(tokens, situation, insist) or found
+            again = self._in_turn(tokens, situation, insist)
+            again = again or self._without_asides(tokens, situation, insist)
+            return replace(again, text=tokens.text) if again else found
         return found
 
     def say(self, key: str, **slots: Slot) -> str:
@@ -195,6 +201,11 @@ class Language:
             word for kind in NOUNS for name in names.get(kind, ()) for word in name.split(" ")
         )
 
+    @cached_property
+    def _unnamed_words(self) -> frozenset[str]:
+        """Words of turns of phrase that name nothing yet, and may be taught as names."""
+        return self.book.only_in_turns - self.named_words
+
     def _problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""
         if len(text) > MAX_CHARACTERS:
@@ -207,6 +218,24 @@ class Language:
         strange = [token for token in unknown if not is_word(token)]
         if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
             return self._not_known(tokens, strange or unknown)
+        return None
+
+    def _without_asides(
+        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+    ) -> Understanding | None:
+        """An utterance without what is said by the way; None when that is none either."""
+        asides = self.book.asides
+        bare = asides.removed(asides.untagged(tokens))
+        for each in (bare, fronted(bare, self.book.degree_phrases)):
+            if each is None or each == tokens or not each.items:
+                continue
+            for whole in (each, each.without_breaks()):
+                found = self._taken(whole, situation, insist)
+                if found.reading is not None:
+                    return found
+            again = self._in_turn(each, situation, insist)
+            if again is not None:
+                return again
         return None
 
     def _in_turn(
@@ -285,7 +314,7 @@ class Language:
         found = {
             place: guesses(token, self.book, self.inflection)
             for place, token in enumerate(tokens.items)
-            if token in unknown
+            if token in unknown or token.word in self._unnamed_words
         }
         for place, pair in enumerate(pairwise(tokens.items)):
             if all(token.word not in self.book.closed for token in pair):

@@ -16,6 +16,7 @@ from itertools import combinations
 from .listening import Situation
 from .meaning import (
     Acknowledgement,
+    ActionRule,
     Command,
     Meaning,
     Question,
@@ -147,10 +148,25 @@ def _together(meanings: Sequence[Meaning]) -> Meaning | None:
 
 def _taught(rules: Sequence[Rule]) -> Statement | None:
     """All that was said, unless one thing was said in two ways."""
-    said = tuple(dict.fromkeys(rules))
+    said = tuple(dict.fromkeys(_repaired(rules)))
     if len({replace(rule, confidence=(0, 1)) for rule in said}) < len(said):
         return None
     return Statement(said)
+
+
+def _repaired(rules: Sequence[Rule]) -> list[Rule]:
+    """The rules without those that the same breath corrects: "..., but only sometimes"."""
+    kept: list[Rule] = []
+    for rule in rules:
+        repairs = rule.revises and kept and _subject(kept[-1]) == _subject(rule)
+        kept.append(replace(rule, revises=kept.pop().revises) if repairs else rule)
+    return kept
+
+
+def _subject(rule: Rule) -> Rule:
+    """What a rule is about, whatever it says of it."""
+    rule = replace(rule, confidence=(0, 1), revises=False)
+    return replace(rule, part="") if isinstance(rule, ActionRule) else rule
 
 
 def _sees_target(first: Meaning, last: Meaning) -> bool:

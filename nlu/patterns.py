@@ -7,9 +7,14 @@ and the JSpeech Grammar Format.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
 from ..ontology.source import Field
 
 MAX_SPELLINGS = 4000
+MANY = 6
+"""From this number of choices on, a group of words is looked up on its own."""
 
 
 def spellings(field: Field) -> list[tuple[str, ...]]:
@@ -25,6 +30,63 @@ def spellings(field: Field) -> list[tuple[str, ...]]:
     if any(not words for words in found):
         raise field.fail("expected at least one word that cannot be left out.")
     return list(dict.fromkeys(found))
+
+
+@dataclass(frozen=True)
+class Group:
+    """A choice of many words, as it stands in a pattern: `(what|which|whose|...)`.
+
+    Attributes:
+        text: how the pattern writes it, which is its name.
+        choices: all that it stands for.
+    """
+
+    text: str
+    choices: tuple[tuple[str, ...], ...]
+
+
+def factored(field: Field) -> list[tuple[str | Group, ...]]:
+    """All that a pattern stands for, where choices of many words stay together as groups.
+
+    Without this, five choices of ten words in one line would stand for 100,000 spellings.
+
+    Raises:
+        DataError: as for `spellings`.
+    """
+    groups: dict[str, Group] = {}
+    text, place = "", 0
+    whole = field.text()
+    for start, end in _outermost(whole):
+        text += whole[place:start] + _grouped(whole[start:end], field, groups)
+        place = end
+    rest = replace(field, value=text + whole[place:])
+    return [tuple(groups.get(word, word) for word in words) for words in spellings(rest)]
+
+
+def _grouped(text: str, field: Field, groups: dict[str, Group]) -> str:
+    """A bracket of a pattern, or the mark of the group that it is."""
+    if "{" in text:
+        return text
+    found = dict.fromkeys(_choices(text[1:-1], 0, field)[0])
+    choices = tuple(words for words in found if words)
+    if len(choices) < MANY:
+        return text
+    group = Group(text, choices)
+    mark = f"<{len(groups)}>"
+    groups[mark] = group
+    return f"[{mark}]" if text.startswith("[") or len(choices) < len(found) else mark
+
+
+def _outermost(text: str) -> Iterator[tuple[int, int]]:
+    depth = start = 0
+    for place, letter in enumerate(text):
+        if letter in "([":
+            start = place if depth == 0 else start
+            depth += 1
+        elif letter in ")]":
+            depth -= 1
+            if depth == 0:
+                yield start, place + 1
 
 
 def _choices(text: str, start: int, field: Field) -> tuple[list[tuple[str, ...]], int]:

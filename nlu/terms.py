@@ -140,6 +140,24 @@ def replace_constants(term: Term, names: dict[str, str]) -> Term:
             return term
 
 
+def bind(term: Term, name: str) -> Lambda:
+    """The function of what a constant of a closed term stands for."""
+    return Lambda(_bound(term, name, 0), name)
+
+
+def _bound(term: Term, name: str, depth: int) -> Term:
+    match term:
+        case Constant(found):
+            return Bound(depth) if found == name else term
+        case Apply(function, argument):
+            return Apply(_bound(function, name, depth), _bound(argument, name, depth))
+        case Lambda(body, hint):
+            return Lambda(_bound(body, name, depth + 1), hint)
+        case Bound(index):
+            # A variable from outside is now one binder further away.
+            return Bound(index + 1) if index >= depth else term
+
+
 def spine(term: Term) -> tuple[Term, tuple[Term, ...]]:
     """The head of nested applications, and the arguments in order."""
     arguments: list[Term] = []

@@ -10,23 +10,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 
 from ..ontology.source import Field, read_yaml
+from .asides import Asides
+from .categories import Category
 from .combinators import Combinator
-from .grammar import Grammar
+from .constructions import Construction, Gap, Piece, Run, category_of, pieces, runs
+from .grammar import Grammar, Unary
 from .inflection import Inflection
 from .lexicon import Entry, Frame, Template
-from .notation import read_type
-from .patterns import spellings
-from .terms import evaluate, replace_constants
+from .notation import read_entry, read_type
+from .patterns import Group, factored, spellings
+from .terms import Constant, evaluate, replace_constants
 from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
+_NOTHING = Constant("something")
+_NOTHING_VALUE = evaluate(_NOTHING)
 _NAMING = ("USE", "ACT", "THIS")
-_KEYS = ("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words")
+_KEYS = (
+    *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
+    *("constructions", "asides"),
+)
 
 
 @dataclass(frozen=True)
@@ -61,7 +70,9 @@ class WordBook:
         self.verbs: list[Verb] = []
         self.qualifiers: dict[str, tuple[str, ...]] = {}
         self.nouns: dict[str, tuple[str, ...]] = {}
+        self.asides = Asides()
         self.entries: list[Entry] = []
+        self.turns: list[Entry] = []
 
     def read(self, path: Path) -> None:
         """Add all that a file says; a second file adds to the first.
@@ -87,6 +98,11 @@ class WordBook:
                 self.entries += self.noun(kind, name)
         for field in _items(parts, "words"):
             self.entries += self._word(field)
+        for field in _items(parts, "constructions"):
+            self.turns += self._construction(field)
+        for kind, field in _entries(parts, "asides"):
+            said = [words for each in field.items() for words in spellings(each)]
+            self.asides = self.asides.with_phrases(kind, said, field)
 
     def verb_entries(self, verb: Verb, *, role: str = "", cost: float = 0.0) -> Iterator[Entry]:
         """The entries of a verb: all frames of its templates in all inflections."""
@@ -139,6 +155,17 @@ class WordBook:
             "",
         )
         return {act: f"{self.act_names()[act]} {binder}" for act in self.tool_acts()}
+
+    @cached_property
+    def only_in_turns(self) -> frozenset[str]:
+        """Words that only occur in turns of phrase; they may name something new as well."""
+        turns = {word for entry in self.turns for word in entry.words}
+        return frozenset(turns - self.closed - {w for entry in self.entries for w in entry.words})
+
+    @cached_property
+    def degree_phrases(self) -> frozenset[tuple[str, ...]]:
+        """All words of confidence."""
+        return frozenset(tuple(each.split()) for said in self.qualifiers.values() for each in said)
 
     @property
     def _known_verbs(self) -> frozenset[str]:
@@ -223,6 +250,39 @@ class WordBook:
             for words in spellings(says):
                 for frame, sign, value in zip(frames, signs, values, strict=True):
                     yield Entry(words, frame.category, frame.term, value, sign, frame.cost)
+
+    def _construction(self, field: Field) -> Iterator[Entry]:
+        parts = field.entries(required=("says", "is"), optional=())
+        patterns = [(words, says) for says in parts["says"].items() for words in factored(says)]
+        spelt = dict.fromkeys(pieces(words, says) for words, says in patterns)
+        for line in parts["is"].items():
+            category, term, cost = read_entry(line)
+            heads: dict[tuple[Piece, ...], Entry] = {}
+            for found in spelt:
+                construction = Construction(found, category, term)
+                key = construction.without_head()
+                if key not in heads:
+                    self._grammar.verify(*construction.to_be_checked(), line)
+                    heads[key] = self._headed(construction, cost)
+                head = construction.head
+                if isinstance(head, Run):
+                    yield heads[key]._replace(words=head.words)
+        for group in {each for words, _ in patterns for each in words if isinstance(each, Group)}:
+            for words in group.choices:
+                yield self._plain(words, category_of(group))
+        for run in {run for found in spelt for run in runs(found)[1:]}:
+            yield self._plain(run.words, run.category)
+
+    def _plain(self, words: tuple[str, ...], category: Category) -> Entry:
+        """Words that only have to be there."""
+        return Entry(words, category, _NOTHING, _NOTHING_VALUE, self._combinator.sign(category))
+
+    def _headed(self, construction: Construction, cost: float) -> Entry:
+        category, term = construction.functor()
+        value, head = evaluate(term), construction.head
+        if isinstance(head, Gap):
+            self._combinator.add(Unary(head.category, category, term, value, cost))
+        return Entry((), category, term, value, self._combinator.sign(category), cost)
 
 
 def _constant(name: str) -> str:

@@ -29,20 +29,16 @@ SKIPPED = {
     "find something to pound the nail with": "two acts, the second with a gap",
     "If I were you I'd use a knife for cutting": "too far off",
     "What a knife does is cut": "too far off",
-    "Cutting is a knife's job": "too far off",
     "Cutting? Use a knife.": "too far off",
     "Take the blade end when you hand over a knife": "too far off",
     "Knife passing is done by the blade": "too far off",
     "A knife goes blade first when you pass it": "too far off",
-    "You wouldn't mind passing me the knife, would you?": "too far off",
     "Is there anything here to cut with? Pass it to me.": "too far off",
     "I have something to cut": "too far off",
     "I need a hand with cutting, pass me something for it": "too far off",
     "give me something to do some cutting with": "too far off",
-    "Give me the names of things used for cutting": "too far off",
     "What's a knife do?": "too far off",
     "The best thing for cutting is what?": "too far off",
-    "What's the deal with passing knives?": "too far off",
 }
 
 
@@ -91,8 +87,10 @@ def test_an_utterance_means_what_it_should(
     "text", yaml.safe_load((DATA / "refusals.yaml").read_text(encoding="utf-8"))
 )
 def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
-    """Half, negated, conditional and injected sentences give neither belief nor command."""
-    assert language.understand(text).kind in {"error", "ask_back"}
+    """Half, conditional and injected sentences give neither belief nor command to be done."""
+    meaning = language.understand(text).meaning
+
+    assert meaning.kind in {"error", "ask_back"} or getattr(meaning, "negated", False)
 
 
 BLIND = [
