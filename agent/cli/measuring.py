@@ -13,7 +13,7 @@ from .options import AsJson, Seed, app
 from .terminal import finish, show, terminal
 
 What = Annotated[
-    str, typer.Argument(help="paper, situations, grasps, all-scenarios, noise or custom.")
+    str | None, typer.Argument(help="paper, situations, grasps, all-scenarios, noise or custom.")
 ]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
@@ -35,12 +35,20 @@ Timeout = Annotated[
 OutFolder = Annotated[
     Path | None, typer.Option("--out", help="The folder for the journal and the results.")
 ]
+Reports = Annotated[
+    list[Path] | None,
+    typer.Option("--report", help="A file for the report: .html, .json or .csv; more than one."),
+]
+Compared = Annotated[
+    tuple[Path, Path] | None,
+    typer.Option("--compare", help="Two files of --json or --report, instead of a run."),
+]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
 
 
 @app.command()
 def evaluate(  # noqa: PLR0917 - every option is a parameter
-    what: What,
+    what: What = None,
     sim: Sim = False,
     scenes: Scenes = None,
     poses: Poses = None,
@@ -52,6 +60,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     timeout: Timeout = 600.0,
     out: OutFolder = None,
     resume: Resume = False,
+    report_to: Reports = None,
+    compare: Compared = None,
     as_json: AsJson = False,
 ) -> None:
     """Repeat the paper's evaluation, and go beyond it.
@@ -60,14 +70,23 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
     by factorisation; --out keeps the certificate. noise: accuracy against eyes, ears and teachers
     that fail, as curves. custom: objects, norms and scenes of your own, from --file.
+
+    --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
+    code 1 when they do.
     """
+    if compare:
+        _compare(*compare, as_json=as_json)
+        return
+    if what is None:
+        raise typer.BadParameter("name an evaluation, or give --compare two files.")
+    if resume and out is None:
+        raise typer.BadParameter("--resume needs --out, the folder of the run.")
     from ..evaluation.engine import open_engine, run
     from ..evaluation.experiment import make_experiment
+    from ..evaluation.export import check_form, write_report
     from ..evaluation.journal import Journal
     from ..evaluation.report import Report
 
-    if resume and out is None:
-        raise typer.BadParameter("--resume needs --out, the folder of the run.")
     given = {
         "sim": sim or None,
         "scenes": scenes,
@@ -76,6 +95,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         "file": str(file) if file else None,
         "seed": seed,
     }
+    for path in report_to or ():
+        check_form(path)
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
     cases = experiment.cases()
@@ -84,5 +105,19 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     with kept as journal:
         done = run(experiment, cases, engine=engine, journal=journal, console=terminal(stderr=True))
     report = Report.of(experiment, done)
+    for path in report_to or ():
+        write_report(path, experiment, cases, report)
     show(report.as_json()) if as_json else terminal().print(report.table())
     finish(report.is_right)
+
+
+def _compare(first: Path, second: Path, *, as_json: bool) -> None:
+    """Show how two evaluations differ; exit code 1 when they do."""
+    from ..evaluation.comparing import compare
+
+    found = compare(first, second)
+    if as_json:
+        show(found.as_json())
+    else:
+        terminal().print("No difference." if found.is_empty else found.table())
+    finish(found.is_empty)

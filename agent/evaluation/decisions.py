@@ -13,12 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import cast
 
 from ...sim.scene import scene_of
 from ..agent import Agent
+from ..reply import Reply
 from .case import Case, Result
 from .experiment import Experiment
+from .explaining import why
 from .judging import Truth, judged
 from .scenarios import ACTIONS, Scenario, command, load_scenarios
 
@@ -73,13 +76,28 @@ class Decisions(Experiment):
         """Give the command to an agent that knows the scenario and has the scene before it."""
         spec = cast("dict[str, str]", case.spec)
         objects = cast("list[str]", case.spec["scene"])
-        scenario, action, affordance = spec["scenario"], spec["action"], spec["affordance"]
-        pupil = self._taught[scenario]
+        scenario = self.scenarios[spec["scenario"]]
+        truth = Truth.of(scenario, spec["action"], spec["affordance"], objects)
+        return judged(case, truth, self._reply(case, simulate=self.sim))
+
+    def explain(self, case: Case, result: Result) -> str:
+        """The proofs: kept where a robot looked, else worked out again, which gives the same."""
+        return super().explain(case, result) or "\n".join(why(self._reply(case, simulate=False)))
+
+    def picture(self, objects: Sequence[str], seed: int, path: Path) -> Path:
+        """Write a picture of a scene before anything was done, and give its path back."""
+        pupil = next(iter(self._taught.values()))
+        scene = scene_of(objects, seed=seed, objects=pupil.objects)
+        with pupil.facing(scene, simulate=True) as agent:
+            return agent.body.picture(path)
+
+    def _reply(self, case: Case, *, simulate: bool) -> Reply:
+        spec = cast("dict[str, str]", case.spec)
+        objects = cast("list[str]", case.spec["scene"])
+        pupil = self._taught[spec["scenario"]]
         scene = scene_of(objects, seed=cast("int", case.spec["seed"]), objects=pupil.objects)
-        with pupil.facing(scene, simulate=self.sim) as agent:
-            reply = agent.hear(command(action, affordance), only="do", keep=False)
-        truth = Truth.of(self.scenarios[scenario], action, affordance, objects)
-        return judged(case, truth, reply)
+        with pupil.facing(scene, simulate=simulate) as agent:
+            return agent.hear(command(spec["action"], spec["affordance"]), only="do", keep=False)
 
     def mind(self) -> Agent:
         """An agent without a body that was told nothing yet, over a base in memory."""

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from importlib import import_module
-from typing import ClassVar
+from typing import ClassVar, cast
 
 from ...ontology.errors import DataError, UnknownNameError
 from ..outcome import Json
@@ -43,6 +43,10 @@ class Experiment(ABC):
     @abstractmethod
     def run(self, case: Case) -> Result:
         """Run one case; what comes out depends on the case and the options only."""
+
+    def explain(self, case: Case, result: Result) -> str:
+        """Why a case came out as it did; empty where there is nothing to say."""
+        return "\n".join(cast("list[str]", result.facts.get("why", [])))
 
     def summary(self, results: Sequence[Result]) -> Json:
         """What the results come to besides their counts; nothing by default."""

@@ -17,6 +17,7 @@ from ...inference.goal import Candidate
 from ..outcome import Achievement, Json, World
 from ..reply import Reply
 from .case import Case, Kind, Result
+from .explaining import why
 from .scenarios import Scenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]
@@ -45,7 +46,9 @@ class Truth:
         is_top = best <= scenario.best(affordance, scenario.grasps)
         principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
         grasps = scenario.grasps.items() if action in GRASPING else ()
-        return cls(best, principle, {name: parts[action] for name, parts in grasps})
+        return cls(
+            best, principle, {name: parts[action] for name, parts in grasps if action in parts}
+        )
 
     @property
     def kind(self) -> Kind:
@@ -87,7 +90,7 @@ def judged(case: Case, truth: Truth, reply: Reply) -> Result:
     found_words = named(chosen, part)
     came = reply.achievement
     if came and came.world.executed:
-        facts |= _carried_out(came, truth, is_done=reply.is_done)
+        facts |= _carried_out(came, truth, is_done=reply.is_done) | {"why": why(reply)}
         if not facts["success"]:
             right, found_words = False, f"{found_words}, not carried out"
     return Result(
@@ -99,6 +102,7 @@ def grasped(case: Case, name: str, part: str, reply: Reply) -> Result:
     """The result of a grasp that was asked for by the name of the thing."""
     world = reply.achievement.world if reply.achievement else World()
     facts: Json = {"asked": reply.text, "said": reply.said, **_grasped(world, name, part)}
+    facts["why"] = why(reply)
     facts["success"] = reply.is_done and facts["success"] is True
     touched = ", ".join(world.touched) or "nothing"
     found = f"{touched}, {world.lifted_m:.3f} m, {world.held_s:.1f} s"
@@ -118,10 +122,8 @@ def _carried_out(came: Achievement, truth: Truth, *, is_done: bool) -> Json:
     best = came.decision.object.best if came.decision else None
     taken = best.object if best else ""
     facts: Json = {"success": True}
-    if truth.parts:
-        facts = _grasped(world, taken, truth.parts.get(taken, "")) | {
-            "handed_over": world.handed_over
-        }
+    if taken in truth.parts:  # where nobody said by which part, any will do
+        facts = _grasped(world, taken, truth.parts[taken]) | {"handed_over": world.handed_over}
     facts["success"] = is_done and taken in truth.objects and facts["success"] is True
     return facts
 

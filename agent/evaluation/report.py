@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ..outcome import Json
 from .case import Done, Result
@@ -88,9 +88,11 @@ class Report:
         return {str(n): {"runs": len(g), "right": sum(g)} for n, g in groups.items()}
 
     def table(self) -> Table:
-        """The cases as a table, with the total above."""
+        """The cases as a table, with the total above; of curves their points."""
         from rich.table import Table
 
+        if "curves" in self.summary:
+            return self._points(cast("list[Json]", self.summary["curves"]))
         right = sum(result.right for result in self.results)
         table = Table(
             "case", "chosen", "expected", "right",
@@ -101,4 +103,16 @@ class Report:
         for result in self.results:
             mark = "[green]yes" if result.right else "[red]no"
             table.add_row(result.key, result.found, result.expected, mark)
+        return table
+
+    def _points(self, curves: Sequence[Json]) -> Table:
+        from rich.table import Table
+
+        table = Table("curve", "line", "at", "right", "band of 95 %", "decisions")
+        for curve in curves:
+            for line, points in cast("dict[str, list[dict[str, float]]]", curve["lines"]).items():
+                for at in points:
+                    band = f"{at['lower']:.1%} to {at['upper']:.1%}"
+                    shown = (f"{at['x']:g}", f"{at['accuracy']:.1%}", band, str(at["decisions"]))
+                    table.add_row(str(curve["curve"]), line, *shown)
         return table
