@@ -289,8 +289,11 @@ class Agent:
         return fingerprint(self.body)
 
     def visible(self) -> tuple[str, ...]:
-        """The objects on the table, in the order of the scene."""
-        return tuple(placement.object for placement in self.scene.placements)
+        """The objects that the eyes see; without failing eyes those of the scene, in its order."""
+        if self._vision is None and self.embodiment.sees_all:
+            return tuple(placement.object for placement in self.scene.placements)
+        features = [f"object:{name}" for name in self.objects]
+        return tuple(percept.object for percept in self.goals.vision.search(features))
 
     def quote(self, utterance: int) -> str:
         """What was said in an utterance of that number.

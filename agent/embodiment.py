@@ -108,6 +108,11 @@ class Embodiment:
 
         return NoisyVision(eyes, errors, self.household.objects)
 
+    @property
+    def sees_all(self) -> bool:
+        """Whether the eyes cannot fail, so that nobody needs to look to know what they see."""
+        return not self.noise and (not self.simulate or self.eyes == EYES)
+
     def errors(self) -> Noise | None:
         """How the eyes fail; None when they do not.
 

@@ -40,7 +40,7 @@ SEAM = 0.0018  # [m], half the width of the dark line between two boards
 TINT = (0.10, 0.45, 1.0)  # red, green, blue of a part that is pointed out
 WALL_TOP, WALL_BOTTOM = (250, 247, 242), (232, 224, 213)  # warm white
 
-OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.23), radians(37), 960, 720)
+OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.26), radians(41), 960, 720)
 
 
 def closeup(target: tuple[float, float, float], *, width: int = 960, height: int = 720) -> Camera:

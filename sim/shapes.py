@@ -13,10 +13,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 
-from ..ontology.solids import Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
+from ..ontology.errors import DataError
+from ..ontology.solids import MAX_LENGTH, Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from . import convex, poses
 from .meshes import Mesh, loft, triangulate
 from .poses import Array
@@ -26,6 +28,7 @@ STAVES = 20  # of a vessel: few enough to be fast, and 0.5 mm flat on a mug
 SEEN_SECTION, FELT_SECTION = 28, 16  # corners of a swept section
 SEEN_STEPS, FELT_STEPS = 4, 2  # pieces between two points of a smooth curve
 MERGE_TOLERANCE = 0.01  # share of volume that joining two convex pieces may add
+SMALLEST_MESH = 0.002  # [m], the longest side of a mesh that can still be seen
 STAVE_TOLERANCE = 0.06  # the same for the staves of a thin wall: 0.1 mm on 2 mm
 
 
@@ -249,14 +252,29 @@ def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Arra
 
 
 def _read_mesh(form: MeshFile) -> Mesh:
-    import trimesh  # 1.8 s, only for objects that come as files
-
-    loaded = trimesh.load_mesh(form.path)
+    loaded = _loaded(form)
     return Mesh(np.asarray(loaded.vertices) * form.scale, np.asarray(loaded.faces))
 
 
 def _connected_pieces(form: MeshFile) -> list[Array]:
-    import trimesh
+    pieces = _loaded(form).split(only_watertight=False)
+    return [np.asarray(each.vertices) * form.scale for each in pieces]
 
-    loaded = trimesh.load_mesh(form.path)
-    return [np.asarray(each.vertices) * form.scale for each in loaded.split(only_watertight=False)]
+
+def _loaded(form: MeshFile) -> Any:
+    import trimesh  # 1.8 s, only for objects that come as files
+
+    try:
+        loaded = trimesh.load_mesh(form.path)
+    except Exception as error:  # each of its readers has errors of its own
+        raise DataError(f"is no mesh that can be read: {error}.", source=str(form.path)) from error
+    if not len(getattr(loaded, "faces", ())):
+        raise DataError("has no faces.", source=str(form.path))
+    largest = float(np.ptp(loaded.vertices, axis=0).max()) * form.scale
+    if not SMALLEST_MESH <= largest <= MAX_LENGTH:
+        raise DataError(
+            f"is {largest:g} m long with the scale {form.scale:g}; expected {SMALLEST_MESH:g} to "
+            f"{MAX_LENGTH:g} m. Many files are in millimetres: their scale is 0.001.",
+            source=str(form.path),
+        )
+    return loaded

@@ -44,7 +44,7 @@ def show(
         print_json({"picture": str(out), "things": things})
         return
     for thing in things:
-        place = ", ".join(f"{x:.2f}" for x in thing["at"])
+        place = ", ".join(f"{round(x, 2) + 0.0:.2f}" for x in thing["at"])
         within = f"   in {thing['within']}" if thing["within"] else ""
         terminal().print(f"{thing['name']:<14} {place} m{within}")
     terminal().print(f"The picture is {out}.")

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `docs/seeing.md` shows can be read."""
+
+import re
+from pathlib import Path
+
+from hilt.kb.beliefs import KnowledgeBase
+from hilt.ontology.objects import load_household
+from hilt.sim.scene import parse_scene
+
+PAGE = (Path(__file__).parents[2] / "docs" / "seeing.md").read_text(encoding="utf-8")
+
+
+def test_examples_of_the_page_are_valid(tmp_path: Path):
+    """The scene and the object of the page are a scene and an object."""
+    scene, mine = re.findall(r"^```yaml\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
+    for name, text in (("scene.yaml", scene), ("mine.yaml", mine)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+
+    objects = load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
+    read = parse_scene(str(tmp_path / "scene.yaml"), seed=0, objects=objects)
+
+    assert objects["rolling pin"].mass > 0.4
+    assert len(read.placements) == 3 + 4 + 1  # what is listed, the clutter, the block
+
+
+def test_question_of_the_page_is_answered():
+    """The SPARQL text is one that a base understands."""
+    (question,) = re.findall(r"^```sparql\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
+
+    with KnowledgeBase.open("memory:") as base:
+        assert list(base.select(question)) == []
