@@ -7,6 +7,7 @@ refused, what is one huge piece is refused, and what has to be read whole has a 
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import io
 import os
@@ -14,7 +15,7 @@ import sys
 import tempfile
 import zlib
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, cast
 
@@ -91,7 +92,9 @@ class Source(io.RawIOBase):
         try:
             found = self._stream.read(_CHUNK if size < 0 else min(size, _CHUNK))
         except (OSError, EOFError, zlib.error) as error:
-            raise self._refused(f"cannot be read: {error}.") from error
+            raise self._refused(f"cannot be read: {str(error).rstrip('.')}.") from error
+        if not self._read and found.startswith(codecs.BOM_UTF8):
+            found = found.removeprefix(codecs.BOM_UTF8) or self.read(size)
         self._check(found)
         return found
 
@@ -121,9 +124,11 @@ class Source(io.RawIOBase):
                 self.heard()
                 yield line
         except UnicodeDecodeError as error:
-            raise DataError("expected UTF-8 text.", source=self.name, line=number + 1) from error
+            line = number + 1 + error.object[: error.start].count(b"\n")
+            raise DataError("expected UTF-8 text.", source=self.name, line=line) from error
         finally:
-            text.detach()
+            with suppress(ValueError):  # the file is closed, where its reader gave up
+                text.detach()
 
     def _check(self, found: bytes) -> None:
         self._read += len(found)
@@ -218,6 +223,9 @@ def _unpacked(stream: BinaryIO, file: str) -> BinaryIO:
     head = cast(bytes, peek(2))[:2] if peek else b""
     if head == _GZIP or (not peek and file.endswith(PACKED)):
         return cast(BinaryIO, gzip.GzipFile(fileobj=stream))
+    if file.endswith(PACKED):
+        problem = f"is called {PACKED} and is not packed by gzip. Rename it, or pack it."
+        raise DataError(problem, source=file)
     return stream
 
 

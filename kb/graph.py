@@ -60,7 +60,7 @@ def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iter
         try:
             rule = _rule(attributes)
         except (HiltError, KeyError, TypeError, ValueError) as error:
-            problem = f"no {error}" if isinstance(error, KeyError) else str(error)
+            problem = f"it has no {error}." if isinstance(error, KeyError) else str(error)
             raise DataError(f"the edge {start} -> {end}: {problem}", source=source) from error
         if rule.id not in seen:
             seen.add(rule.id)

@@ -7,11 +7,11 @@ feature is an object, a bare context an action, and what something is used for i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
-from typing import cast, get_args
+from typing import TypeVar, cast, get_args
 
-from ..ontology.errors import ValidationError
+from ..ontology.errors import DataError, ValidationError
 from .interval import Interval
 from .rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR, Atom, Rule, Status
 from .terms import read_time
@@ -19,6 +19,8 @@ from .terms import read_time
 ANY = "*"  # any object
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
 ARGUMENT_KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
+MAX_MISTAKES = 20  # of a file that are told
+Thing = TypeVar("Thing")
 STATUSES: tuple[str, ...] = get_args(Status)
 
 
@@ -42,6 +44,34 @@ def read_atom(text: str, kind: str | None) -> Atom:
     if kind is None:
         raise ValidationError([f'"{name[:60]}" needs its kind, as "part:{name[:60]}".'])
     return Atom(kind, name)
+
+
+def read_all(things: Iterable[Thing], read: Callable[[Thing], Rule]) -> Iterator[Rule]:
+    """The rules that things of a file stand for; behind a mistake only others are looked for.
+
+    Args:
+        things: rows or entries; to go through them may fail, too.
+        read: makes a rule of one.
+
+    Raises:
+        DataError: of the first mistakes, at most `MAX_MISTAKES`.
+    """
+    wrong: list[DataError] = []
+    try:
+        for thing in things:
+            try:
+                rule = read(thing)
+            except DataError as error:
+                wrong.append(error)
+                if len(wrong) == MAX_MISTAKES:
+                    break
+                continue
+            if not wrong:
+                yield rule
+    except DataError as error:
+        wrong.append(error)
+    if wrong:
+        raise DataError.together(wrong)
 
 
 def write_atom(atom: Atom, kind: str | None) -> str:

@@ -46,6 +46,7 @@ _MAX_KNOWN = 100_000  # terms that are remembered
 _MAX_LINE = 2**20  # bytes of a line that are looked at
 _MAX_TERM = 2**24  # bytes of a line with one statement, as the engine has it
 _CHUNK = 2**18  # bytes that are read at once
+_REMOTE_CONTEXT = "LoadDocumentCallback"  # what the engine says of one
 _NO_SPACE = "No space left"
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
@@ -596,6 +597,8 @@ def _reported(location: str, text: str = "") -> Generator[None]:
 def _syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> DataError:
     """What is wrong with a text; `line` where the engine was given that one only."""
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
+    if _REMOTE_CONTEXT in problem:
+        problem = "a context from elsewhere is refused; write it into the file"
     return DataError(
         problem.rstrip(".") + ".",
         source=source,

@@ -35,12 +35,11 @@ def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
         source: its name in messages.
 
     Raises:
-        DataError: something is wrong; says where.
+        DataError: something is wrong; says where, of several mistakes each.
     """
     sheet = parse_yaml(text, source=source).entries(required=["rules"], optional=["speaker"])
     speaker = sheet["speaker"].text() if "speaker" in sheet else None
-    for entry in sheet["rules"].items():
-        yield _rule(entry, speaker)
+    yield from notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
 def write_sheet(rules: Iterable[Rule]) -> Iterator[str]:

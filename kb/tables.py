@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import Protocol
 
-from ..ontology.errors import DataError, HiltError
+from ..ontology.errors import DataError, HiltError, ValidationError
 from . import notation
 from .rule import Atom, Rule
 from .terms import write_time
@@ -22,12 +22,18 @@ COLUMNS = (
     *("speaker", "status", "time"),
 )
 REQUIRED = ("features", "functor", "lower")
-MAX_CELL = 10_000  # characters
 _BETWEEN = "; "
 
 
 class _Writable(Protocol):
     def write(self, text: str, /) -> object: ...
+
+
+class _Reader(Protocol):
+    @property
+    def line_num(self) -> int: ...
+
+    def __iter__(self) -> Iterator[list[str]]: ...
 
 
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
@@ -38,28 +44,12 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
         source: its name in messages.
 
     Raises:
-        DataError: something is wrong; says in which line.
+        DataError: something is wrong; says in which line, of several mistakes each.
     """
-    csv.field_size_limit(MAX_CELL)
-    rows = csv.reader(lines, strict=True)
-    line, names = 1, list[str]()
-    try:
-        names = _header(next(rows, []), source)
-        for row in rows:
-            if row:
-                line = rows.line_num
-                yield _rule(dict(zip(names, row, strict=True)))
-    except DataError:
-        raise
-    except csv.Error as error:
-        raise DataError(f"is no CSV: {error}.", source=source, line=rows.line_num) from error
-    except ValueError as error:  # also what our own errors are
-        problem = (
-            str(error)
-            if isinstance(error, HiltError)
-            else f"expected {len(names)} cells and numbers for bounds: {error}."
-        )
-        raise DataError(problem, source=source, line=line) from error
+    rows = _rows(csv.reader(lines, strict=True), source)
+    _, first = next(rows, (1, []))
+    names = _header(first, source)
+    yield from notation.read_all(rows, lambda row: _rule_of(row, names, source))
 
 
 def table_writer(target: _Writable) -> Callable[[Rule], object]:
@@ -76,6 +66,16 @@ def write_table(rules: Iterable[Rule], target: _Writable) -> None:
         write(rule)
 
 
+def _rows(reader: _Reader, source: str) -> Iterator[tuple[int, list[str]]]:
+    """The rows that hold something, each with the line at which it ends."""
+    try:
+        for row in reader:
+            if row:
+                yield reader.line_num, row
+    except csv.Error as error:
+        raise DataError(f"is no CSV: {error}.", source=source, line=reader.line_num) from error
+
+
 def _header(names: Sequence[str], source: str) -> list[str]:
     found = [name.strip().lower() for name in names]
     missing = [name for name in REQUIRED if name not in found]
@@ -90,6 +90,18 @@ def _header(names: Sequence[str], source: str) -> list[str]:
     return found
 
 
+def _rule_of(numbered: tuple[int, list[str]], names: Sequence[str], source: str) -> Rule:
+    line, row = numbered
+    try:
+        if len(row) != len(names):
+            raise ValidationError(
+                [f"expected {len(names)} cells, one for each column, found {len(row)}."]
+            )
+        return _rule(dict(zip(names, row, strict=True)))
+    except HiltError as error:
+        raise DataError(str(error), source=source, line=line) from error
+
+
 def _rule(cells: dict[str, str]) -> Rule:
     functor = cells["functor"].strip()
     upper = cells.get("upper", "").strip()
@@ -98,11 +110,20 @@ def _rule(cells: dict[str, str]) -> Rule:
         _atoms(cells.get("contexts", ""), notation.CONTEXT_KIND),
         functor,
         notation.read_argument(cells.get("argument", ""), functor),
-        notation.read_interval(float(cells["lower"]), float(upper) if upper else None),
+        notation.read_interval(
+            _number(cells["lower"], "lower"), _number(upper, "upper") if upper else None
+        ),
         speaker=cells.get("speaker", "").strip(),
         status=cells.get("status", "").strip(),
         time=cells.get("time", "").strip(),
     )
+
+
+def _number(cell: str, column: str) -> float:
+    try:
+        return float(cell)
+    except ValueError as error:
+        raise ValidationError([f'expected a number as {column}, found "{cell[:60]}".']) from error
 
 
 @lru_cache(maxsize=2**16)

@@ -35,7 +35,10 @@ class DataError(HiltError, ValueError):
         column: 1-based column, or 0 when the whole line is meant.
         text: the line itself, for the caret; empty when not known.
         problem: what was expected and what was found.
+        mistakes: all that were found, each on its own, where there is more than this one.
     """
+
+    mistakes: tuple[DataError, ...] = ()
 
     def __init__(
         self, problem: str, *, source: str, line: int = 0, column: int = 0, text: str = ""
@@ -49,6 +52,24 @@ class DataError(HiltError, ValueError):
         )
         where = ":".join(str(part) for part in (source, line, column) if part)
         super().__init__(f"{where}: {problem}")
+
+    @classmethod
+    def together(cls, mistakes: Sequence[DataError]) -> DataError:
+        """One error for several mistakes, at least one: the first, which knows of the others."""
+        first = mistakes[0]
+        whole = cls(
+            first.problem,
+            source=first.source,
+            line=first.line,
+            column=first.column,
+            text=first.text,
+        )
+        whole.mistakes = tuple(mistakes) if len(mistakes) > 1 else ()
+        return whole
+
+    def __str__(self) -> str:
+        others = len(self.mistakes) - 1
+        return f"{super().__str__()} (and {others} more)" if others > 0 else super().__str__()
 
     def excerpt(self) -> str:
         """The line with a caret under the column, or an empty text when there is none."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...ontology.errors import DataError
 from .options import AsJson, Kb, app
 from .terminal import finish, open_for_reading, show, terminal
 
@@ -34,7 +35,12 @@ def validate(
     as_json: AsJson = False,
 ) -> None:
     """Check a file, or the base, against the shapes and the laws of rules; change nothing."""
-    found = _of_base(kb) if file is None else _of_file(file, file_format)
+    try:
+        found = _of_base(kb) if file is None else _of_file(file, file_format)
+    except DataError as error:
+        if as_json:  # what cannot be read is told there, too
+            show([_as_json(one) for one in error.mistakes or (error,)])
+        raise
     if as_json:
         show([finding.as_json() for finding in found])
     else:
@@ -43,6 +49,12 @@ def validate(
             typer.echo(f"{where}: {finding}" if where else str(finding))
         typer.echo(f"{len(found)} findings." if found else "Valid.", err=True)
     finish(not found)
+
+
+def _as_json(error: DataError) -> dict[str, object]:
+    """A mistake in a file that cannot be read, as findings are printed."""
+    where = {"line": error.line or None, "column": error.column or None}
+    return {"node": None, "property": None, **where, "problem": error.problem}
 
 
 def _of_file(file: str, file_format: str | None) -> list[Finding]:

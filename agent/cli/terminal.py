@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
-from ...ontology.errors import DataError, HiltError, InUseError
+from ...ontology.errors import DataError, HiltError, InUseError, ValidationError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..reply import Reply
 
 FAILED = 1  # exit code
+MOST_MISTAKES = 20  # that are told one by one
 
 
 def open_agent(
@@ -181,7 +182,17 @@ def finish(done: bool) -> None:
 
 
 def complain(error: HiltError | str) -> None:
-    """One line on stderr; on a terminal also the line of the file, with a caret."""
-    typer.echo(f"hilt: {error}", err=True)
-    if isinstance(error, DataError) and error.text and sys.stderr.isatty():
-        typer.echo(error.excerpt(), err=True)
+    """A line on stderr for each mistake; on a terminal also the line of the file, with a caret."""
+    several = _mistakes(error)
+    for one in several[:MOST_MISTAKES]:
+        typer.echo(f"hilt: {one}", err=True)
+        if isinstance(one, DataError) and one.text and sys.stderr.isatty():
+            typer.echo(one.excerpt(), err=True)
+    if len(several) > MOST_MISTAKES:
+        typer.echo(f"hilt: ... and {len(several) - MOST_MISTAKES} more.", err=True)
+
+
+def _mistakes(error: HiltError | str) -> Sequence[HiltError | str]:
+    if isinstance(error, ValidationError):
+        return error.findings
+    return (isinstance(error, DataError) and error.mistakes) or (error,)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import io
 from dataclasses import replace
@@ -258,13 +259,18 @@ def test_large_table_is_told_in_parts(
         ("x.yaml", "a: &x [1]\nrules: *x", "aliases are not allowed"),
         ("x.yaml", "rules: !!python/object:os.system [x]", "not allowed"),
         ("x.csv", "features,functor,lower\nknife,usedFor,1.5", "x.csv:2: .*not an interval"),
-        ("x.csv", "features,functor,lower\nknife,usedFor", "x.csv:2: "),
+        ("x.csv", "features,functor,lower\nknife,usedFor", "x.csv:2: expected 3 cells"),
+        ("x.csv", "features,functor,lower\n\nknife,usedFor,", "x.csv:3: expected a number"),
+        ("x.csv", "features,functor,lower\n" + "knife,usedFor,2\n" * 50, r"and 19 more"),
+        ("x.yaml", "rules:\n- {object: knife}\n- 3\n- {object: ''}", r"x.yaml:2.*and 2 more"),
+        ("x.csv.gz", "features,functor,lower\n", "is not packed by gzip"),
         ("x.csv", "a,b\n", "x.csv:1: .*names the columns"),
-        ("x.csv", "features,functor,lower\n" + "k" * 20_000 + ",a,1", "x.csv:2: is no CSV"),
+        ("x.csv", "features,functor,lower\n" + "k" * 20_000 + ",a,1", "x.csv:2: .*no name"),
+        ("x.csv", "features,functor,lower\n" + "k" * 200_000 + ",a,1", "x.csv:2: is no CSV"),
         ("x.graphml", "<graphml", "is no GraphML"),
         ("x.rdf", "<!DOCTYPE x [<!ENTITY a 'b'>]><rdf:RDF/>", "document type"),
         ("x.graphml", "<!DOCTYPE x [<!ENTITY a 'b'>]><graphml/>", "document type"),
-        ("x.jsonld", '{"@context": "http://127.0.0.1:9/x", "@id": "a:b"}', "x.jsonld"),
+        ("x.jsonld", '{"@context": "http://127.0.0.1:9/x", "@id": "a:b"}', "from elsewhere is"),
         ("x.ttl", "[] <urn:p> 1 .", "no blank nodes"),
         ("x.ttl", "<urn:s> <urn:p> <<( <urn:a> <urn:b> 1 )>> .", r"RDF 1\.2"),
     ],
@@ -290,6 +296,24 @@ def test_wrong_encoding_is_refused(kb: KnowledgeBase, tmp_path: Path, name: str,
 
     with pytest.raises(DataError, match=name):
         import_file(kb, tmp_path / name)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "yaml", "ttl", "nq", "rdf"])
+def test_mark_of_utf_8_at_the_start_is_no_fault(paper: KnowledgeBase, tmp_path: Path, suffix: str):
+    """Some editors write one."""
+    export_file(paper, tmp_path / f"x.{suffix}")
+    data = (tmp_path / f"x.{suffix}").read_bytes()
+    (tmp_path / f"x.{suffix}").write_bytes(codecs.BOM_UTF8 + data)
+
+    assert import_file(fresh(), tmp_path / f"x.{suffix}").new == 3
+
+
+def test_wrong_encoding_is_told_with_its_line(kb: KnowledgeBase, tmp_path: Path):
+    """Where a person has to look."""
+    (tmp_path / "x.csv").write_bytes(b"features,functor,lower\n\nmess\xe9r,usedFor,1\n")
+
+    with pytest.raises(DataError, match=r"x\.csv:3: expected UTF-8"):
+        import_file(kb, tmp_path / "x.csv")
 
 
 class Endless(io.RawIOBase):
