@@ -92,5 +92,5 @@ def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[Picture
     for (*objects, seed), name in list(scenes.items())[:MOST_PICTURES]:
         caption = f"scene {name}, seed {seed}: {', '.join(objects) or 'nothing'}"
         with tempfile.TemporaryDirectory() as folder:
-            picture = experiment.picture(objects, int(seed), Path(folder) / "scene.png")
-            yield Picture(caption, base64.b64encode(picture.read_bytes()).decode())
+            picture = experiment.picture(objects, int(seed), Path(folder) / "scene.jpg")
+            yield Picture(caption, base64.b64encode(picture.read_bytes()).decode(), "jpeg")

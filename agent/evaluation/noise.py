@@ -67,7 +67,8 @@ class NoiseRun(Experiment):
         line, value = str(case.spec["line"]), cast("float", case.spec["value"])
         trial = cast("int", case.spec["trial"])
         setting = _Setting(curve, line, value, trial, self.seed)
-        counted = Counter(setting.outcomes())
+        outcomes = list(setting.outcomes())
+        counted = Counter(outcome for outcome, _ in outcomes)
         commands = sum(counted.values())
         facts: Json = {"commands": commands, **{o: counted[o] for o in ("right", "wrong")}}
         must = value == 0 and line in curve.sound
@@ -78,7 +79,11 @@ class NoiseRun(Experiment):
             0,
             f"{counted['right']} of {commands} right",
             "all right" if must else "as it comes",
-            facts | {"declined": counted["declined"]},
+            facts
+            | {
+                "declined": counted["declined"],
+                "why": [f"{outcome}: {told}" for outcome, told in outcomes if outcome != "right"],
+            },
         )
 
     def summary(self, results: Sequence[Result]) -> Json:
@@ -101,8 +106,8 @@ class _Setting:
     trial: int
     seed: int
 
-    def outcomes(self) -> Iterator[Outcome]:
-        """What came of each command."""
+    def outcomes(self) -> Iterator[tuple[Outcome, str]]:
+        """What came of each command, and how it went in words."""
         rng = Random(f"{self.seed}/{self.trial}")  # noqa: S311 - scenes, not secrets
         pupil = self._pupil()
         for affordance in self._scenario.affordances:
@@ -112,7 +117,9 @@ class _Setting:
                 with pupil.facing(scene) as agent:
                     said = self._heard(command(action, affordance), rng.random())
                     reply = agent.hear(said, only="do", keep=False)
-                yield _outcome(Truth.of(self._scenario, action, affordance, objects), reply)
+                truth = Truth.of(self._scenario, action, affordance, objects)
+                told = f'"{said}" with {", ".join(objects)} there: {reply.said}'
+                yield _outcome(truth, reply), f"{told} Right would be {truth.in_words()}."
 
     @cached_property
     def _scenario(self) -> Scenario:

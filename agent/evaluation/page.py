@@ -21,7 +21,7 @@ from .report import Report
 
 COUNTS = ("runs", "right", "unique", "ties", "none", "executed", "succeeded", "grasps")
 STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #1c2430; max-width: 72rem; margin: 2rem auto;
+body { font: 15px/1.5 system-ui, sans-serif; color: #1c2430; max-width: 76rem; margin: 2rem auto;
   padding: 0 1.5rem }
 h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem; border-bottom: 1px solid #d5dbe3 }
 .sub { color: #5b6675 }
@@ -29,7 +29,8 @@ table { border-collapse: collapse; margin: .8rem 0 } th { text-align: left; back
 th, td { padding: .25rem .7rem; border-bottom: 1px solid #e3e7ed; vertical-align: top }
 td.n { text-align: right; font-variant-numeric: tabular-nums }
 tr.wrong td { background: #fdeceb } .yes { color: #00724d } .no { color: #b3261e; font-weight: 600 }
-figure { display: inline-block; margin: .5rem 1rem .5rem 0 } figcaption { color: #5b6675 }
+.curve { display: inline-block; vertical-align: top; margin-right: 1rem }
+figure { display: inline-block; margin: .5rem 0 } figcaption { color: #5b6675 }
 svg text { font: 11px system-ui, sans-serif; fill: #3d4755 } svg .grid { stroke: #e3e7ed }
 pre { background: #f6f7f9; padding: .8rem; overflow-x: auto; font-size: 12.5px }
 section.why:target pre { outline: 2px solid #0072b2 }
@@ -122,10 +123,20 @@ def _counted(counts: Json) -> Iterator[str]:
 
 
 def _summed(summary: Mapping[str, object]) -> Iterator[str]:
-    rows = [[name, json.dumps(value)] for name, value in summary.items() if name != "curves"]
+    rows = [[name, _words(value)] for name, value in summary.items() if name != "curves"]
     if rows:
         yield "<h2>Summary</h2>"
-        yield _table(["", ""], rows)
+        yield _table(["what", "value"], rows)
+
+
+def _words(value: object) -> str:
+    """A value as a person reads it."""
+    if isinstance(value, dict):
+        pairs = cast("Json", value).items()
+        return "; ".join(f"{name.replace('_', ' ')}: {_words(each)}" for name, each in pairs)
+    if isinstance(value, list):
+        return ", ".join(map(_words, cast("list[object]", value))) or "none"
+    return f"{value:,}" if type(value) is int else str(value)
 
 
 def _curves(curves: object) -> Iterator[str]:
@@ -134,7 +145,7 @@ def _curves(curves: object) -> Iterator[str]:
     yield "<h2>Curves</h2>"
     for curve in cast("list[Json]", curves):
         lines = cast("dict[str, list[Json]]", curve["lines"])
-        yield f"<h3>{escape(str(curve['curve']))}</h3>"
+        yield f'<div class="curve"><h3>{escape(str(curve["curve"]))}</h3>'
         yield f"<figure>{curve_svg(str(curve['label']), lines)}</figure>"
         names = ["x", "accuracy", "lower", "upper", "decisions", "right", "wrong", "declined"]
         rows = [
@@ -142,7 +153,8 @@ def _curves(curves: object) -> Iterator[str]:
             for line, points in lines.items()
             for point in points
         ]
-        yield f"<details><summary>figures</summary>{_table(['line', *names], rows)}</details>"
+        figures = _table(["line", *names], rows)
+        yield f"<details><summary>figures</summary>{figures}</details></div>"
 
 
 def _pictures(pictures: Iterable[Picture]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from ..outcome import Json
 
 WIDTH, HEIGHT = 560, 300  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 52, 150, 16, 46  # margins [px]; the legend stands on the right
-TICKS = 5  # along each axis
+TICKS = 5  # of accuracy
 # Colours that people who see colours differently can tell apart (Okabe & Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 DASHES = ("", "6 3", "2 3", "8 3 2 3")  # where lines lie upon each other
@@ -39,7 +39,7 @@ def curve_svg(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
     """
     points = [number(point, "x") for each in lines.values() for point in each]
     frame = _Frame(max(points, default=1.0) or 1.0)
-    drawn = [*_axes(frame, label)]
+    drawn = [*_axes(frame, label, sorted({*points}))]
     for i, (name, each) in enumerate(lines.items()):
         drawn += _line(frame, each, COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)])
         if len(lines) > 1:
@@ -56,15 +56,15 @@ def number(point: Json, name: str) -> float:
     return float(str(point[name]))
 
 
-def _axes(frame: _Frame, label: str) -> Iterator[str]:
+def _axes(frame: _Frame, label: str, measured: Sequence[float]) -> Iterator[str]:
     right, bottom = WIDTH - RIGHT, HEIGHT - BOTTOM
     for i in range(TICKS + 1):
-        share = i / TICKS
-        x, y = frame.x(share * frame.most), frame.y(share)
+        share, y = i / TICKS, frame.y(i / TICKS)
         yield f'<line class="grid" x1="{LEFT}" y1="{y:.1f}" x2="{right}" y2="{y:.1f}"/>'
         yield f'<text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{share:.0%}</text>'
-        value = f"{share * frame.most:g}"
-        yield f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{value}</text>'
+    for value in measured:
+        x = frame.x(value)
+        yield f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{value:g}</text>'
     middle = (LEFT + right) / 2
     yield f'<text x="{middle}" y="{HEIGHT - 8}" text-anchor="middle">{escape(label)}</text>'
 
