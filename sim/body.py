@@ -66,6 +66,15 @@ class _Aim:
     part: str | None
     attempts: int = 0
     tried: tuple[Grasp, ...] = ()
+    failures: tuple[str, ...] = ()
+
+    def closed_on(self, grasp: Grasp) -> _Aim:
+        """The same when the hand has closed once more."""
+        return replace(self, attempts=self.attempts + 1, tried=(*self.tried, grasp))
+
+    def failed(self, reason: str) -> _Aim:
+        """The same when that was in vain."""
+        return replace(self, failures=(*self.failures, reason))
 
 
 class Body:
@@ -200,10 +209,11 @@ class Body:
         """
         report = self._lift_once(height_m)
         while report.reason in {"slipped", "dropped"} and self._aim.attempts < MAX_ATTEMPTS:
+            self._aim = self._aim.failed(report.reason)
             self._release()
             grasped = self._grasp_again()
             if not grasped.ok:
-                return replace(report, attempts=grasped.attempts)
+                return replace(report, attempts=grasped.attempts, failures=grasped.failures)
             report = self._lift_once(height_m)
         return report
 
@@ -301,12 +311,14 @@ class Body:
             reason, touch = self._take(reach, sight)
             if not reason:
                 return self._report("grasp", "", touched=touch.parts(self._aim.name))
+            self._aim = self._aim.failed(reason)
             self._release()
         return MotionReport(
             "grasp",
             ok=False,
             reason=reason,
             attempts=self._aim.attempts,
+            failures=self._aim.failures,
             bumped=self._bumped(),
         )
 
@@ -336,9 +348,7 @@ class Body:
         name = self._aim.name
         before = self.world.pose(name)
         touch = self.motion.take(reach)
-        self._aim = replace(
-            self._aim, attempts=self._aim.attempts + 1, tried=(*self._aim.tried, reach.grasp)
-        )
+        self._aim = self._aim.closed_on(reach.grasp)
         self._sight = sight
         if not touch.both:
             return "missed", touch
@@ -405,6 +415,7 @@ class Body:
             lifted_m=self.motion.height_gained(held) if held else 0.0,
             held_s=held_s,
             attempts=self._aim.attempts,
+            failures=self._aim.failures,
             score=held.reach.grasp.score if held else 0.0,
             slip_m=slip_m,
             slip_rad=slip_rad,

@@ -35,6 +35,7 @@ class MotionReport:
         lifted_m: how far the thing is above where it was taken up [m].
         held_s: how long it was held still [s].
         attempts: how often the hand closed.
+        failures: why it closed in vain, in order; when a lift fails, `reason` tells the last one.
         score: of the grasp that was used, at most 1; 0 when none was.
         slip_m: how far the thing moved in the hand [m].
         slip_rad: how far it turned in the hand [rad].
@@ -50,6 +51,7 @@ class MotionReport:
     lifted_m: float = 0.0
     held_s: float = 0.0
     attempts: int = 0
+    failures: tuple[str, ...] = ()
     score: float = 0.0
     slip_m: float = 0.0
     slip_rad: float = 0.0

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Episodes of grasping, and the tables that are made of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from hilt.sim.report import MotionReport
+
+
+@dataclass(frozen=True)
+class Episode:
+    """What came of one episode.
+
+    Attributes:
+        object, part: what was to be grasped, and by what; an empty part is any.
+        seed: of the scene.
+        reports: of grasp, lift and hand-over, as far as it came.
+        cpu_s: processor time [s].
+        shares: kind of work -> processor time [s].
+        steps: of the simulator.
+        bare_s: processor time of so many bare steps [s]; None where it was not measured.
+    """
+
+    object: str
+    part: str
+    seed: int
+    reports: tuple[MotionReport, ...]
+    cpu_s: float
+    shares: Mapping[str, float]
+    steps: int
+    bare_s: float | None
+
+    @property
+    def last(self) -> MotionReport:
+        """The report of the last thing that was tried."""
+        return self.reports[-1]
+
+    @property
+    def lift(self) -> MotionReport | None:
+        """The report of the lift, if the hand ever held the part."""
+        return self.reports[1] if len(self.reports) > 1 else None
+
+    @property
+    def wrong(self) -> int:
+        """How often the fingers closed on something else than the part."""
+        return self._failures.count("wrong_part")
+
+    @property
+    def closed(self) -> int:
+        """How often the fingers closed on anything."""
+        return self.last.attempts - self._failures.count("missed")
+
+    @property
+    def _failures(self) -> tuple[str, ...]:
+        return self.last.failures
+
+    @property
+    def ok(self) -> bool:
+        """Whether the thing was lifted and held by the part."""
+        return self.lift is not None and self.lift.ok
+
+    @property
+    def first(self) -> bool:
+        """Whether that needed but one closing."""
+        return self.lift is not None and self.lift.ok and self.lift.attempts == 1
+
+    @property
+    def given(self) -> bool:
+        """Whether it was handed over."""
+        return self.last.action == "hand_over" and self.last.ok
+
+    @property
+    def trouble(self) -> str:
+        """What went wrong, also what was made good again; empty when nothing did."""
+        what = [*self._failures]
+        if not self.last.ok:
+            what.append(f"{self.last.action}: {self.last.reason}")
+        if self.last.bumped:
+            what.append(f"moved {', '.join(self.last.bumped)}")
+        return "; ".join(what)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.object}/{self.part} seed {self.seed}: {self.trouble or 'ok'}; "
+            f"touched {'+'.join(self.last.touched) or 'nothing'}, score {self.last.score:.2f}, "
+            f"slip {self.last.slip_m * 1e3:.1f} mm, {self.cpu_s:.2f} s"
+        )
+
+
+def pair_table(episodes: Sequence[Episode]) -> str:
+    """One row for each object and part, with what went wrong."""
+    rows = [
+        "| object/part | poses | right | first | ok | given | CPU s | troubles |",
+        "|---" * 8 + "|",
+    ]
+    for pair in dict.fromkeys((e.object, e.part) for e in episodes):
+        group = [e for e in episodes if (e.object, e.part) == pair]
+        troubles = Counter(e.trouble for e in group if e.trouble)
+        told = "; ".join(f"{count} x {what}" for what, count in troubles.items())
+        closed, wrong = sum(e.closed for e in group), sum(e.wrong for e in group)
+        rows.append(
+            f"| {'/'.join(filter(None, pair))} | {len(group)} | {closed - wrong}/{closed} "
+            f"| {sum(e.first for e in group)} | {sum(e.ok for e in group)} "
+            f"| {sum(e.given for e in group)} | {_mean(e.cpu_s for e in group):.2f} | {told} |"
+        )
+    return "\n".join(rows)
+
+
+def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
+    """One row for each setting."""
+    rows = [
+        "| setting | episodes | right part of closings | first try | with regrasps | given "
+        "| slip p95 | neighbour moved | CPU s |",
+        "|---" * 9 + "|",
+    ]
+    for title, all_of in measured.items():
+        n = len(all_of)
+        closed, wrong = sum(e.closed for e in all_of), sum(e.wrong for e in all_of)
+        counts = (
+            sum(e.first for e in all_of),
+            sum(e.ok for e in all_of),
+            sum(e.given for e in all_of),
+        )
+        bumped = sum(bool(e.last.bumped) for e in all_of)
+        rows.append(
+            f"| {title} | {n} | {_share(closed - wrong, closed)} "
+            f"| {' | '.join(_share(count, n) for count in counts)} | {_slip_mm(all_of):.1f} mm "
+            f"| {_share(bumped, n)} | {_mean(e.cpu_s for e in all_of):.2f} |"
+        )
+    return "\n".join(rows)
+
+
+def time_table(measured: Mapping[str, Sequence[Episode]]) -> str:
+    """Where the processor time of an episode goes, a column for each kind of work."""
+    kinds = list(next(iter(measured.values()))[0].shares)
+    head = ["setting", *kinds, "all", "steps", "as many bare steps"]
+    rows = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for title, episodes in measured.items():
+        bare = [e.bare_s for e in episodes if e.bare_s is not None]
+        numbers = [_mean(e.shares[kind] for e in episodes) for kind in kinds]
+        numbers.append(_mean(e.cpu_s for e in episodes))
+        told = " | ".join(f"{number:.2f} s" for number in numbers)
+        steps = _mean(e.steps for e in episodes)
+        rows.append(f"| {title} | {told} | {steps:.0f} | {_mean(bare):.2f} s |")
+    return "\n".join(rows)
+
+
+def contrast_table(episodes: Sequence[Episode]) -> str:
+    """On which part the best grasp lands when none is asked for."""
+    rows = ["| object | best grasp lands on |", "|---|---|"]
+    for name in dict.fromkeys(e.object for e in episodes):
+        group = [e for e in episodes if e.object == name and e.lift is not None]
+        parts = Counter("+".join(e.reports[0].touched) for e in group)
+        told = ", ".join(f"{part} {_share(n, len(group))}" for part, n in parts.most_common())
+        rows.append(f"| {name} | {told} |")
+    return "\n".join(rows)
+
+
+def _slip_mm(episodes: Sequence[Episode]) -> float:
+    """The slip of lift and hold that 95 of 100 do not exceed [mm]."""
+    slips = sorted(e.lift.slip_m for e in episodes if e.lift is not None and e.lift.ok)
+    return slips[round(0.95 * (len(slips) - 1))] * 1e3 if slips else 0.0
+
+
+def _share(count: int, of: int) -> str:
+    return f"{count}/{of} = {100 * count / of:.1f} %" if of else "none"
+
+
+def _mean(values: Iterable[float]) -> float:
+    found = list(values)
+    return sum(found) / max(1, len(found))

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the processor time of an episode goes: a watch on the functions that do the work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from time import process_time
+from types import TracebackType
+from typing import Any
+
+from hilt.sim import body, hold
+from hilt.sim.engine import Engine
+from hilt.sim.kinematics import Chain
+from hilt.sim.reach import Reacher
+from hilt.sim.vision import Vision
+
+WATCHED: tuple[tuple[str, Any, str], ...] = (
+    ("stepping", Engine, "step"),
+    ("loading", Engine, "load"),
+    ("seeing", Vision, "look"),
+    ("seeing", Vision, "search"),
+    ("seeing", Vision, "obstacles"),
+    ("candidates", body, "plan_grasps"),
+    ("judging", hold, "judge"),
+    ("joints", Chain, "solve"),
+    ("joints", Chain, "track"),
+    ("paths", Reacher, "transit"),
+)
+
+
+class Stopwatch:
+    """Counts processor time by kind of work inside its `with` block.
+
+    What a watched function spends in another one counts only for that other one.
+
+    Attributes:
+        seconds: kind of work -> processor time [s].
+    """
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys((kind for kind, _, _ in WATCHED), 0.0)
+        self._running: list[str] = []
+        self._since = 0.0
+        self._originals: list[Callable[..., Any]] = []
+
+    def __enter__(self) -> Stopwatch:
+        self._originals = [getattr(owner, name) for _, owner, name in WATCHED]
+        for (kind, owner, name), original in zip(WATCHED, self._originals, strict=True):
+            setattr(owner, name, self._watched(kind, original))
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for (_, owner, name), original in zip(WATCHED, self._originals, strict=True):
+            setattr(owner, name, original)
+
+    def _watched(self, kind: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(function)
+        def timed(*args: Any, **options: Any) -> Any:
+            self._book()
+            self._running.append(kind)
+            try:
+                return function(*args, **options)
+            finally:
+                self._book()
+                self._running.pop()
+
+        return timed
+
+    def _book(self) -> None:
+        """Put the time since the last call down to what runs now."""
+        now = process_time()
+        if self._running:
+            self.seconds[self._running[-1]] += now - self._since
+        self._since = now
