@@ -45,6 +45,7 @@ OFFER_TIME = 0.5  # [s], at the receiver
 MAX_ATTEMPTS = 3  # how often the hand closes for one thing
 MAX_PLANS = 3  # a plan begins at random points, so that another one may find more
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
+LOST = {"slipped", "dropped"}  # reasons that mean: the thing is not in the hand any more
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
 RECEIVER = (1.15, 0.0, 0.40)  # [m], the one who gets things sits across the table
 MEETING = (0.58, 0.0, 0.40)  # [m], where things are handed over
@@ -207,15 +208,7 @@ class Body:
         Args:
             height_m: how high; a grasp is only planned for `LIFT_HEIGHT`, more may be out of reach.
         """
-        report = self._lift_once(height_m)
-        while report.reason in {"slipped", "dropped"} and self._aim.attempts < MAX_ATTEMPTS:
-            self._aim = self._aim.failed(report.reason)
-            self._release()
-            grasped = self._grasp_again()
-            if not grasped.ok:
-                return replace(report, attempts=grasped.attempts, failures=grasped.failures)
-            report = self._lift_once(height_m)
-        return report
+        return self._with_it(lambda: self._lift_once(height_m), self._grasp_again)
 
     def hold(self, seconds: float) -> MotionReport:
         """Stand still with what is held."""
@@ -225,15 +218,11 @@ class Body:
         return self._report("hold", "" if held_s >= seconds else "dropped", held_s=held_s)
 
     def hand_over(self) -> MotionReport:
-        """Bring what is held to the receiver, its free part first, and hold it there."""
-        if self._held is None or self._sight is None:
-            return MotionReport("hand_over", ok=False, reason="nothing_held")
-        reason = self.motion.hand_over(self._held, self._reacher(self._sight))
-        held_s = 0.0
-        if not reason:
-            held_s = self.motion.hold_still(self._held, OFFER_TIME)
-            reason = "" if held_s >= OFFER_TIME else "dropped"
-        return self._report("hand_over", reason, held_s=held_s)
+        """Bring what is held to the receiver, its free part first, and hold it there.
+
+        What is lost on the way is taken and lifted again.
+        """
+        return self._with_it(self._offer, self._lift_again)
 
     def put_back(self) -> MotionReport:
         """Put what is held back where it was taken up, and let it go."""
@@ -358,6 +347,37 @@ class Body:
             return "missed", touch
         self._held = self.motion.grip_on(name, reach, sight, before)
         return "", touch
+
+    def _with_it(
+        self, act: Callable[[], MotionReport], again: Callable[[], MotionReport]
+    ) -> MotionReport:
+        """Do something with what is held; take what is lost again, and do it anew."""
+        report = act()
+        while report.reason in LOST:
+            self._aim = self._aim.failed(report.reason)
+            self._release()
+            report = replace(report, failures=self._aim.failures)
+            if self._aim.attempts >= MAX_ATTEMPTS:
+                break
+            taken = again()
+            if not taken.ok:
+                return replace(report, attempts=taken.attempts, failures=taken.failures)
+            report = act()
+        return report
+
+    def _lift_again(self) -> MotionReport:
+        grasped = self._grasp_again()
+        return self.lift() if grasped.ok else grasped
+
+    def _offer(self) -> MotionReport:
+        if self._held is None or self._sight is None:
+            return MotionReport("hand_over", ok=False, reason="nothing_held")
+        reason = self.motion.hand_over(self._held, self._reacher(self._sight))
+        held_s = 0.0
+        if not reason:
+            held_s = self.motion.hold_still(self._held, OFFER_TIME)
+            reason = "" if held_s >= OFFER_TIME else "dropped"
+        return self._report("hand_over", reason, held_s=held_s)
 
     def _lift_once(self, height_m: float) -> MotionReport:
         if self._held is None or self._sight is None:

@@ -117,7 +117,8 @@ class _Sections:
         row, depth = np.nonzero(ok)
         shift = (right - left)[row, depth] * BIN / 2
         centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
-        too_wide = int(np.sum(sum(_ends(wanted, room)) * BIN > gripper.opening))
+        alone = (sum(_ends(wanted, room)) - 1) * BIN + 2 * SIDE_CLEARANCE
+        too_wide = int(np.sum(alone > gripper.opening))
         blocked = int(np.sum(~(clear & narrow & shallow))) - too_wide
         return cls(centres, width[row, depth], too_wide, max(0, blocked))
 

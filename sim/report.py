@@ -35,7 +35,7 @@ class MotionReport:
         lifted_m: how far the thing is above where it was taken up [m].
         held_s: how long it was held still [s].
         attempts: how often the hand closed.
-        failures: why it closed in vain, in order; when a lift fails, `reason` tells the last one.
+        failures: why it closed in vain, in order.
         score: of the grasp that was used, at most 1; 0 when none was.
         slip_m: how far the thing moved in the hand [m].
         slip_rad: how far it turned in the hand [rad].
