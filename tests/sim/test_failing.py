@@ -69,7 +69,7 @@ def test_other_part_of_the_inverted_mug_is_grasped():
 
 
 def test_thing_that_always_slips_is_given_up():
-    """Fingers without friction: every closing fails, each is told, and the hand is empty afterwards."""
+    """Without friction every closing fails, each is told, and the hand is empty afterwards."""
     with body_with("objects:screwdriver", seed=3) as body:
         for finger in body.robot.gripper.links:
             body.world.engine.set_surface(NAME, finger, friction=0.0, spinning=0.0)
