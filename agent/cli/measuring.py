@@ -17,11 +17,18 @@ What = Annotated[
 ]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
+Gap = Annotated[
+    float | None,
+    typer.Option(min=0.01, max=0.2, help="Least distance between things on a robot's table [m]."),
+]
 Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
 Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
 File = Annotated[Path | None, typer.Option("--file", help="The YAML file of a custom experiment.")]
 Workers = Annotated[
-    int, typer.Option("--workers", min=1, help="Processes; with --ray, cases at once at most.")
+    int | None,
+    typer.Option(
+        "--workers", min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."
+    ),
 ]
 Ray = Annotated[
     str | None,
@@ -51,11 +58,12 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     what: What = None,
     sim: Sim = False,
     scenes: Scenes = None,
+    gap: Gap = None,
     poses: Poses = None,
     trials: Trials = None,
     file: File = None,
     seed: Seed = 0,
-    workers: Workers = 1,
+    workers: Workers = None,
     ray: Ray = None,
     timeout: Timeout = 600.0,
     out: OutFolder = None,
@@ -90,6 +98,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     given = {
         "sim": sim or None,
         "scenes": scenes,
+        "gap": gap,
         "poses": poses,
         "trials": trials,
         "file": str(file) if file else None,

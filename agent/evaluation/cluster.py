@@ -44,7 +44,7 @@ class Cluster:
 
     Args:
         address: of its head, "auto", or "local" for a cluster of our own.
-        workers: how many cases run at once at most; 1 leaves it to the cluster.
+        workers: how many cases run at once at most; None is as many as it has processors.
         timeout_s: how long a case may take before it is stopped [s].
         attempts: how often a case is begun that Ray gives up.
 
@@ -55,7 +55,7 @@ class Cluster:
     def __init__(
         self,
         address: str,
-        workers: int = 1,
+        workers: int | None = None,
         *,
         timeout_s: float = TIMEOUT_S,
         attempts: int = ATTEMPTS,
@@ -130,7 +130,7 @@ class _Run:
     def _room(self) -> int:
         """How many cases may be under way: nodes come and go."""
         places = int(self._ray.cluster_resources().get("CPU", 1)) or 1
-        return places if self._cluster.workers == 1 else min(places, self._cluster.workers)
+        return min(places, self._cluster.workers or places)
 
     def _next_cases(self) -> list[Case]:
         """As many as take `CHUNK_S`, so far as is known; few at the end, so that none waits."""

@@ -11,12 +11,12 @@ robot looks with its cameras and carries out what it decided, on a table nobody 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import cast
 
-from ...sim.scene import scene_of
+from ...sim.scene import Scene, scene_of
 from ..agent import Agent
 from ..reply import Reply
 from .case import Case, Result
@@ -24,6 +24,8 @@ from .experiment import Experiment
 from .explaining import why
 from .judging import Truth, judged
 from .scenarios import ACTIONS, Scenario, command, load_scenarios
+
+GAP = 0.05  # [m], room for two fingers and a little more: what is decided is tested, not clutter
 
 
 @dataclass(frozen=True)
@@ -33,9 +35,11 @@ class Decisions(Experiment):
     Attributes:
         seed: of everything random.
         sim: whether a simulated robot carries out what was decided.
+        gap: smallest distance between two things on its table [m].
     """
 
     sim: bool = False
+    gap: float = GAP
 
     @property
     def actions(self) -> Sequence[str]:
@@ -87,17 +91,19 @@ class Decisions(Experiment):
     def picture(self, objects: Sequence[str], seed: int, path: Path) -> Path:
         """Write a picture of a scene before anything was done, and give its path back."""
         pupil = next(iter(self._taught.values()))
-        scene = scene_of(objects, seed=seed, objects=pupil.objects)
-        with pupil.facing(scene, simulate=True) as agent:
+        with pupil.facing(self._scene(objects, seed, pupil), simulate=True) as agent:
             return agent.body.picture(path)
 
     def _reply(self, case: Case, *, simulate: bool) -> Reply:
         spec = cast("dict[str, str]", case.spec)
         objects = cast("list[str]", case.spec["scene"])
         pupil = self._taught[spec["scenario"]]
-        scene = scene_of(objects, seed=cast("int", case.spec["seed"]), objects=pupil.objects)
+        scene = self._scene(objects, cast("int", case.spec["seed"]), pupil)
         with pupil.facing(scene, simulate=simulate) as agent:
             return agent.hear(command(spec["action"], spec["affordance"]), only="do", keep=False)
+
+    def _scene(self, objects: Sequence[str], seed: int, pupil: Agent) -> Scene:
+        return replace(scene_of(objects, seed=seed, objects=pupil.objects), gap=self.gap)
 
     def mind(self) -> Agent:
         """An agent without a body that was told nothing yet, over a base in memory."""

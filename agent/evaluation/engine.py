@@ -41,12 +41,12 @@ class Serial:
 
 
 def open_engine(
-    workers: int = 1, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
+    workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
 ) -> Engine:
     """The engine that the options of a command ask for.
 
     Args:
-        workers: processes; with `ray`, how many cases run at once at most.
+        workers: how many cases run at once; None is one, or as many as the cluster has room for.
         ray: the address of a Ray cluster, "auto" for the one that this machine belongs to, or
             "local" for one of our own.
         timeout_s: how long a case may take before its worker is killed [s].
@@ -58,7 +58,7 @@ def open_engine(
         from .cluster import Cluster
 
         return Cluster(ray, workers, timeout_s=timeout_s)
-    if workers == 1:
+    if workers is None or workers == 1:
         return Serial()
     from .processes import Processes
 

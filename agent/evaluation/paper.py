@@ -28,6 +28,7 @@ class PaperRun(Decisions):
     Attributes:
         seed: of the scenes, and of how things lie on the table.
         sim: whether a simulated robot carries out what was decided.
+        gap: smallest distance between two things on its table [m].
         scenes: how many scenes, at most `MAX_SCENES`.
     """
 

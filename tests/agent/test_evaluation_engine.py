@@ -99,7 +99,7 @@ def test_unknown_experiment_is_told(name: str, problem: str):
 
 def test_unknown_option_is_told():
     """An option that the experiment does not have lists those it has."""
-    with pytest.raises(UnknownNameError, match="Known: scenes, seed, sim"):
+    with pytest.raises(UnknownNameError, match="Known: gap, scenes, seed, sim"):
         make_experiment("paper", {"sceness": 3})
 
 
