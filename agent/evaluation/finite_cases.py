@@ -23,7 +23,7 @@ from ..perception import PerfectVision
 from ..translation import request_of, rule_of
 from .scenarios import ACTIONS, LEVELS
 from .space import CONTEXTS, NUMBERS, Cell, Space, belief, levels_of
-from .taught import Decided, Taught, acceptable
+from .taught import Decided, Statement, Taught, acceptable, believed
 from .weak_orders import Block
 
 Found = tuple[Json, list[str]]
@@ -41,6 +41,7 @@ class Lexis:
 
     def __init__(self, space: Space) -> None:
         self.space = space
+        self._left: dict[str, frozenset[Statement]] = {}
 
     @cached_property
     def language(self) -> Language:
@@ -60,6 +61,13 @@ class Lexis:
             raise TypeError(f'"{sentence}" is understood as no statement: {said}.')
         (rule,) = said.rules
         return rule_of(rule, DEFAULT_SPEAKER)
+
+    def left_by(self, sentence: str) -> frozenset[Statement]:
+        """What a sentence leaves in the graph of beliefs when nothing else is told."""
+        if sentence not in self._left:
+            with Taught([self.rule(sentence)]) as taught:
+                self._left[sentence] = believed(taught.base)
+        return self._left[sentence]
 
     def taught(self, codes: Sequence[int]) -> Taught:
         """A mind that was taught a learning scenario."""

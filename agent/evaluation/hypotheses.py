@@ -2,7 +2,8 @@
 """The hypotheses of the verification, shown by the program instead of assumed.
 
 teaching    a learning scenario told by sentence in order, shuffled, and everything twice and
-            shuffled leaves the same rules in the base, and those are the ones that were told (H1)
+            shuffled leaves the same rules in the base, and those are the ones that were told; the
+            graph of beliefs is the union of what each rule leaves when told alone (H1)
 situations  every scene and command under one learning scenario: what is chosen, and of which cells
             anything was read: those of the objects in the scene, and of the chosen one's parts
             (H2). Where nothing can be chosen the program goes on to read what is said about
@@ -22,7 +23,7 @@ from ..agent import Agent
 from .finite_cases import Found, Lexis, best, parts_mask
 from .scenarios import ACTIONS
 from .space import CONTEXTS, NUMBERS, Cell, Codes, Space, code_of
-from .taught import Decided, Taught, acceptable
+from .taught import Decided, Statement, Taught, acceptable, believed
 
 
 def codes_of(space: Space, seed: int) -> Codes:
@@ -38,20 +39,23 @@ def teaching(lexis: Lexis, seed: int) -> Found:
     once = space.sentences(codes)
     shuffled = rng.sample(once, len(once))
     doubled = rng.sample(once * 2, len(once) * 2)
-    believed = [_believed(sentences) for sentences in (once, shuffled, doubled)]
-    held = [list(_read_back(space, rules)) for rules in believed]
+    bases = [_told(sentences) for sentences in (once, shuffled, doubled)]
+    held = [list(_read_back(space, rules)) for rules, _ in bases]
     wrong = [f"{codes} is held as {each}" for each in held if each != list(codes)]
-    if not believed[0] == believed[1] == believed[2]:
-        wrong.append("the rules depend on the order of teaching")
+    if not bases[0] == bases[1] == bases[2]:
+        wrong.append("what is believed depends on the order of teaching")
+    if bases[0][1] != frozenset[Statement]().union(*(lexis.left_by(each) for each in once)):
+        wrong.append("what is believed is not the union of what each rule leaves")
     return {"codes": codes, "held": held, "told": [len(once), len(shuffled), len(doubled)]}, wrong
 
 
-def _believed(sentences: Sequence[str]) -> frozenset[Rule]:
-    """The rules that a base holds after hearing sentences, but for when each was said."""
+def _told(sentences: Sequence[str]) -> tuple[frozenset[Rule], frozenset[Statement]]:
+    """The rules and the statements that a base holds after hearing sentences."""
     with Agent.open("memory:", scene="all", simulate=False) as agent:
         for sentence in sentences:
             agent.hear(sentence, only="tell")
-        return frozenset(replace(rule, utterance=None, time=None) for rule in agent.base.rules())
+        rules = frozenset(replace(r, utterance=None, time=None) for r in agent.base.rules())
+        return rules, believed(agent.base)
 
 
 def _read_back(space: Space, rules: frozenset[Rule]) -> Iterator[int]:

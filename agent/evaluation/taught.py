@@ -11,12 +11,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import TracebackType
+from typing import TypeAlias
 
 from ...inference.affordance import Affordances
 from ...inference.goal import Candidate, Inference, Target
 from ...inference.settings import Settings
 from ...inference.taxonomy import Taxonomy
+from ...kb.beliefs import KnowledgeBase
 from ...kb.rule import DEFAULT_SPEAKER, Rule
+from ...kb.stars import BELIEFS, DERIVED_FROM, GENERATED_AT
 from ...ontology.action_sheet import load_actions
 from ...ontology.objects import load_household
 from ...sim.scene import Placement, Scene
@@ -26,6 +29,9 @@ from ..outcome import Decision
 from ..perception import PerfectVision
 from .space import Cell
 from .tracing import Traced
+
+Statement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
+WHEN = (DERIVED_FROM, GENERATED_AT)
 
 # What comes with the program is read once: it never changes.
 _objects = cache(lambda: load_household().objects)
@@ -84,6 +90,12 @@ class Taught:
         trace: TracebackType | None,
     ) -> None:
         self.base.close()
+
+
+def believed(base: KnowledgeBase) -> frozenset[Statement]:
+    """The statements of the graph of beliefs, but for when each rule was said."""
+    quads = base.store.quads(None, None, None, BELIEFS)
+    return frozenset(quad[:3] for quad in quads if quad.predicate not in WHEN)
 
 
 def acceptable(inference: Inference | None) -> tuple[Candidate, ...]:

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from hilt.agent.evaluation.all_scenarios import AllScenarios
 from hilt.agent.evaluation.case import Case, Result, line_of
 from hilt.agent.evaluation.finite_cases import Lexis, scores
+from hilt.agent.evaluation.hypotheses import teaching
 from hilt.agent.evaluation.space import Cell, Space, belief
 from hilt.agent.evaluation.taught import Taught
 from hilt.agent.evaluation.tracing import Opaque, Traced
@@ -152,6 +153,22 @@ def test_another_fusion_is_found_out(monkeypatch):
     _, wrong = scores(Lexis(Space.of_paper(1, 1)), shift=3)
 
     assert wrong
+
+
+def test_base_that_forgets_is_found_out(monkeypatch):
+    """A base in which a rule takes the place of others of its node is no set of what was told."""
+    believe = KnowledgeBase.believe
+
+    def forgetful(self, text, predicate, speaker, rules, **more):
+        told = list(rules)
+        before = [rule.id for rule in self.rules_of([rule.node for rule in told])]
+        return believe(self, text, predicate, speaker, told, **more | {"supersedes": before})
+
+    monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
+
+    _, wrong = teaching(Lexis(Space.of_paper(1, 1)), seed=0)
+
+    assert "what is believed is not the union of what each rule leaves" in wrong
 
 
 def test_choice_that_drops_ties_is_found_out(monkeypatch):
