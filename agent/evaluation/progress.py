@@ -42,9 +42,9 @@ def progress(
         name: what is run.
         total: how many cases there are.
         begun: how many of them are done before.
-        console: where it is shown; None shows nothing.
+        console: where it is shown; None shows nothing, nor does a file.
     """
-    if console is None:
+    if console is None or not console.is_terminal:
         yield lambda: None
         return
     columns = (
