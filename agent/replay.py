@@ -32,6 +32,8 @@ from .teaching import known
 
 LAST = "last"
 COMPARED = ("outcome", "said", "decision", "steps", "world")
+KEPT = {"request", "state", "circumstances", "after"}
+CIRCUMSTANCES = {"embodiment", "actions", "settings", "induces"}
 LISTED = 8  # ids that a message names
 
 
@@ -71,17 +73,19 @@ def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
     """The episode of an id, of the only id that begins so, or the last one for "last".
 
     Raises:
-        UnknownNameError: there is none, or there are several.
+        UnknownNameError: there is none.
+        HiltError: there are several.
     """
     if name == LAST and episodes:
         return episodes[-1]
     found = [each for each in episodes if each.id == name]
     found = found or [each for each in episodes if each.id.startswith(name)]
-    if len(found) == 1:
-        return found[0]
-    known = [each.id for each in found or episodes]
-    more = [f"and {len(known) - LISTED} more"] if len(known) > LISTED else []
-    raise UnknownNameError("single episode", name, [*known[-LISTED:], *more])
+    if len(found) > 1:
+        alike = ", ".join(each.id for each in found[-LISTED:])
+        raise HiltError(f'{len(found)} episodes begin with "{name}", among them {alike}.')
+    if not found:
+        raise UnknownNameError("episode", name, [each.id for each in episodes[-LISTED:]])
+    return found[0]
 
 
 def replay(
@@ -123,10 +127,10 @@ def _chain(episodes: Mapping[str, Episode], last: Episode) -> list[Episode]:
 
 def _again(episode: Episode) -> dict[str, Any]:
     again = json.loads(episode.document).get(AGAIN)
-    if again is None:
+    if again is None or KEPT - again.keys() or CIRCUMSTANCES - again["circumstances"].keys():
         raise HiltError(
             f"Episode {episode.id} cannot be run again: it was not done with Hilt's own eyes and "
-            "hands, or something before it was not kept."
+            "hands, something before it was not kept, or another version of Hilt recorded it."
         )
     return again
 

@@ -9,6 +9,7 @@ where it should be grasped: that is learned.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -21,6 +22,7 @@ from .source import Field, read_yaml
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
 MAX_MASS = 500.0  # [kg]
 MAX_FORCE = 10_000.0  # [N]
+_WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 
 
 @dataclass(frozen=True)
@@ -227,6 +229,7 @@ class _Reader:
     def object(self, name: str, spec: Field, fields: Mapping[str, Field]) -> ObjectType:
         if name in self.objects:
             raise spec.fail(f'there already is an object "{name}".')
+        _refuse_no_word(name, spec)
         keys = spec.entries(
             required={"is_a", "parts", "rests"}, optional={"properties", "graspable", "mount"}
         )
@@ -245,6 +248,7 @@ class _Reader:
         )
 
     def _part(self, name: str, spec: Field) -> PartType:
+        _refuse_no_word(name, spec)
         keys = spec.entries(
             required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
         )
@@ -265,6 +269,11 @@ class _Reader:
         if "properties" not in keys:
             return frozenset()
         return frozenset(keys["properties"].texts(choices=self.properties))
+
+
+def _refuse_no_word(name: str, spec: Field) -> None:
+    if not _WORDS.fullmatch(name) or name != name.lower():
+        raise spec.fail(f'"{name}" is no name; expected lower-case words with single spaces.')
 
 
 def _read_glossary(fields: Mapping[str, Field]) -> dict[str, str]:

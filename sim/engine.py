@@ -22,6 +22,7 @@ import numpy as np
 
 from ..ontology.errors import MissingExtraError, SimulationError, UnknownNameError
 from . import poses
+from .display import refuse_no_display
 from .poses import Array
 from .readings import Contact, Hit, Image, Joint, Light
 
@@ -55,6 +56,8 @@ class Engine:
 
     def __init__(self, *, gui: bool = False) -> None:
         self._p: Any = _import_pybullet()
+        if gui:
+            refuse_no_display()
         with _quiet():
             self._client: int = self._p.connect(self._p.GUI if gui else self._p.DIRECT)
         if self._client < 0:

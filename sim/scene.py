@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 ROOM = ("floor", "table")  # what every scene has anyway
+RESERVED = (*ROOM, "robot")  # names that no thing can have
 MAX_OBJECTS = 40
 MAX_SEED = 2**31 - 1
 TABLE_REACH = 1.0  # [m], how far from the robot's base something can be put on the table
@@ -108,6 +109,8 @@ def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> S
         UnknownNameError: an object that is not known.
         DataError: the text or the file is wrong; says what was expected.
     """
+    if not 0 <= seed <= MAX_SEED:
+        raise DataError(f"expected 0 to {MAX_SEED}, found {seed}.", source="--seed")
     kind, colon, rest = spec.partition(":")
     if spec == "all":
         return scene_of(graspable(objects), seed=seed, objects=objects)
@@ -116,7 +119,7 @@ def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> S
         return scene_of(names, seed=seed, objects=objects)
     if kind == "random" and colon:
         return _random_scene(rest, objects)
-    return _read_scene(Path(spec), seed, objects)
+    return _read_scene(spec, seed, objects)
 
 
 def graspable(objects: Mapping[str, ObjectType]) -> tuple[str, ...]:
@@ -167,10 +170,11 @@ def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[s
     return [name for name in names for _ in range(drawn[name])]
 
 
-def _read_scene(path: Path, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
+def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
+    path = Path(spec)
     if path.suffix not in {".yaml", ".yml"}:
         raise DataError(
-            f'expected a YAML file, "objects:knife,mug", "random:SEED" or "all", found "{path}".',
+            f'expected a YAML file, "objects:knife,mug", "random:SEED" or "all", found "{spec}".',
             source="--scene",
         )
     keys = read_yaml(path).entries(required={"objects"}, optional={"seed", "clutter"})
@@ -224,14 +228,14 @@ def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement
 def _refuse_double_names(placements: Sequence[Placement], items: Sequence[Field]) -> None:
     seen: set[str] = set()
     for placement, item in zip(placements, items, strict=True):
-        if placement.name in {*seen, *ROOM} and placement.name != placement.object:
+        if placement.name in {*seen, *RESERVED} and placement.name != placement.object:
             raise item.fail(f'the name "{placement.name}" is taken.')
         seen.add(placement.name)
 
 
 def _with_own_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
     """The placements with a number after names that occur again."""
-    taken: Counter[str] = Counter()
+    taken: Counter[str] = Counter(RESERVED)
     result: list[Placement] = []
     for placement in placements:
         taken[placement.name] += 1

@@ -59,7 +59,7 @@ Record = Annotated[
     Path | None,
     typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file."),
 ]
-Seed = Annotated[int, typer.Option("--seed", help="The seed of everything random.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="The seed of everything random.")]
 Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
 Heard = Annotated[
     float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")

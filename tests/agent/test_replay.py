@@ -119,6 +119,8 @@ def test_episode_is_found_by_the_start_of_its_id(base: KnowledgeBase):
     assert find_episode(both, episode.id[:-1]) == episode
     with pytest.raises(UnknownNameError, match=f"Known: {min(episode.id, other.id)}"):
         find_episode(both, "nine")
+    with pytest.raises(HiltError, match='2 episodes begin with "", among'):
+        find_episode(both, "")
 
 
 def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
@@ -137,7 +139,7 @@ def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[s
     assert (episode["outcome"], episode["decision"]["part"]) == ("done", "blade")
     assert (again["episode"], again["same"]) == (episode["id"], True)
     assert missing[0] == 2
-    assert 'no single episode "x"' in missing[1]
+    assert 'no episode "x"' in missing[1]
 
 
 @pytest.mark.sim

@@ -205,3 +205,10 @@ def test_wrong_mount_is_told(tmp_path: Path, mount: str, problem: str):
     """A mount names a support that there is, and is no deeper than it can be."""
     with pytest.raises(DataError, match=problem):
         load_added(tmp_path, f"{ROD}    mount: {mount}\n")
+
+
+@pytest.mark.parametrize("name", ["Rod", "a/b", "rod_1", "two  rods"])
+def test_name_that_is_no_word_is_refused_where_it_stands(name: str, tmp_path: Path):
+    """What no sentence could name is told when the file is read, with its line."""
+    with pytest.raises(DataError, match=r"mine\.yaml:\d+:\d+: .* is no name; expected lower-case"):
+        load_added(tmp_path, ROD.replace("rod:", f'"{name}":', 1))

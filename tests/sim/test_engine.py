@@ -10,7 +10,7 @@ import pytest
 
 from hilt.ontology.errors import SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
-from hilt.sim import poses
+from hilt.sim import display, poses
 from hilt.sim.camera import Camera
 from hilt.sim.engine import GRAVITY, TIME_STEP, Engine
 from hilt.sim.models import model_of
@@ -223,3 +223,12 @@ def test_what_is_unseen_is_only_not_drawn(engine: Engine):
     assert before.mask("knife").any()
     assert not unseen.mask("knife").any()
     assert np.array_equal(before.colour, after.colour)
+
+
+def test_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch):
+    """It is one error, where PyBullet would end the process."""
+    monkeypatch.setattr(display.sys, "platform", "linux")
+    monkeypatch.setattr(display, "_answers", lambda: False)
+
+    with pytest.raises(SimulationError, match="no display"):
+        Engine(gui=True)

@@ -267,3 +267,18 @@ def test_unknown_clutter_is_refused(tmp_path: Path):
     """A level that there is not is told with those that there are."""
     with pytest.raises(DataError, match="expected one of high, low, medium"):
         parse_scene(write_scene(tmp_path, "clutter: huge\nobjects: [mug]"), seed=0, objects=OBJECTS)
+
+
+@pytest.mark.parametrize("name", ["robot", "table"])
+def test_names_of_the_room_and_the_robot_are_not_given_to_things(name: str, tmp_path: Path):
+    """A thing cannot be called like what every world has."""
+    (tmp_path / "it.yaml").write_text(f"objects: [{{object: mug, name: {name}}}]")
+
+    with pytest.raises(DataError, match=f'the name "{name}" is taken'):
+        parse_scene(str(tmp_path / "it.yaml"), seed=0, objects=OBJECTS)
+
+
+def test_negative_seed_is_refused():
+    """Before anything is drawn from it."""
+    with pytest.raises(DataError, match=r"--seed: expected 0 to \d+, found -1"):
+        parse_scene("all", seed=-1, objects=OBJECTS)
