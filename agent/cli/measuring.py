@@ -23,6 +23,9 @@ Gap = Annotated[
 ]
 Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
 Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
+Curves = Annotated[
+    str | None, typer.Option("--curves", help="Noise curves, with commas between them.")
+]
 File = Annotated[Path | None, typer.Option("--file", help="The YAML file of a custom experiment.")]
 Workers = Annotated[
     int | None,
@@ -61,6 +64,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     gap: Gap = None,
     poses: Poses = None,
     trials: Trials = None,
+    curves: Curves = None,
     file: File = None,
     seed: Seed = 0,
     workers: Workers = None,
@@ -101,6 +105,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         "gap": gap,
         "poses": poses,
         "trials": trials,
+        "curves": curves,
         "file": str(file) if file else None,
         "seed": seed,
     }

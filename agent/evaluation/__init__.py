@@ -7,5 +7,8 @@ result      what came of a case, and whether the ground truth allows it
 scenario    what is taught and what is then right (the paper's Table 2)
 engine      what runs cases: this process, several processes, or a Ray cluster
 journal     the results of a run as they come; what is in it is not run again
-report      the results of a run, counted
+report      the results of a run, counted; as a table, a page, or compared with another
+cell        what a rule is about, without how sure it is; each can be taught any set of levels
+certificate what was found out about all learning scenarios, for others to check
+curve       accuracy against one kind of trouble, with a confidence band
 """

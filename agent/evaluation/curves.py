@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import cast
 
 from ..outcome import Json
 from .bands import band_of
@@ -13,6 +14,7 @@ from .case import Result
 FUSIONS = ("yager", "dempster", "cautious", "mean")
 THRESHOLDS = ("0", "0.005", "0.01", "0.02")
 GARBLINGS = ("misheard", "dropped", "swapped")
+OUTCOMES = ("right", "wrong", "declined")
 SENSORS = ("missed", "confused", "confidence")
 
 
@@ -83,36 +85,33 @@ CURVES: Mapping[str, Curve] = {
 
 def drawn(results: Sequence[Result]) -> list[Json]:
     """The curves of some results: a point for each line and value, with its band."""
-    groups: dict[tuple[str, str, float], list[Json]] = {}
+    found: dict[str, dict[str, dict[float, list[Json]]]] = {}
     for result in results:
-        if result.kind == "check":
+        if result.kind == "check":  # not an error
             curve, line, value, _ = result.key.split("/")
-            groups.setdefault((curve, line, float(value)), []).append(result.facts)
+            lines = found.setdefault(curve, {})
+            lines.setdefault(line, {}).setdefault(float(value), []).append(result.facts)
     return [
         {
             "curve": name,
             "label": CURVES[name].label,
             "lines": {
-                line: [_point(v, groups[name, line, v]) for n, at, v in groups if (n, at) == key]
-                for key in dict.fromkeys((n, at) for n, at, _ in groups if n == name)
-                for line in key[1:]
+                line: [_point(value, trials) for value, trials in points.items()]
+                for line, points in lines.items()
             },
         }
-        for name in dict.fromkeys(name for name, _, _ in groups)
+        for name, lines in found.items()
     ]
 
 
 def _point(value: float, trials: Sequence[Json]) -> Json:
-    rights = [int(str(trial["right"])) for trial in trials]
-    per_trial = int(str(trials[0]["commands"]))
-    band = band_of(rights, per_trial)
-    wrong, declined = (sum(int(str(t[name])) for t in trials) for name in ("wrong", "declined"))
+    counts = cast("Sequence[dict[str, int]]", trials)
+    per_trial = counts[0]["commands"]
+    band = band_of([trial["right"] for trial in counts], per_trial)
     return {
         "x": value,
         "decisions": len(trials) * per_trial,
-        "right": sum(rights),
-        "wrong": wrong,
-        "declined": declined,
+        **{name: sum(trial[name] for trial in counts) for name in OUTCOMES},
         "accuracy": round(band.share, 6),
         "lower": round(band.lower, 6),
         "upper": round(band.upper, 6),

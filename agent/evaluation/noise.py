@@ -19,7 +19,7 @@ from random import Random
 from typing import ClassVar, Literal, cast
 
 from ...inference.settings import Settings
-from ...ontology.errors import HiltError
+from ...ontology.errors import HiltError, UnknownNameError
 from ...sim.scene import scene_of
 from ..agent import Agent
 from ..outcome import Json
@@ -42,10 +42,28 @@ class NoiseRun(Experiment):
     Attributes:
         seed: of scenes, eyes and ears.
         trials: for each point of a curve; half of them with Scenario A, half with B.
+        curves: names of curves with commas between them; all when empty.
+        sim: whether a simulated robot carries out what it decides; then right is only what it
+            also managed to do.
+
+    Raises:
+        UnknownNameError: there is no such curve.
     """
 
     name: ClassVar[str] = "noise"
     trials: int = 30
+    curves: str = ""
+    sim: bool = False
+
+    def __post_init__(self) -> None:
+        for name in self._wanted:
+            if name not in CURVES:
+                raise UnknownNameError("curve", name, CURVES)
+
+    @property
+    def _wanted(self) -> list[str]:
+        named = [name.strip() for name in self.curves.split(",")]
+        return [name for name in named if name] or list(CURVES)
 
     def cases(self) -> Sequence[Case]:
         """Curve by curve, line by line, value by value, the trials."""
@@ -55,7 +73,7 @@ class NoiseRun(Experiment):
                 f"{curve.name}/{line}/{value:g}/{trial}",
                 {"curve": curve.name, "line": line, "value": value, "trial": trial},
             )
-            for curve in CURVES.values()
+            for curve in map(CURVES.__getitem__, self._wanted)
             for line in curve.lines
             for value in curve.values
             for trial in range(self.trials)
@@ -66,7 +84,7 @@ class NoiseRun(Experiment):
         curve = CURVES[str(case.spec["curve"])]
         line, value = str(case.spec["line"]), cast("float", case.spec["value"])
         trial = cast("int", case.spec["trial"])
-        setting = _Setting(curve, line, value, trial, self.seed)
+        setting = _Setting(curve, line, value, trial, self.seed, self.sim)
         outcomes = list(setting.outcomes())
         counted = Counter(outcome for outcome, _ in outcomes)
         commands = sum(counted.values())
@@ -105,6 +123,7 @@ class _Setting:
     value: float
     trial: int
     seed: int
+    sim: bool
 
     def outcomes(self) -> Iterator[tuple[Outcome, str]]:
         """What came of each command, and how it went in words."""
@@ -114,7 +133,7 @@ class _Setting:
             for action in ACTIONS:
                 objects = rng.sample(sorted(self._scenario.grasps), rng.randint(1, 8))
                 scene = scene_of(objects, seed=rng.randrange(2**31), objects=pupil.objects)
-                with pupil.facing(scene) as agent:
+                with pupil.facing(scene, simulate=self.sim) as agent:
                     said = self._heard(command(action, affordance), rng.random())
                     reply = agent.hear(said, only="do", keep=False)
                 truth = Truth.of(self._scenario, action, affordance, objects)
@@ -151,10 +170,10 @@ def _outcome(truth: Truth, reply: Reply) -> Outcome:
     best = decision.object.best if decision else None
     # By its name: what is taken for something else still is what it is.
     chosen = best.name if best else None
-    understood = reply.achievement is not None
-    if understood and truth.allows(chosen, decision.chosen_part if decision else None):
-        return "right"
-    return "wrong" if chosen else "declined"
+    part = decision.chosen_part if decision else None
+    if reply.achievement is None or not truth.allows(chosen, part):
+        return "wrong" if chosen else "declined"
+    return "right" if reply.is_done or not reply.achievement.world.executed else "wrong"
 
 
 def _claim(curves: Sequence[Json]) -> Json:

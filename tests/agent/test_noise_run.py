@@ -14,6 +14,7 @@ from hilt.agent.evaluation.case import Case, Result
 from hilt.agent.evaluation.curves import CURVES, drawn
 from hilt.agent.evaluation.garbling import garbled
 from hilt.agent.evaluation.noise import NoiseRun
+from hilt.ontology.errors import UnknownNameError
 
 RUN = NoiseRun(trials=1)
 WORDS = ("knife", "mug", "cutting")
@@ -55,6 +56,26 @@ def test_trial_is_the_same_again():
 def test_teacher_whom_nobody_trusts_does_no_harm():
     """What is told with trust 0 is refused."""
     assert run("trust", "yager", 0.0).facts["right"] == 15
+
+
+def test_only_the_wanted_curves_are_run():
+    """One that there is not is refused, with those there are."""
+    cases = NoiseRun(trials=1, curves="missed, trust").cases()
+
+    assert {case.spec["curve"] for case in cases} == {"missed", "trust"}
+    with pytest.raises(UnknownNameError, match='no curve "mist"'):
+        NoiseRun(curves="mist")
+
+
+@pytest.mark.sim
+def test_robot_acts_in_spite_of_noise():
+    """A trial can be carried out; without noise the robot does nearly all that is asked."""
+    spec = {"curve": "missed", "line": "default", "value": 0.0, "trial": 0}
+    experiment = NoiseRun(trials=1, curves="missed", sim=True)
+
+    result = experiment.run(Case("noise", "missed/default/0/0", spec))
+
+    assert result.facts["right"] >= 13
 
 
 def test_curves_have_a_point_for_each_line_and_value():
