@@ -81,6 +81,7 @@ class Recorder:
         self._interval = max(1, round(pace / rate / TIME_STEP))  # steps
         self._waiting = 0
         self._taken: list[tuple[Picture, str]] = []
+        self._rests: list[int] = []  # where it rests on one of them
 
     def __enter__(self) -> Recorder:
         self._world.watcher = self._watch
@@ -115,6 +116,7 @@ class Recorder:
 
     def pause(self, seconds: float, at: Array | None = None) -> None:
         """Take a picture and let the recording rest on it, while no time passes in the world."""
+        self._rests.append(len(self._taken))
         self.take(at)
         self._taken += self._taken[-1:] * (round(seconds * self._rate) - 1)
 
@@ -127,19 +129,20 @@ class Recorder:
         """What has been taken so far, with captions, all of one size."""
         return _captioned(self._taken)
 
-    @property
-    def moments(self) -> list[Picture]:
-        """The same without the time that the recording rests on one of them."""
-        earlier = [None, *self._taken]
-        return _captioned(
-            [each for each, last in zip(self._taken, earlier, strict=False) if each is not last]
-        )
+    def _strip(self) -> Picture:
+        """Moments side by side, among them all on which the recording rests."""
+        kept: list[tuple[Picture, str]] = []
+        rests: list[int] = []
+        for index, each in enumerate(self._taken):
+            rests += [len(kept)] if index in self._rests else []
+            kept += [each] if not kept or each is not kept[-1] else []
+        return strip(_captioned(kept), rests)
 
     def _write(self) -> None:
         with writing(self._path):
             match self._path.suffix.lower():
                 case ".png":
-                    save_picture(strip(self.moments), self._path)
+                    save_picture(self._strip(), self._path)
                 case ".gif":
                     _write_gif(self.pictures, self._path, self._rate)
                 case _:
@@ -184,11 +187,19 @@ def _refuse_missing_encoder(path: Path) -> None:
         raise MissingExtraError("sim", "imageio-ffmpeg")
 
 
-def strip(pictures: list[Picture]) -> Picture:
-    """Some of the pictures, evenly spaced in time, row by row in one."""
-    wanted = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
-    chosen = [pictures[i] for i in np.linspace(0, len(pictures) - 1, wanted).round().astype(int)]
-    columns = min(wanted, STRIP_COLUMNS)
+def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
+    """Some of the pictures, evenly spaced in time, row by row in one.
+
+    Args:
+        pictures: all of one size.
+        always: which of them must be among these, as far as there is room.
+    """
+    most = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
+    must = sorted(always)[:most]
+    others = [index for index in range(len(pictures)) if index not in must]
+    places = np.linspace(0, max(len(others) - 1, 0), most - len(must)).round().astype(int)
+    chosen = [pictures[i] for i in sorted([*must, *(others[place] for place in places)])]
+    columns = min(most, STRIP_COLUMNS)
     blank = np.full_like(chosen[0], 255)
     chosen += [blank] * (-len(chosen) % columns)
     rows = [np.hstack(chosen[i : i + columns]) for i in range(0, len(chosen), columns)]

@@ -111,6 +111,16 @@ def test_strip_is_made_of_evenly_spaced_pictures():
     assert (whole[0, 0, 0], whole[-1, -1, 0]) == (0, 49)
 
 
+def test_strip_has_what_must_be_in_it():
+    """A moment between the evenly spaced ones is kept when it is asked for."""
+    shades = [np.full((4, 6, 3), shade, np.uint8) for shade in range(100)]
+
+    whole = strip(shades, [41, 43])
+
+    assert {41, 43, 0, 99} <= set(whole.ravel().tolist())
+    assert whole.shape == (8, 24, 3)
+
+
 def test_nothing_is_rendered_when_nobody_records(
     world: World, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ):
