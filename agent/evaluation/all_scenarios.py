@@ -113,7 +113,7 @@ class AllScenarios(Experiment):
             case "situations":
                 return hypotheses.situations(self._lexis, self.seed + first, second)
             case _:
-                return finite_cases.choices(Block(self.objects, first, second))
+                return Block(self.objects, first, second).chosen()
 
     @staticmethod
     def _facts(results: Sequence[Result]) -> dict[str, list[Json]]:

@@ -24,7 +24,6 @@ from ..translation import request_of, rule_of
 from .scenarios import ACTIONS, LEVELS
 from .space import CONTEXTS, NUMBERS, Cell, Space, belief, levels_of
 from .taught import Decided, Statement, Taught, acceptable, believed
-from .weak_orders import Block
 
 Found = tuple[Json, list[str]]
 NOT_CONCLUDED: list[float] = [0.0, 1.0, 0.0, 0]  # lower, upper, lambda, accepted: nothing was told
@@ -202,14 +201,7 @@ def _proved(candidate: Candidate | None) -> bool:
     return (again.lower, again.upper) == _interval(candidate)
 
 
-# --- Choices -----------------------------------------------------------------------------------
-
-
-def choices(block: Block) -> Found:
-    """The choice for every weak order of a block; what is right is seen where they are counted."""
-    facts = block.chosen()
-    wrong = [f"{facts['none']} choices of nothing"] if block.ranked and facts["none"] else []
-    return facts, wrong
+# --- Grasps ------------------------------------------------------------------------------------
 
 
 def grasps(lexis: Lexis, first: int) -> Found:

@@ -49,14 +49,19 @@ class Block:
             if standing.count(RANKED) == self.ranked:
                 yield from ((standing, ranking) for ranking in rankings)
 
-    def chosen(self) -> Json:
-        """How many choices are unique, ties or none, and a digest of all, in order.
+    def chosen(self) -> tuple[Json, list[str]]:
+        """What the program chooses, counted and digested, and what is not as the order says.
 
         What is digested is, for each case, the number of the acceptable objects as one byte, bit i
         for object i.
         """
         chooser = _Chooser(self.objects, self.levels)
         masks = bytearray(chooser.choose(*order) for order in self.orders())
+        wrong = [
+            f"{standing} ranked {ranking} gives {mask}"
+            for mask, (standing, ranking) in zip(masks, self.orders(), strict=True)
+            if mask != self._highest(standing, ranking)
+        ]
         counts = [0, 0, 0]
         for mask in masks:
             counts[min(mask.bit_count(), 2)] += 1
@@ -67,7 +72,13 @@ class Block:
             "unique": counts[1],
             "ties": counts[2],
             "digest": hashlib.sha256(masks).hexdigest(),
-        }
+        }, wrong
+
+    def _highest(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
+        """The objects on the highest level, by the order alone; no level stays empty."""
+        ranked = (1 << i for i, how in enumerate(standing) if how == RANKED)
+        pairs = zip(ranked, ranking, strict=True)
+        return sum(bit for bit, level in pairs if level == self.levels - 1)
 
 
 def blocks(objects: int) -> list[Block]:

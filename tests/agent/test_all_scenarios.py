@@ -180,7 +180,10 @@ def test_choice_that_drops_ties_is_found_out(monkeypatch):
         lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
     )
 
-    assert Block(2, 2, 1).chosen()["ties"] == 0
+    facts, wrong = Block(2, 2, 1).chosen()
+
+    assert facts["ties"] == 0
+    assert wrong == ["(2, 2) ranked (0, 0) gives 1"]
 
 
 def test_choice_that_looks_at_scores_is_found_out(monkeypatch):
