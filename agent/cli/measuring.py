@@ -13,7 +13,8 @@ from .options import AsJson, Seed, app
 from .terminal import finish, show, terminal
 
 What = Annotated[
-    str | None, typer.Argument(help="paper, situations, grasps, all-scenarios, noise or custom.")
+    str | None,
+    typer.Argument(help="paper, situations, grasps, all-scenarios, noise, custom or module:Class."),
 ]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
