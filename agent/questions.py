@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
+from ..inference.abduction import Hypothesis, hypotheses
 from ..inference.affordance import FIND, Affordances
 from ..inference.evidence import relative_plausibility
-from ..inference.goal import Goal, Observation, Target
+from ..inference.goal import Conclusion, Goal, Observation, Target
+from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
 from ..kb.interval import CERTAIN
-from ..kb.rule import Atom, Rule
+from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ..nlu.meaning import Command, Question, ToolCommand
 from .outcome import Answer, Slot
 from .reply import Reply
@@ -144,6 +146,42 @@ def _why_not(question: Question, known: Knowledge) -> Answered:
     return _say("why_not_asked", done=True, object=name), ()
 
 
+def _what_if(question: Question, known: Knowledge) -> Answered:
+    """Abduction: of which things would it follow that they are used for something?"""
+    argument = Atom("affordance", question.affordance or "")
+    found = hypotheses(known.base.rules(), Conclusion(USED_FOR, argument))
+    if not found:
+        return _say("nothing_known_for", affordance=question.affordance), ()
+    things = tuple(dict.fromkeys(_thing(each) for each in found))
+    said = _say("what_if", done=True, affordance=question.affordance, things=things)
+    return said, tuple(rule for each in found for rule in each.rules)
+
+
+def _thing(hypothesis: Hypothesis) -> str:
+    """What a thing would have to be: "sharp knife", "red thing with a handle"."""
+    named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
+    for atom in sorted(hypothesis.features | hypothesis.contexts):
+        named.setdefault(atom.kind, []).append(atom.name)
+    parts = "".join(f" with a {part}" for part in named["part"])
+    places = "".join(f" in a {place}" for place in named.get("place", ()))
+    return " ".join([*named["property"], *(named["object"] or ["thing"])]) + parts + places
+
+
+def _which_context(question: Question, known: Knowledge) -> Answered:
+    """Abduction: which context explains that a thing is held by a part?"""
+    given = frozenset({Atom("object", question.object or "")})
+    wanted = Conclusion(GRASP_OBJECT, Atom("part", question.part or ""))
+    kinds = Taxonomy.of(known.base)
+    found = hypotheses(known.base.rules(), wanted, given=given, taxonomy=kinds)
+    asked = {question.context, None}
+    fitting = [h for h in found if question.context is None or asked & {r.context for r in h.rules}]
+    rules = tuple(rule for each in fitting for rule in each.rules)
+    if not rules:
+        return _say("not_explained", object=question.object, part=question.part), ()
+    said = tuple(dict.fromkeys(known.describe(rule) for rule in rules))
+    return _say("explained", done=True, rules=said), rules
+
+
 def _see(_: Question, known: Knowledge) -> Answered:
     names = known.visible()
     return (_say("see", done=True, objects=names) if names else _say("see_nothing")), ()
@@ -242,6 +280,8 @@ _ANSWERS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
     "source": _source,
     "trust": _trust,
     "uses_of": _uses_of,
+    "what_if": _what_if,
+    "which_context": _which_context,
     "why": _why,
     "why_not": _why_not,
 }

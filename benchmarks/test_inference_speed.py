@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of inference, with ProbLog beside it where it is installed.
+"""Speed of inference, with ProbLog and PyReason beside it where they are installed.
 
-    pytest benchmarks/test_inference_speed.py --benchmark-only
+    pytest benchmarks/test_inference_speed.py --benchmark-only      the figures
+    pytest benchmarks/test_inference_speed.py --benchmark-disable   the bars, in processor time
 
-The figures to reach: getFeatures and getAffordance at a node with the paper's 32 rules, p50 at most
-0.25 ms in memory and 0.5 ms on disk, at least 20 times as fast as ProbLog on the same rules; five
-million vectorised rule applications a second on one core.
+The bars: getFeatures and getAffordance at a node with the paper's 32 rules, p50 at most 0.25 ms in
+memory and 0.5 ms on disk, at least 20 times as fast as ProbLog on the same rules; five million
+vectorised rule applications a second on one core, in memory that grows with the rules. PyReason
+compiles itself the first time that it runs on a machine, which takes minutes; what is measured of
+it is a further decision, warm.
 """
 
 from __future__ import annotations
 
+import time
+import tracemalloc
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -27,7 +33,12 @@ NODE = "pass/findObject"
 CUTTING = Goal("pass", Target(used_for="cutting"))
 SCENE = ("knife", "spatula", "spoon", "shoe", "hammer", "glass", "mug", "screwdriver")
 SURE = 0.95
+LEVELS = {"generally": 0.95, "often": 0.75, "sometimes": 0.5, "occasionally": 0.25}
 APPLICATIONS = 5_000_000
+
+IN_MEMORY, ON_DISK = 0.25e-3, 0.5e-3  # [s], p50 of one node
+TIMES_PROBLOG = 20
+PER_SECOND = 5e6  # rule applications
 
 
 @pytest.fixture(params=["memory", "disk"])
@@ -52,22 +63,12 @@ def decide(affordances: Affordances) -> str:
     return best.name if best else ""
 
 
-def test_one_node_with_the_papers_rules(benchmark: Any, affordances: Affordances):
-    """GetFeatures and getAffordance, rules already assimilated."""
-    assert benchmark(decide, affordances) == "knife"
-
-
-def test_one_node_right_after_something_was_told(benchmark: Any, affordances: Affordances):
-    """The same when the rules of the node must be read from the store again."""
-
-    def forget() -> None:
-        affordances._sequence = -1
-
-    def cold() -> str:
-        forget()
-        return decide(affordances)
-
-    assert benchmark(cold) == "knife"
+def clauses() -> Iterator[tuple[str, str, float]]:
+    """The functional rules of Scenario A: object, affordance, degree."""
+    for affordance, columns in load_scenarios()[0].affordances.items():
+        for level, names in columns.items():
+            for name in names:
+                yield name, affordance, LEVELS[level]
 
 
 def problog_decision() -> Callable[[], str]:
@@ -75,15 +76,9 @@ def problog_decision() -> Callable[[], str]:
     problog = pytest.importorskip("problog")
     from problog.program import PrologString
 
-    levels = {"generally": 0.95, "often": 0.75, "sometimes": 0.5, "occasionally": 0.25}
-    clauses = [
-        f"{levels[level]}::used_for({name}, {affordance}) :- seen({name})."
-        for affordance, columns in load_scenarios()[0].affordances.items()
-        for level, names in columns.items()
-        for name in names
-    ]
+    rules = [f"{p}::used_for({name}, {use}) :- seen({name})." for name, use, p in clauses()]
     facts = [f"{SURE}::seen({name})." for name in SCENE]
-    model = "\n".join([*clauses, *facts, "query(used_for(_, cutting))."])
+    model = "\n".join([*rules, *facts, "query(used_for(_, cutting))."])
 
     def decide_by_problog() -> str:
         found = problog.get_evaluatable().create_from(PrologString(model)).evaluate()
@@ -92,22 +87,129 @@ def problog_decision() -> Callable[[], str]:
     return decide_by_problog
 
 
+def pyreason_decision() -> Callable[[], str]:
+    """The same decision by PyReason: annotated rules over a graph of what was seen."""
+    pyreason = pytest.importorskip("pyreason")
+    import networkx as nx
+
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    for name in SCENE:
+        graph.add_node(name, **{f"is_{name}": f"{SURE},1"})
+    pyreason.settings.verbose = False
+    rules = [
+        (f"used_for_{use}(x):[{p},1] <-1 is_{name}(x):[0.1,1]", f"{name}_{use}")
+        for name, use, p in clauses()
+    ]
+
+    def decide_by_pyreason() -> str:
+        pyreason.reset()
+        pyreason.reset_rules()
+        pyreason.load_graph(graph)
+        for rule, name in rules:
+            pyreason.add_rule(pyreason.Rule(rule, name))
+        found = pyreason.reason(timesteps=1)
+        ranked = pyreason.filter_and_sort_nodes(found, ["used_for_cutting"])[-1]
+        return str(ranked.iloc[0]["component"])
+
+    return decide_by_pyreason
+
+
+def processor_time(run: Callable[[], object], times: int) -> float:
+    """The median processor time of one run [s], which other programs do not disturb."""
+    taken: list[float] = []
+    for _ in range(times):
+        start = time.process_time()
+        run()
+        taken.append(time.process_time() - start)
+    return median(taken)
+
+
+def test_one_node_with_the_papers_rules(benchmark: Any, affordances: Affordances):
+    """GetFeatures and getAffordance, rules already assimilated."""
+    assert benchmark(decide, affordances) == "knife"
+
+
+def test_one_node_right_after_something_was_told(benchmark: Any, affordances: Affordances):
+    """The same when the rules of the node must be read from the store again."""
+
+    def cold() -> str:
+        affordances._sequence = -1
+        return decide(affordances)
+
+    assert benchmark(cold) == "knife"
+
+
+def test_one_node_is_within_its_bar(affordances: Affordances, request: pytest.FixtureRequest):
+    """P50 of one node, in memory and on disk."""
+    limit = IN_MEMORY if "memory" in request.node.name else ON_DISK
+
+    taken = processor_time(lambda: decide(affordances), 500)
+
+    print(f"\none node: {taken * 1e3:.3f} ms")
+    assert taken <= limit
+
+
 def test_problog_on_the_same_rules(benchmark: Any):
-    """The peer, for the ratio."""
+    """A peer, for the ratio."""
     assert benchmark(problog_decision()) == "knife"
 
 
-def test_vectorised_rule_applications(benchmark: Any):
-    """AND of two antecedents, modus ponens, and fusion of pairs, for five million rules."""
+def test_pyreason_on_the_same_rules(benchmark: Any):
+    """Another peer, warm."""
+    warm = pyreason_decision()
+    warm()
+
+    assert benchmark.pedantic(warm, rounds=5) == "knife"
+
+
+def test_one_node_is_faster_than_problog_by_the_bar(affordances: Affordances):
+    """Both in one run, so that the machine cancels out."""
+    other = problog_decision()
+
+    ratio = processor_time(other, 20) / processor_time(lambda: decide(affordances), 500)
+
+    print(f"\nProbLog takes {ratio:.0f} times as long")
+    assert ratio >= TIMES_PROBLOG
+
+
+def applied(count: int) -> Callable[[], np.ndarray]:
+    """AND of two antecedents, modus ponens, and fusion of pairs, for so many rules."""
     rng = np.random.default_rng(7)
-    rules = np.sort(rng.random((APPLICATIONS, 2)), axis=-1)
-    premises = np.sort(rng.random((APPLICATIONS, 2, 2)), axis=-1)
-    starts = np.arange(0, APPLICATIONS, 2)
+    rules = np.sort(rng.random((count, 2)), axis=-1)
+    premises = np.sort(rng.random((count, 2, 2)), axis=-1)
+    starts = np.arange(0, count, 2)
 
     def apply() -> np.ndarray:
         concluded = vectorised.modus_ponens(vectorised.conjunction(premises), rules)
         return vectorised.fuse_yager(concluded, starts)
 
-    fused = benchmark.pedantic(apply, rounds=3)
+    return apply
 
-    assert fused.shape == (len(starts), 2)
+
+def test_vectorised_rule_applications(benchmark: Any):
+    """Five million rules at once."""
+    fused = benchmark.pedantic(applied(APPLICATIONS), rounds=3)
+
+    assert fused.shape == (APPLICATIONS // 2, 2)
+
+
+def test_vectorised_rule_applications_are_within_their_bar():
+    """Rule applications a second of processor time, on one core."""
+    rate = APPLICATIONS / processor_time(applied(APPLICATIONS), 5)
+
+    print(f"\n{rate / 1e6:.1f} million rule applications a second")
+    assert rate >= PER_SECOND
+
+
+def test_vectorised_memory_grows_with_the_rules():
+    """Ten times the rules take ten times the memory."""
+    peaks: list[int] = []
+    for count in (APPLICATIONS // 10, APPLICATIONS):
+        apply = applied(count)
+        tracemalloc.start()
+        apply()
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+
+    print(f"\n{peaks[1] / APPLICATIONS:.0f} bytes a rule")
+    assert peaks[1] == pytest.approx(10 * peaks[0], rel=0.01)

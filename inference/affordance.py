@@ -13,20 +13,19 @@ evidence and would otherwise be counted once a rule. With perfect detection both
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
-from ..kb.rule import USED_FOR, Atom, Rule
-from .goal import Candidate, Conclusion, Goal, Inference, Observation
+from ..kb.rule import Atom, Rule
+from .goal import Candidate, Goal, Inference, Observation
 from .judging import Applicable, Judge
 from .proof import Proof, derived, told, unknown
+from .selection import FIND, Shown, Situation, closure, nearest
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
 
-FIND = "findObject"  # the action whose rules say which thing: usedFor(object, affordance)
-
-Shown = Mapping[Atom, tuple[int, Atom]]  # what holds -> steps up from what was seen, and that
+PERCEIVED = ("object", "part", "property")  # kinds of atoms that eyes report
 
 
 class RuleSource(Protocol):
@@ -73,9 +72,10 @@ class Affordances:
             node: path of the node in the action tree ("pass/graspObject").
             goal: what the walk is for.
         """
-        atoms = set(_asked(node, goal))
-        for key in self._levels(node, goal):
-            atoms.update(*(rule.features for rule in self._relevant(key, node, goal)))
+        here = self._situation(node, goal)
+        atoms = set(here.asked)
+        for key in here.levels:
+            atoms.update(*(rule.features for rule in here.relevant(key)))
         return tuple(sorted(kind for atom in atoms for kind in self.taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
@@ -93,14 +93,15 @@ class Affordances:
         Raises:
             ConflictError: the chosen operators are not defined for what was told.
         """
-        judge = Judge(node, self._threshold(node, goal), self.settings.operators)
-        if _action(node) != FIND:
-            found = [each for seen in observations for each in self._bound(node, goal, seen, judge)]
+        here = self._situation(node, goal)
+        judge = Judge(node, here.threshold(self.settings), self.settings.operators)
+        if here.action != FIND:
+            found = [each for seen in observations for each in self._bound(here, seen, judge)]
             return judge.ranked(found)
-        found = [self._find(node, goal, seen, judge) for seen in observations]
+        found = [self._find(here, seen, judge) for seen in observations]
         if any(each.accepted for each in found):
             return judge.ranked(found)
-        return judge.ranked(found, list(self._absent(node, goal, observations, judge)))
+        return judge.ranked(found, list(self._absent(here, observations, judge)))
 
     def infer_many(
         self, node: str, goals: Sequence[Goal], scenes: Sequence[Sequence[Observation]]
@@ -112,142 +113,72 @@ class Affordances:
         """
         return [self.infer(node, *pair) for pair in zip(goals, scenes, strict=True)]
 
-    # --- Selecting rules -----------------------------------------------------------------
-
-    def _levels(self, node: str, goal: Goal) -> tuple[str, ...]:
-        """The keys under which rules of this node hang, nearest context first."""
-        if _action(node) != FIND:
-            return self._keys(node, _action(node))
-        wanted = (self._keys_of(node, conclusion) for conclusion, _ in goal.target.wanted)
-        return tuple(key for keys in wanted for key in keys)
-
-    def _keys_of(self, node: str, wanted: Conclusion) -> tuple[str, ...]:
-        """The keys under which rules hang that conclude what is wanted of a thing."""
-        if wanted.functor == USED_FOR and wanted.argument:
-            return (f"{FIND}.{wanted.argument.name}",)
-        return self._keys(node, wanted.functor)
-
-    def _keys(self, node: str, functor: str) -> tuple[str, ...]:
-        return (*(f"{context.name}.{functor}" for context in self._contexts(node)), functor)
-
-    def _contexts(self, node: str) -> tuple[Atom, ...]:
-        """The actions above a node, nearest first, each with what it is a kind of."""
-        acting = (Atom("action", name) for name in contexts_of(node))
-        return tuple(
-            dict.fromkeys(above for atom in acting for above, _ in self.taxonomy.above(atom))
-        )
-
-    def _threshold(self, node: str, goal: Goal) -> float:
-        if not self.settings.thresholds:
-            return self.settings.threshold
-        actions = (context.name for context in self._contexts(node))
-        return self.settings.threshold_of(actions, self._closure(goal.contexts))
-
-    def _rules_at(self, key: str) -> tuple[Rule, ...]:
-        if self.source.sequence != self._sequence:
+    def _situation(self, node: str, goal: Goal) -> Situation:
+        """A node with a goal, after what was told since is assimilated."""
+        sequence = self.source.sequence
+        if sequence != self._sequence:
             self._rules.clear()
-            self._sequence = self.source.sequence
+            self._sequence = sequence
+        return Situation(node, goal, self._rules_at, self.taxonomy)
+
+    def _rules_at(self, key: str) -> Sequence[Rule]:
         if key not in self._rules:
             self._rules[key] = tuple(self.source.rules_of([key]))
         return self._rules[key]
 
-    def _relevant(self, key: str, node: str, goal: Goal) -> list[Rule]:
-        """The rules under a key whose context holds and, past the find node, whose object fits."""
-        given = {*self._contexts(node), *self._closure(goal.contexts)}
-        rules = [rule for rule in self._rules_at(key) if rule.contexts <= given]
-        if goal.target.object is None or _action(node) == FIND:
-            return rules
-        wanted = {above.name for above, _ in self._above_object(goal.target.object)}
-        return [rule for rule in rules if rule.object is None or rule.object in wanted]
-
-    def _above_object(self, name: str) -> tuple[tuple[Atom, int], ...]:
-        return self.taxonomy.above(Atom("object", name))
-
-    def _closure(self, atoms: Iterable[Atom]) -> dict[Atom, tuple[int, Atom]]:
-        """What atoms show: themselves and what they are kinds of, with distance and origin."""
-        found: dict[Atom, tuple[int, Atom]] = {}
-        for atom in atoms:
-            for above, distance in self.taxonomy.above(atom):
-                if above not in found or distance < found[above][0]:
-                    found[above] = (distance, atom)
-        return found
-
     # --- Concluding ----------------------------------------------------------------------
 
-    def _find(self, node: str, goal: Goal, seen: Observation, judge: Judge) -> Candidate:
+    def _find(self, here: Situation, seen: Observation, judge: Judge) -> Candidate:
         """How surely one thing is what the command asks for."""
-        target = goal.target
-        shown = self._closure(seen.atoms)
-        steps = [self._evidence(atom, goal, seen, shown) for atom in _asked(node, goal)]
+        target = here.goal.target
+        shown = closure(seen.atoms, self.taxonomy)
+        steps = [_evidence(atom, here, seen, shown) for atom in here.asked]
         argument, applied = None, Applicable()
         for conclusion, is_negated in target.wanted:
             argument = conclusion.argument
-            applied = self._concluding(conclusion, node, goal, shown)
-            proof = self._concluded(applied.rules, goal, seen, shown)
+            applied = here.concluding(conclusion, shown)
+            proof = self._concluded(applied.rules, here, seen, shown)
             operators = self.settings.operators
             steps.append(derived("not", [proof], operators) if is_negated else proof)
         if target.is_confirmed:
             steps = [Proof("given", CERTAIN, f"{seen.name} was confirmed by the speaker")]
         return judge.candidate(seen, argument, steps, applied)
 
-    def _bound(self, node: str, goal: Goal, seen: Observation, judge: Judge) -> Iterator[Candidate]:
+    def _bound(self, here: Situation, seen: Observation, judge: Judge) -> Iterator[Candidate]:
         """Which part (or other argument) the rules of the nearest context name for one thing."""
-        shown = self._closure(seen.atoms)
-        for key in self._levels(node, goal):
-            applied = self._nearest(self._relevant(key, node, goal), shown)
+        shown = closure(seen.atoms, self.taxonomy)
+        for key in here.levels:
+            applied = nearest(here.relevant(key), shown)
             if applied.rules:
                 for argument, group in _by_argument(applied.rules).items():
-                    proof = self._concluded(group, goal, seen, shown)
+                    proof = self._concluded(group, here, seen, shown)
                     yield judge.candidate(seen, argument, [proof], applied)
                 return
 
     def _absent(
-        self, node: str, goal: Goal, observations: Sequence[Observation], judge: Judge
+        self, here: Situation, observations: Sequence[Observation], judge: Judge
     ) -> Iterator[Candidate]:
         """What rules speak for that is not in view: each as if it had been looked for in vain."""
-        shown = [self._closure(seen.atoms) for seen in observations]
-        for conclusion, is_negated in goal.target.wanted:
+        shown = [closure(seen.atoms, self.taxonomy) for seen in observations]
+        for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
-            for key in self._keys_of(node, conclusion):
-                for rule in self._relevant(key, node, goal):
+            for key in here.keys_of(conclusion):
+                for rule in here.relevant(key):
                     in_view = any(rule.features <= each.keys() for each in shown)
-                    if rule.asserts and not is_negated and not in_view:
+                    fits = conclusion.argument is None or rule.argument in {
+                        None,
+                        conclusion.argument,
+                    }
+                    if rule.asserts and fits and not is_negated and not in_view:
                         groups[rule.object or "thing"].append(rule)
             for name, rules in groups.items():
                 nothing = Observation(name, name, {})
-                proof = self._concluded(rules, goal, nothing, {})
+                steps = [self._concluded(rules, here, nothing, {})]
                 applied = Applicable(tuple(rules))
-                yield judge.candidate(
-                    nothing, conclusion.argument, [proof], applied, is_absent=True
-                )
-
-    def _concluding(self, wanted: Conclusion, node: str, goal: Goal, shown: Shown) -> Applicable:
-        """The rules of the nearest context that conclude what is wanted of a thing."""
-        arguments = self._closure([wanted.argument]) if wanted.argument else None
-        for key in self._keys_of(node, wanted):
-            rules = self._relevant(key, node, goal)
-            if arguments is not None:
-                rules = [r for r in rules if r.argument is None or r.argument in arguments]
-            applied = self._nearest(rules, shown, arguments or {})
-            if applied.rules:
-                return applied
-        return Applicable()
-
-    def _nearest(
-        self, rules: Sequence[Rule], shown: Shown, arguments: Shown | None = None
-    ) -> Applicable:
-        """Of rules those all of whose features are shown, and of these the nearest."""
-        fitting = [rule for rule in rules if rule.features <= shown.keys()]
-        if not fitting:
-            return Applicable()
-        distances = [_distance(rule, shown, arguments or {}) for rule in fitting]
-        nearest = min(distances)
-        pairs = list(zip(fitting, distances, strict=True))
-        near = tuple(rule for rule, distance in pairs if distance == nearest)
-        return Applicable(near, nearest, tuple(rule for rule, d in pairs if d > nearest))
+                yield judge.candidate(nothing, conclusion.argument, steps, applied, is_absent=True)
 
     def _concluded(
-        self, rules: Sequence[Rule], goal: Goal, seen: Observation, shown: Shown
+        self, rules: Sequence[Rule], here: Situation, seen: Observation, shown: Shown
     ) -> Proof:
         """One conclusion from rules that agree in what they conclude; unknown from none."""
         if not rules:
@@ -256,7 +187,7 @@ class Affordances:
         concluded: list[Proof] = []
         for group in self._groups(rules):
             antecedent = sorted(group[0].features | group[0].contexts)
-            known = [self._evidence(atom, goal, seen, shown) for atom in antecedent]
+            known = [_evidence(atom, here, seen, shown) for atom in antecedent]
             premise = derived("and", known, operators)
             rule = derived("fuse", [told(each) for each in group], operators)
             concluded.append(derived("modus ponens", (premise, rule), operators))
@@ -274,46 +205,23 @@ class Affordances:
             groups[rule.features | rule.contexts].append(rule)
         return sorted(groups.values(), key=lambda group: group[-1].utterance or 0)
 
-    def _evidence(self, atom: Atom, goal: Goal, seen: Observation, shown: Shown) -> Proof:
-        """How surely an antecedent holds; an action on the path of the node holds by itself."""
-        if atom in shown:
-            origin = shown[atom][1]
-            kind = "" if origin == atom else f", which is a kind of {atom.name}"
-            return Proof("seen", seen.atoms[origin], f"{origin} seen on {seen.name}{kind}")
-        if atom.kind in {"object", "part", "property"}:
-            where = f" on {seen.name}" if seen.atoms else ""
-            return Proof("seen", VACUOUS, f"{atom} not seen{where}")
-        given = self._closure(goal.contexts)
-        if atom not in given:
-            return Proof("given", CERTAIN, str(atom))
-        origin = given[atom][1]
-        kind = "" if origin == atom else f", which is a kind of {atom.name}"
-        return Proof("given", goal.contexts[origin], f"{origin}{kind}")
+
+def _evidence(atom: Atom, here: Situation, seen: Observation, shown: Shown) -> Proof:
+    """How surely an antecedent holds; an action on the path of the node holds by itself."""
+    if atom in shown:
+        origin = shown[atom][1]
+        return Proof("seen", seen.atoms[origin], f"{origin} seen on {seen.name}{_as(origin, atom)}")
+    if atom.kind in PERCEIVED:
+        where = f" on {seen.name}" if seen.atoms else ""
+        return Proof("seen", VACUOUS, f"{atom} not seen{where}")
+    if atom not in here.given:
+        return Proof("given", CERTAIN, str(atom))
+    origin = here.given[atom][1]
+    return Proof("given", here.goal.contexts[origin], f"{origin}{_as(origin, atom)}")
 
 
-def contexts_of(node: str) -> tuple[str, ...]:
-    """The contexts of a node, nearest first: the actions above it on its path."""
-    return tuple(reversed(node.split("/")[:-1]))
-
-
-def _action(node: str) -> str:
-    return node.rsplit("/", 1)[-1]
-
-
-def _asked(node: str, goal: Goal) -> list[Atom]:
-    """The features that the command itself names, which matter at the find node only."""
-    if _action(node) != FIND:
-        return []
-    named = [Atom("object", goal.target.object)] if goal.target.object else []
-    return named + [Atom("property", name) for name in sorted(goal.target.properties)]
-
-
-def _distance(rule: Rule, shown: Shown, arguments: Shown) -> int:
-    """How many steps up from what is seen, and from what is wanted, a rule was found."""
-    above = max((shown[feature][0] for feature in rule.features), default=0)
-    if rule.argument is None or rule.argument not in arguments:
-        return above
-    return above + arguments[rule.argument][0]
+def _as(origin: Atom, atom: Atom) -> str:
+    return "" if origin == atom else f", which is a kind of {atom.name}"
 
 
 def _by_argument(rules: Sequence[Rule]) -> dict[Atom | None, list[Rule]]:

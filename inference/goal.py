@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 from ..kb.interval import Interval
@@ -56,7 +57,7 @@ class Target:
     properties: frozenset[str] = frozenset()
     is_confirmed: bool = False
 
-    @property
+    @cached_property
     def wanted(self) -> tuple[tuple[Conclusion, bool], ...]:
         """What must follow of it, each with whether its contrary must."""
         uses = ((self.used_for, False), (self.not_used_for, True))

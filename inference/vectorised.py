@@ -155,7 +155,9 @@ def _entropy_term(share: Array) -> Array:
 
 
 def _pairs(lower: Array, upper: Array) -> Array:
-    return np.clip(np.stack((lower, upper), axis=-1), 0.0, 1.0)
+    pairs = np.empty((*np.broadcast_shapes(lower.shape, upper.shape), 2))
+    pairs[..., 0], pairs[..., 1] = lower, upper
+    return np.clip(pairs, 0.0, 1.0, out=pairs)
 
 
 CONJUNCTIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(

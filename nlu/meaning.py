@@ -224,6 +224,8 @@ QUESTIONS = (
     "source",
     "trust",
     "uses_of",
+    "what_if",
+    "which_context",
     "why",
     "why_not",
 )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from .interpretation import Interpreter, name_of, object_of
 from .meaning import ActionRule, FunctionalRule, Question
@@ -77,6 +78,17 @@ def _about_use(arguments: _Arguments, interpreter: Interpreter) -> Question:
     return Question("about", affordance=interpreter.affordance(arguments[0]))
 
 
+def _what_if(arguments: _Arguments, interpreter: Interpreter) -> Question:
+    return Question("what_if", affordance=interpreter.affordance(arguments[0]))
+
+
+def _which_context(arguments: _Arguments, interpreter: Interpreter) -> Question:
+    act, part = arguments
+    asked = _about_act("which_context", act, interpreter)
+    # "Held by the blade" asks for any context, "passed by the blade" whether passing explains it.
+    return replace(asked, context=None if act.name == "grasp" else act.name, part=_part(part))
+
+
 def _how_sure(arguments: _Arguments, interpreter: Interpreter) -> Question:
     if not arguments:
         return Question("confidence")
@@ -116,6 +128,8 @@ _READERS: dict[str, Callable[[_Arguments, Interpreter], Question]] = {
     "whyNot": _why_not,
     "whyPart": _why_part,
     "whyNotPart": _why_not_part,
+    "whatIf": _what_if,
+    "whichContext": _which_context,
     "about": _about,
     "aboutUse": _about_use,
     "howSure": _how_sure,

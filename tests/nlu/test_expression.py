@@ -102,6 +102,8 @@ questions = st.one_of(
     st.builds(Question, st.sampled_from(["why", "why_not"]), OBJECTS, context=ACTS),
     st.builds(Question, st.just("why"), OBJECTS, context=ACTS, part=PARTS),
     st.builds(Question, st.sampled_from(["why", "why_not"]), part=PARTS),
+    st.builds(Question, st.just("what_if"), affordance=USES),
+    st.builds(Question, st.just("which_context"), OBJECTS, part=PARTS),
     st.builds(
         Question, st.sampled_from(["capabilities", "see", "trust", "why", "confidence", "source"])
     ),
