@@ -69,6 +69,7 @@ def episode_of(reply: Reply, again: Json | None = None) -> Episode:
     came = reply.achievement
     decision = came.decision if came else None
     best = decision.object.best if decision else None
+    world = came.world if came and came.world.executed else None
     document = reply.as_do_json() | {AGAIN: again}
     return Episode(
         goal=reply.understanding.content,
@@ -82,6 +83,9 @@ def episode_of(reply: Reply, again: Json | None = None) -> Episode:
         part=decision.chosen_part if decision else None,
         rules=tuple(rule.id for rule in decision.rules) if decision else (),
         steps=tuple(_step_of(step) for step in came.steps) if came else (),
+        touched=tuple(sorted(world.touched)) if world else (),
+        lifted_m=world.lifted_m if world else None,
+        handed_over=world.handed_over if world else None,
     )
 
 

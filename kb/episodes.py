@@ -39,6 +39,7 @@ EPISODES = iri("graph", "episodes")
 GOAL, SEED, OUTCOME, DOCUMENT = (term(n) for n in ("goal", "seed", "outcome", "document"))
 ABOUT, STEP, INDEX, PATH = (term(n) for n in ("about", "step", "index", "path"))
 OBJECT, USED = term("chosenObject"), external("prov:used")
+TOUCHED, LIFTED, HANDED_OVER = (term(n) for n in ("touched", "lifted", "handedOver"))
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,9 @@ class Episode:
         part: the part that was chosen; None where none was.
         rules: ids of the rules that decided.
         steps: what was worked out at each node, in the order of the walk.
+        touched: the parts that the fingers touched.
+        lifted_m: how high the object was lifted [m]; None where no robot moved.
+        handed_over: whether it was still held at the hand-over; None where no robot moved.
         utterance: number of the utterance it answers; None until it is recorded.
         id: unique in the base; empty until it is recorded.
         time: when it was recorded, with its time zone; None before.
@@ -94,6 +98,9 @@ class Episode:
     part: str | None = None
     rules: tuple[str, ...] = ()
     steps: tuple[EpisodeStep, ...] = ()
+    touched: tuple[str, ...] = ()
+    lifted_m: float | None = None
+    handed_over: bool | None = None
     utterance: int | None = None
     id: str = ""
     time: datetime | None = None
@@ -130,10 +137,20 @@ def _episode_properties(episode: Episode) -> Iterator[tuple[Iri, Term]]:
     yield from _chosen(episode.object, episode.part)
     for one in episode.rules:
         yield USED, _rule_iri(one)
+    yield from _happened(episode)
     if episode.utterance is not None:
         yield ABOUT, utterance_iri(episode.utterance)
     if episode.time is not None:
         yield GENERATED_AT, episode.time
+
+
+def _happened(episode: Episode) -> Iterator[tuple[Iri, Term]]:
+    for part in episode.touched:
+        yield TOUCHED, atom_iri(Atom("part", part))
+    if episode.lifted_m is not None:
+        yield LIFTED, Decimal(str(round(episode.lifted_m, 6)))
+    if episode.handed_over is not None:
+        yield HANDED_OVER, episode.handed_over
 
 
 def _chosen(name: str | None, part: str | None) -> Iterator[tuple[Iri, Term]]:
@@ -158,6 +175,9 @@ def _read(store: Store, node: Iri) -> Episode:
         part=_name(found[PART]),
         rules=_rule_ids(found[USED]),
         steps=tuple(_read_step(step) for step in sorted(steps, key=_index)),
+        touched=tuple(sorted(split(cast(Iri, part))[1] for part in found[TOUCHED])),
+        lifted_m=float(cast(Decimal, found[LIFTED][0])) if found[LIFTED] else None,
+        handed_over=cast(bool, found[HANDED_OVER][0]) if found[HANDED_OVER] else None,
         utterance=int(_name(found[ABOUT]) or 0) or None,
         id=split(node)[1],
         time=cast(datetime, found[GENERATED_AT][0]),

@@ -34,6 +34,9 @@ EPISODE = Episode(
     part="blade",
     rules=tuple(sorted((BLADE.id, CUTTING.id))),
     steps=(FIND, GRASP, EpisodeStep("pass/moveTo")),
+    touched=("blade",),
+    lifted_m=0.1522,
+    handed_over=True,
 )
 
 
@@ -48,7 +51,8 @@ def test_episode_comes_back_with_its_steps_in_order(paper: KnowledgeBase):
 
 def test_episode_without_a_choice_is_kept_too(kb: KnowledgeBase):
     """A failure has no object, part or rules."""
-    failed = replace(EPISODE, outcome="failed", object=None, part=None, rules=(), steps=())
+    nothing = replace(EPISODE, object=None, part=None, rules=(), steps=(), touched=())
+    failed = replace(nothing, outcome="failed", lifted_m=None, handed_over=None)
 
     recorded = kb.record_episode(failed)
 
@@ -81,3 +85,16 @@ def test_episode_answers_questions_in_sparql(paper: KnowledgeBase):
     )
 
     assert [str(row[0]) for row in found] == ["https://w3id.org/hilt/part/blade"]
+
+
+def test_what_the_fingers_touched_can_be_asked(paper: KnowledgeBase):
+    """The graph tells in which episodes something was handed over by another part than chosen."""
+    paper.record_episode(EPISODE)
+    slipped = paper.record_episode(replace(EPISODE, touched=("handle",)))
+
+    found = paper.select(
+        "SELECT ?e WHERE { GRAPH graph:episodes { ?e hilt:part ?part ; hilt:touched ?other ; "
+        "hilt:handedOver true ; hilt:lifted ?height FILTER (?other != ?part && ?height > 0.1) } }"
+    )
+
+    assert [str(row[0]) for row in found] == [f"https://w3id.org/hilt/episode/{slipped.id}"]

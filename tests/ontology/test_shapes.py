@@ -34,6 +34,7 @@ SAID = """utterance:1 a hilt:Utterance ; hilt:sequence 1 ; hilt:text "Hello." ;
 DONE = """episode:1 a hilt:Episode ; hilt:goal "g" ; hilt:text "t" ; hilt:answer "a" ;
     hilt:outcome "done" ; hilt:seed 7 ; hilt:document "{}" ; hilt:about utterance:1 ;
     hilt:step step:1.0 ; hilt:chosenObject object:knife ; prov:used rule:0123456789abcdef ;
+    hilt:touched part:blade ; hilt:lifted 0.15 ; hilt:handedOver true ;
     prov:wasAttributedTo speaker:sam ;
     prov:generatedAtTime "2026-11-21T09:00:00Z"^^xsd:dateTime ."""
 STEP = 'step:1.0 a hilt:Step ; hilt:index 0 ; hilt:path "pass" ; hilt:lower 0.9 ; hilt:upper 1.0 .'
@@ -117,6 +118,9 @@ BREAKS = [
     (DONE, "utterance:1", "rule:1", "hilt:about leads to"),
     (DONE, "step:1.0", "node:x", "hilt:step leads to"),
     (DONE, "object:knife", "part:knife", "hilt:chosenObject leads to"),
+    (DONE, "part:blade", "object:blade", "hilt:touched leads to"),
+    (DONE, "hilt:lifted 0.15", 'hilt:lifted "high"', "at most one hilt:lifted"),
+    (DONE, "hilt:handedOver true", "hilt:handedOver 1", "at most one hilt:handedOver"),
     (DONE, "rule:0123456789abcdef", "rule:x", "prov:used leads to"),
     (DONE, "episode:1 a", "step:1 a", "An episode is a node"),
     (DONE, "2026-11-21T09:00:00Z", "x", "An episode has one prov:generatedAtTime"),
