@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -41,11 +42,12 @@ SHORTEST = 0.01  # [m], the free part's direction from the hand
 HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
 POISE = 0.07  # [m] above what is struck, a blow begins
-THROUGH = 0.05  # [m] below it, where the blow aims, so that it is fast when it strikes
+THROUGH = (0.05, 0.02, 0.005)  # [m] below it, where a blow aims, to be fast when it strikes
 BLOW_PACE, POISE_PACE = 0.7, 0.4
 FELT_BLOW = 2.0  # [N]
 FOLLOW_STEPS = 2  # for so long the hand goes on after it has struck
 SAME_FACE = 0.6  # [rad]
+AROUND = 8  # strikes for which a way round is sought
 REACH_ALONG = (0.0, -0.06, 0.06, -0.12)  # [m] nearer to or farther from the receiver
 
 
@@ -281,9 +283,7 @@ class Motion:
         """
         above_it = np.array([0.0, 0.0, POISE])
         for strike in self._strikes(held, cloud):
-            above = strike.world_from_grip(target + above_it)
-            goal = self._poised(above, reacher)
-            path = None if goal is None else self._carry(held, goal, reacher)
+            path = self._carry_to(held, strike.world_from_grip(target + above_it), reacher)
             if path is not None:
                 return "" if self._follow_with(held, path) else "dropped"
         return "unreachable"
@@ -297,8 +297,11 @@ class Motion:
             if poses.angle_between(strike.rotation, now) < SAME_FACE
         ]
         here, above_it = self._strike_as_it_is(held, cloud), np.array([0.0, 0.0, POISE])
-        for strike in [*near, here]:
-            path = reacher.straight_to(strike.world_from_grip(target + above_it))
+        goals = [strike.world_from_grip(target + above_it) for strike in [*near, here]]
+        straight = (reacher.straight_to(goal) for goal in goals)
+        # Where the arm comes to its limits on the straight way, it goes round by free space.
+        around = (self._carry_to(held, goal, reacher) for goal in goals[:AROUND])
+        for path in chain(straight, around):
             if path is not None:
                 free = self.robot.follow(path, pace=POISE_PACE, stop=self._loses(held.name))
                 return "" if free else "dropped"
@@ -307,7 +310,11 @@ class Motion:
     def blow(self, held: Held, target: Array, reacher: Reacher) -> str:
         """Strike down on a point (3,) below the face [m]; the reason why not, or ""."""
         grip = self.robot.world_from_grip
-        path = reacher.straight_to(poses.translation(0, 0, -POISE - THROUGH) @ grip)
+        ways = (
+            reacher.straight_to(poses.translation(0, 0, -POISE - through) @ grip)
+            for through in THROUGH
+        )
+        path = next((way for way in ways if way is not None), None)
         if path is None:
             return "unreachable"
         self.robot.follow(path, pace=BLOW_PACE, stop=self._strikes_something(held.name))
@@ -338,9 +345,14 @@ class Motion:
         if not answer.found[0]:
             return None
         down = reacher.way_from(
-            answer.joints[0], above, poses.translation(0, 0, -POISE - THROUGH) @ above
+            answer.joints[0], above, poses.translation(0, 0, -POISE - THROUGH[0]) @ above
         )
         return None if down is None else answer.joints[0]
+
+    def _carry_to(self, held: Held, goal: Array, reacher: Reacher) -> Array | None:
+        """A way to a pose from which a blow can go down; None if there is none."""
+        posture = self._poised(goal, reacher)
+        return None if posture is None else self._carry(held, posture, reacher)
 
     def _strikes_something(self, name: str) -> Callable[[], bool]:
         """A question for each step: has what is held struck, and followed through?"""
