@@ -43,7 +43,7 @@ LEAST_LIFT = 0.10  # [m], less is not lifted
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_ATTEMPTS = 3  # how often the hand closes for one thing
-MAX_PLANS = 3  # a plan begins at random points, so that another one may find more
+EFFORTS = (1, 2, 4)  # of plans: where little effort finds no way, more may
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons that mean: the thing is not in the hand any more
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
@@ -314,8 +314,9 @@ class Body:
     def _choose(self, sight: Sight) -> tuple[str, Reach | None]:
         """The way to the best grasp that can be reached and has not failed before; or why not."""
         reason = ""
-        for _ in range(MAX_PLANS):
-            plan = plan_grasps(sight.surroundings(TABLE_HEIGHT), self.robot.gripper, rng=self._rng)
+        surroundings = sight.surroundings(TABLE_HEIGHT)
+        for effort in EFFORTS:
+            plan = plan_grasps(surroundings, self.robot.gripper, rng=self._rng, effort=effort)
             fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
             reach = next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
             if self.onlooker:

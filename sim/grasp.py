@@ -25,6 +25,7 @@ COARSE_CELL = 0.0035  # [m] between the points that proposals look at
 FINE_CELL = 0.002  # [m] between the points that the profile looks at
 COARSE_REACH, FINE_REACH = 0.15, 0.13  # [m] round the part, what a hand may run into
 COARSE_POINTS, FINE_POINTS = 2000, 6000  # of each kind, also of large things
+SAMPLES = 60  # points of the part from which poses are tried
 JUDGED = 240  # proposals that are judged
 PLACE = 0.02  # [m], side of the cubes that are one place; each place gets its share of them
 TILT_COST = 0.03  # [m], a level approach counts as this much farther from the balance
@@ -84,7 +85,12 @@ class GraspPlan:
 
 
 def plan_grasps(
-    surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Generator, count: int = 40
+    surroundings: Surroundings,
+    gripper: Gripper,
+    *,
+    rng: np.random.Generator,
+    count: int = 40,
+    effort: int = 1,
 ) -> GraspPlan:
     """Plan grasps of the wanted part.
 
@@ -93,16 +99,19 @@ def plan_grasps(
         gripper: the hand.
         rng: where the search begins.
         count: most grasps that are given.
+        effort: how many times as many poses as usual are tried and judged.
     """
     if len(surroundings.wanted) < LEAST_POINTS:
         return GraspPlan((), {})
     coarse = surroundings.thinned(COARSE_CELL, reach=COARSE_REACH, most=COARSE_POINTS)
     fine = surroundings.thinned(FINE_CELL, reach=FINE_REACH, most=FINE_POINTS)
-    proposed = propose(coarse, gripper, rng=rng)
+    proposed = propose(coarse, gripper, rng=rng, count=effort * SAMPLES)
     opening = np.minimum(proposed.width + 2 * hold.SPARE, gripper.opening)
     low = hold.hits_table(proposed.world_from_grip, opening, surroundings.table, gripper)
     first = np.flatnonzero(~low)
-    first = first[_spread_out(proposed.world_from_grip[first], surroundings.balance, rng)]
+    first = first[
+        _spread_out(proposed.world_from_grip[first], surroundings.balance, rng, effort * JUDGED)
+    ]
     between = proposed.width[first]
     holds = hold.judge(proposed.world_from_grip[first], between, fine, gripper)
     rejected = _count(holds)
@@ -115,8 +124,10 @@ def plan_grasps(
     return GraspPlan(tuple(_grasps(best)), rejected, tuple(_grasps(ruled_out)))
 
 
-def _spread_out(world_from_grip: Array, balance: Array, rng: np.random.Generator) -> np.ndarray:
-    """Which proposals to judge: some from each place, those near the centre of mass first."""
+def _spread_out(
+    world_from_grip: Array, balance: Array, rng: np.random.Generator, count: int
+) -> np.ndarray:
+    """Which `count` proposals to judge: some of each place, those near the centre of mass first."""
     positions = world_from_grip[:, :3, 3]
     cost = np.linalg.norm(positions - balance, axis=1) + TILT_COST * (1 + world_from_grip[:, 2, 2])
     order = np.argsort(cost + rng.uniform(0.0, SHUFFLE, len(cost)))
@@ -125,7 +136,7 @@ def _spread_out(world_from_grip: Array, balance: Array, rng: np.random.Generator
     for place in np.unique(places):
         members = order[places[order] == place]
         rank[members] = np.arange(len(members))
-    return np.lexsort((cost, rank))[:JUDGED]
+    return np.lexsort((cost, rank))[:count]
 
 
 def _refine(holds: Holds, fine: Surroundings, gripper: Gripper) -> Holds:

@@ -20,7 +20,6 @@ from .clouds import Label, Surroundings, level_direction, spread
 from .poses import Array
 from .robots import Gripper
 
-SAMPLES = 60  # points of the part from which poses are tried
 BIN = 0.002  # [m] along the closing direction
 HALF_BINS = 52  # a section may lie wholly on one side of its sample: 104 mm
 PART_BINS = 1  # at either end of the section, where nothing but the wanted part may be
@@ -64,10 +63,12 @@ def hand_directions(heading: float) -> Array:
     return np.concatenate(result)
 
 
-def propose(surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Generator) -> HandPoses:
-    """Poses of the open hand round the wanted part of `surroundings`."""
+def propose(
+    surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Generator, count: int
+) -> HandPoses:
+    """Poses of the open hand round `count` points of the wanted part of `surroundings`."""
     wanted = surroundings.wanted
-    samples = wanted[spread(wanted, SAMPLES, first=int(rng.integers(len(wanted))))]
+    samples = wanted[spread(wanted, count, first=int(rng.integers(len(wanted))))]
     found: list[Array] = []
     widths: list[Array] = []
     too_wide = blocked = 0

@@ -24,6 +24,7 @@ PART_CLEARANCE = 0.004  # [m] from the pads to any other part of the object
 RECESS = 0.003  # [m] that another part between the fingers stands back from the pads
 SWEEP_CLEARANCE = 0.002  # [m] from the moving hand to the points of anything
 SPARE = 0.008  # [m] the open hand is wider than the part, on each side
+SPARE_NEXT_TO = 0.0045  # [m] the same where a neighbour stands close
 SPARE_ABOVE = 0.004  # [m] the same for what is between the fingers above the pads
 BEYOND = 0.006  # [m] below the tips in which the part must not go on outwards
 OUTWARD = 0.003  # [m], more than this is outwards: a slope of 27 degrees
@@ -39,7 +40,7 @@ DEEP_ROWS = 3  # of cells, from the tips; a thing held by less pops out when it 
 
 # Weights of the score: 1 is a flat, vertical grasp at the centre of mass.
 _BASE, _AREA, _ACROSS, _DEPTH = 0.35, 0.1, 0.3, 0.3
-_TORQUE, _REACH, _TILT, _WIDE, _WEDGE = 0.3, 0.3, 0.1, 0.1, 1.0
+_TORQUE, _REACH, _TILT, _WIDE, _WEDGE, _SQUEEZED = 0.3, 0.3, 0.1, 0.1, 1.0, 0.2
 LEAST_CELLS = 2.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
 
 
@@ -100,15 +101,18 @@ def judge(
     shift, width = _centre(near, gripper)
     near = near.moved(shift)
     centred = world_from_grip @ _sideways(shift)
-    opening = np.maximum(width + 2 * SPARE, between + 2 * (np.abs(shift) + SPARE_ABOVE))
-    opening = np.minimum(opening, gripper.opening)
+    wide, narrow = _openings(width, between + 2 * (np.abs(shift) + SPARE_ABOVE), gripper)
     profile = _Profile.between(near, width, gripper)
     touched = profile.touched(width)  # (c, 2, CELLS_X, CELLS_Z)
     both = np.logical_and(
         *np.moveaxis(_between(touched), 1, 0)
     )  # (c, CELLS_X, CELLS_Z), cells that both pads rest on
     overlap = both.mean(axis=(1, 2))
-    obstacle = _obstacle(near, width, opening, gripper)
+    obstacle = _obstacle(near, width, wide, gripper)
+    squeezed = obstacle == _NEIGHBOUR  # a hand that is less open may fit in between
+    opening = np.where(squeezed, narrow, wide)
+    if squeezed.any():
+        obstacle = _obstacle(near, width, opening, gripper)
     obstacle[(obstacle == _NONE) & (overlap < LEAST_CELLS)] = _UNEVEN
     obstacle[hits_table(centred, opening, surroundings.table, gripper)] = _TABLE
     obstacle[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
@@ -124,9 +128,19 @@ def judge(
         - _TILT * (1 + centred[:, 2, 2])
         - _WEDGE * np.abs(slope).max(axis=1)
         - _WIDE * width / gripper.opening
+        - _SQUEEZED * squeezed
     )
     score = np.where(obstacle == _NONE, score, score - RULED_OUT)
     return Holds(centred, width, between, opening, score, obstacle, slope, twist)
+
+
+def _openings(width: Array, least: Array, gripper: Gripper) -> tuple[Array, Array]:
+    """How far the hand is opened (c,) for a part, with much and with little to spare [m]."""
+    wide, narrow = (
+        np.minimum(np.maximum(width + 2 * spare, least), gripper.opening)
+        for spare in (SPARE, SPARE_NEXT_TO)
+    )
+    return wide, narrow
 
 
 def _sideways(shift: Array) -> Array:
