@@ -82,7 +82,10 @@ class Decisions(Experiment):
         objects = cast("list[str]", case.spec["scene"])
         scenario = self.scenarios[spec["scenario"]]
         truth = Truth.of(scenario, spec["action"], spec["affordance"], objects)
-        return judged(case, truth, self._reply(case, simulate=self.sim))
+        reply = self._reply(case, simulate=self.sim)
+        result = judged(case, truth, reply)
+        # What a camera saw cannot be worked out again later; perfect eyes can be asked again.
+        return replace(result, facts=result.facts | {"why": why(reply)}) if self.sim else result
 
     def explain(self, case: Case, result: Result) -> str:
         """The proofs: kept where a robot looked, else worked out again, which gives the same."""

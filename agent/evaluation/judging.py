@@ -90,7 +90,7 @@ def judged(case: Case, truth: Truth, reply: Reply) -> Result:
     found_words = named(chosen, part)
     came = reply.achievement
     if came and came.world.executed:
-        facts |= _carried_out(came, truth, is_done=reply.is_done) | {"why": why(reply)}
+        facts |= _carried_out(came, truth, is_done=reply.is_done)
         if not facts["success"]:
             right, found_words = False, f"{found_words}, not carried out"
     return Result(

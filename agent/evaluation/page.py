@@ -30,7 +30,8 @@ th, td { padding: .25rem .7rem; border-bottom: 1px solid #e3e7ed; vertical-align
 td.n { text-align: right; font-variant-numeric: tabular-nums }
 tr.wrong td { background: #fdeceb } .yes { color: #00724d } .no { color: #b3261e; font-weight: 600 }
 .curve { display: inline-block; vertical-align: top; margin-right: 1rem }
-figure { display: inline-block; margin: .5rem 0 } figcaption { color: #5b6675 }
+figure { display: inline-block; margin: .5rem .8rem .5rem 0; vertical-align: top; max-width: 560px }
+figure:has(img) { width: 330px } figcaption { color: #5b6675 }
 svg text { font: 11px system-ui, sans-serif; fill: #3d4755 } svg .grid { stroke: #e3e7ed }
 pre { background: #f6f7f9; padding: .8rem; overflow-x: auto; font-size: 12.5px }
 section.why:target pre { outline: 2px solid #0072b2 }
