@@ -342,9 +342,17 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
             return _open_snapshot(snapshots.take(folder), str(folder))
         folder.mkdir(parents=True, exist_ok=True)
         snapshots.remove_stale(folder)
-        return OxigraphStore(engine.Store(str(folder)), str(folder), read_only=False, folder=folder)
+        opened = engine.Store(str(folder))
+        _remove_reports(folder)
+        return OxigraphStore(opened, str(folder), read_only=False, folder=folder)
     except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
         raise _open_error(folder, error) from error
+
+
+def _remove_reports(folder: Path) -> None:
+    """Remove what the engine reported of earlier openings, which it would keep a thousand of."""
+    for report in folder.glob("LOG.old.*"):
+        report.unlink(missing_ok=True)
 
 
 def open_snapshot(snapshot: Path) -> OxigraphStore:

@@ -16,6 +16,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
+from ..ontology.errors import StoreError
 from ..ontology.vocabulary import Iri
 from .limits import Limits
 from .results import Found, Solutions
@@ -133,6 +134,8 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
         from .remote import open_remote
 
         return open_remote(text, read_only=read_only)
+    if "://" in text:
+        raise StoreError(f'"{text}" is no store: expected memory:, a folder, or http(s)://...')
     from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
 
     if text == MEMORY:

@@ -23,7 +23,7 @@ from .options import (
     Speaker,
     app,
 )
-from .terminal import finish, open_agent, open_base, show, terminal
+from .terminal import finish, open_agent, open_base, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
     from ...inference.explanation import Change
@@ -95,7 +95,7 @@ def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     from ...inference.conflicts import conflicts as find
     from .. import console
 
-    with open_base(kb) as base:
+    with open_for_reading(kb) as base:
         found = find(base.rules())
     if as_json:
         show([each.as_json() for each in found])
@@ -111,7 +111,7 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     from .. import console
 
     household = load_household()
-    with open_base(kb) as base:
+    with open_for_reading(kb) as base:
         found = find(base.rules(), household.objects, classes=household.classes)
     if as_json:
         show([each.as_json() for each in found])

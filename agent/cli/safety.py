@@ -21,7 +21,7 @@ def backup(
     """Copy the knowledge base into a folder, while it is in use; the copy is read back."""
     from ...kb.safekeeping import backup as save
 
-    with open_for_reading(kb) as base:
+    with open_for_reading(kb, must_exist=True) as base:
         number = save(base, folder)
     if as_json:
         show({"backup": str(folder), "sequence": number})

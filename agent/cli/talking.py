@@ -33,7 +33,7 @@ from .options import (
     Utterance,
     app,
 )
-from .terminal import converse, finish, open_agent, open_base, show, terminal
+from .terminal import converse, finish, open_agent, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -217,7 +217,7 @@ def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the words that were learned, with their teachers."""
     from .. import console
 
-    with open_base(kb) as base:
+    with open_for_reading(kb) as base:
         found = base.words()
     if as_json:
         show([word.as_json() for word in found])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from ...ontology.errors import DataError, HiltError, InUseError, ValidationError
+from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -93,15 +93,32 @@ def open_base(kb: str | None) -> KnowledgeBase:
     return agent.open_base(kb)
 
 
-def open_for_reading(kb: str | None) -> KnowledgeBase:
-    """Open a knowledge base that is only read; one in use elsewhere is read as it is now."""
+def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
+    """Open a knowledge base that is only read; nobody has to wait for that, nor is one made.
+
+    Args:
+        kb: None is the user's own.
+        must_exist: whether a folder without one is an error; else it is read as an empty base.
+    """
     from ...kb.beliefs import KnowledgeBase
     from .. import agent
 
+    location = kb or str(agent.default_location())
+    if location == "memory:" or location.startswith(("http://", "https://")):
+        return agent.open_base(location)
     try:
-        return agent.open_base(kb)
-    except InUseError as error:
-        return KnowledgeBase.open(error.location, read_only=True)
+        return KnowledgeBase.open(location, read_only=True)
+    except StoreError:
+        if _holds_something(Path(location).expanduser()):
+            return agent.open_base(location)  # of an older format, perhaps; or it says what it is
+        if must_exist:
+            raise
+    typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
+    return agent.open_base("memory:")
+
+
+def _holds_something(folder: Path) -> bool:
+    return folder.is_file() or (folder.is_dir() and any(folder.iterdir()))
 
 
 def terminal(*, stderr: bool = False) -> Console:

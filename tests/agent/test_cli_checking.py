@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hilt.agent.cli import main
+from hilt.kb import KnowledgeBase
 
 Run = Callable[..., tuple[int, str, str]]
 HEAD = "".join(
@@ -88,6 +89,11 @@ def test_every_mistake_of_a_table_is_told(validate: Run):
     ]
 
 
-def test_base_itself_is_checked(validate: Run):
-    """Without a file."""
+def test_base_itself_is_checked(validate: Run, tmp_path: Path):
+    """Without a file; where there is none, none is made."""
+    code, _, error = validate()
+
+    assert (code, error.splitlines()[-1]) == (0, "Valid.") and "no knowledge base" in error
+    assert not (tmp_path / "kb").exists()
+    KnowledgeBase.open(tmp_path / "kb").close()
     assert validate() == (0, "", "Valid.\n")
