@@ -27,7 +27,7 @@ from typing import Any, BinaryIO, cast
 import pyoxigraph as engine
 
 from ..ontology.errors import DataError, HiltError, InUseError, QueryError, StoreError
-from ..ontology.vocabulary import PREFIXES, Iri
+from ..ontology.vocabulary import PREFIXES, Iri, shortened
 from . import snapshots, worker
 from .annotated import Edge, Reified
 from .bounded import Worker
@@ -47,6 +47,7 @@ _MAX_LINE = 2**20  # bytes of a line that are looked at
 _MAX_TERM = 2**24  # bytes of a line with one statement, as the engine has it
 _CHUNK = 2**18  # bytes that are read at once
 _REMOTE_CONTEXT = "LoadDocumentCallback"  # what the engine says of one
+_NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 _NO_SPACE = "No space left"
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
@@ -501,14 +502,33 @@ def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
 
 
 def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> None:  # noqa: A002
-    """Statements as RDF text into a stream, one after the other; as `write_rdf` otherwise."""
+    """Statements as RDF text into a stream, one after the other; as `write_rdf` otherwise.
+
+    Raises:
+        DataError: a text has a character that XML cannot hold.
+    """
     chosen = RDF_FORMATS[format]
+    if chosen == engine.RdfFormat.RDF_XML:
+        quads = map(_fit_for_xml, quads)
     terms = _EngineTerms()
     if chosen.supports_datasets:
         statements = (terms.quad(quad) for quad in quads)
     else:
         statements = (terms.triple(quad) for quad in quads)
     engine.serialize(statements, stream, format=chosen, prefixes=_PREFIXES)
+
+
+def _fit_for_xml(quad: Quad) -> Quad:
+    """The statement itself; the engine would write what no parser reads."""
+    value = quad.object
+    found = _NOT_IN_XML.search(value) if isinstance(value, str) else None
+    if found:
+        raise DataError(
+            f"XML cannot hold the character U+{ord(found[0]):04X} of {shortened(quad.subject)}. "
+            "Take Turtle, N-Quads or another format.",
+            source="RDF/XML",
+        )
+    return quad
 
 
 def _with_sorted_prefixes(written: bytes) -> bytes:

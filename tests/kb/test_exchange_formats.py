@@ -201,6 +201,20 @@ def test_another_library_reads_rdf_xml(paper: KnowledgeBase, tmp_path: Path):
     assert len(xml) == len(turtle) > 50
 
 
+def test_character_that_xml_cannot_hold_is_refused(kb: KnowledgeBase, tmp_path: Path):
+    """The file would be read by nobody; the other formats have it."""
+    kb.believe("A knife\x01 cuts.", "", "sam", [CUTTING])
+
+    with pytest.raises(DataError, match=r"U\+0001 of utterance:1.*another format"):
+        export_file(kb, tmp_path / "x.rdf")
+
+    assert not (tmp_path / "x.rdf").exists()
+    export_file(kb, tmp_path / "x.ttl")
+    again = fresh()
+    import_file(again, tmp_path / "x.ttl")
+    assert again.utterance(1).text == "A knife\x01 cuts."
+
+
 # --- Summaries
 
 
