@@ -71,10 +71,14 @@ class Rejected:
     candidate: Candidate
     cause: str
 
+    @property
+    def reason(self) -> str:
+        """Why it is not the one, in a few words."""
+        return f"it was tried first, but: {self.cause.replace('_', ' ')}"
+
     def as_json(self) -> Json:
         """As one of the candidates of `hilt do --json`."""
-        reason = f"it was tried first, but: {self.cause.replace('_', ' ')}"
-        return _candidate(self.candidate) | {"accepted": False, "reason": reason}
+        return _candidate(self.candidate) | {"accepted": False, "reason": self.reason}
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ..inference.abduction import Hypothesis, hypotheses
 from ..inference.affordance import FIND, Affordances
 from ..inference.evidence import relative_plausibility
+from ..inference.explanation import reason_against
 from ..inference.goal import Conclusion, Goal, Observation, Target
 from ..inference.taxonomy import Taxonomy
 from ..kb.beliefs import KnowledgeBase
@@ -120,14 +121,20 @@ def _why(question: Question, known: Knowledge) -> Answered:
     rules = _last_rules(known)
     if known.last is None:
         return _say("nothing_done"), ()
-    told = [known.base.utterance(rule.utterance) for rule in rules if rule.utterance is not None]
+    told = [known.base.utterance(rule.utterance) for rule in rules if rule.utterance]
     if not told:
         reason = _reason(known.last, question.object)
         return (_say("because", done=True, reason=reason) if reason else _say("not_known")), ()
     if rules[-1].status == "induced":
         return _say("because_alike", done=True, text=told[-1].text), tuple(rules)
     speakers = tuple(dict.fromkeys(utterance.speaker for utterance in told))
-    texts = tuple(dict.fromkeys(utterance.text for utterance in told))
+    # What came from a file was not said in words: the rule itself is the reason.
+    texts = tuple(
+        dict.fromkeys(
+            known.describe(rule) if utterance.kind == "import" else utterance.text
+            for rule, utterance in zip((r for r in rules if r.utterance), told, strict=True)
+        )
+    )
     return _say("because_told", done=True, speakers=speakers, texts=texts), tuple(rules)
 
 
@@ -153,7 +160,8 @@ def _what_if(question: Question, known: Knowledge) -> Answered:
     if not found:
         return _say("nothing_known_for", affordance=question.affordance), ()
     things = tuple(dict.fromkeys(_thing(each) for each in found))
-    said = _say("what_if", done=True, affordance=question.affordance, things=things)
+    key = "what_if_one" if len(things) == 1 else "what_if"
+    said = _say(key, done=True, affordance=question.affordance, things=things)
     return said, tuple(rule for each in found for rule in each.rules)
 
 
@@ -242,8 +250,13 @@ def _last_rules(known: Knowledge) -> list[Rule]:
 def _reason(last: Reply, name: str | None) -> str | None:
     """Why the last command took or did not take a thing; None when it did not look for it."""
     decision = last.achievement.decision if last.achievement else None
-    candidates = decision.object.candidates if decision else ()
-    return next((each.reason for each in candidates if name in {None, each.object}), None)
+    if decision is None:
+        return None
+    tried = next((each for each in decision.rejected if each.candidate.object == name), None)
+    if tried:
+        return tried.reason
+    found = next((each for each in decision.object.candidates if name in {None, each.object}), None)
+    return reason_against(decision.object, found) if found else None
 
 
 def _wanted_use(last: Reply) -> str | None:

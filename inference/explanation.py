@@ -68,16 +68,17 @@ def why_not(inference: Inference, name: str) -> str:
     if not found:
         known = sorted({known for each in inference.candidates for known in names_of(each)})
         raise UnknownNameError("candidate", name, known)
-    candidate, best = found[0], inference.best
-    reason = candidate.reason
-    if candidate.accepted and best is not None and candidate is not best:
-        equal = (
-            "it is as good, and comes after"
-            if candidate in inference.ties
-            else "it is less sure than"
-        )
-        reason = f"{candidate.interval}: {equal} {best.name} {best.interval}"
-    return "\n".join((reason, *candidate.proof.lines()))
+    return "\n".join((reason_against(inference, found[0]), *found[0].proof.lines()))
+
+
+def reason_against(inference: Inference, candidate: Candidate) -> str:
+    """Why a candidate is not the one that was chosen; its own reason if it is."""
+    best = inference.best
+    if not candidate.accepted or best is None or candidate is best:
+        return candidate.reason
+    is_tied = candidate in inference.ties
+    equal = "it is as good, and comes after" if is_tied else "it is less sure than"
+    return f"{candidate.interval}: {equal} {best.name} {best.interval}"
 
 
 def names_of(candidate: Candidate) -> tuple[str, ...]:

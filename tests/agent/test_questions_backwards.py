@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Abduction by sentence: what would have to be true, and which context explains what was done."""
+"""Abduction by sentence: what would have to be true, which context explains; and reasons why."""
+
+from pathlib import Path
 
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.kb.exchange import import_file
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture
@@ -51,3 +56,17 @@ def test_what_nothing_explains_is_told(pupil: Agent, question: str):
     reply = pupil.hear(question)
 
     assert (reply.ending, reply.rules) == ("failed", ())
+
+
+def test_reasons_of_what_came_from_a_file_are_its_rules():
+    """A file says no sentence; and the next best is told apart by how sure it is."""
+    with Agent.open("memory:", simulate=False, actions=EXAMPLES / "kitchen_actions.yaml") as agent:
+        import_file(agent.base, EXAMPLES / "kitchen_rules.yaml")
+        agent.hear("A fork is used for stirring")
+        agent.hear("A mug is sometimes used for stirring")
+        agent.hear("stir the glass")
+
+        why, why_not = agent.hear("why?").said, agent.hear("why not the mug?").said
+
+    assert why == 'Because Sam said: "a spoon is used for stirring".'
+    assert "[0.50, 1.00]: it is less sure than spoon [0.95, 1.00]" in why_not
