@@ -11,7 +11,8 @@
     ├── QueryError (ValueError)          a SPARQL text that is wrong, refused or took too long
     ├── ValidationError (ValueError)     a graph that breaks the shapes; carries each finding
     ├── MissingExtraError (ImportError)  an optional part is not installed; says how to get it
-    └── SimulationError (RuntimeError)   the simulator cannot do what was asked
+    ├── SimulationError (RuntimeError)   the simulator cannot do what was asked
+    └── WorkersError (RuntimeError)      processes or nodes cannot be started or reached
 
 They live here because every other package imports `ontology` and nothing imports back.
 Failures that a robot must expect (nothing seen, not sure, dropped) are outcomes, not errors.
@@ -157,3 +158,7 @@ class MissingExtraError(HiltError, ImportError):
 
 class SimulationError(HiltError, RuntimeError):
     """The simulator cannot do what was asked of it."""
+
+
+class WorkersError(HiltError, RuntimeError):
+    """The processes or nodes that were to work cannot be started or reached."""

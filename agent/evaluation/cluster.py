@@ -9,6 +9,7 @@ that the way does not cost more than they do.
 from __future__ import annotations
 
 import os
+import socket
 from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +19,7 @@ from time import monotonic
 from types import ModuleType
 from typing import Any
 
-from ...ontology.errors import MissingExtraError, StoreError
+from ...ontology.errors import MissingExtraError, WorkersError
 from .case import Case, Done, line_of
 from .engine import ATTEMPTS, TIMEOUT_S
 from .experiment import Experiment
@@ -27,6 +28,7 @@ from .worker import lost, read_done, run_cases
 LOCAL = "local"
 CHUNK_S = 0.5  # how long the cases that travel together should take [s]
 MAX_CHUNK = 64
+CONNECT_S = 10.0  # how long the head may take to answer [s]
 LOOK_S = 1.0  # how often nodes and times are looked at [s]
 
 
@@ -70,7 +72,7 @@ class Cluster:
         """Run the cases on the cluster.
 
         Raises:
-            StoreError: the cluster cannot be reached.
+            WorkersError: the cluster cannot be reached.
         """
         with self._joined():
             yield from _Run(self, self._ray, experiment, cases).results()
@@ -79,6 +81,7 @@ class Cluster:
     def _joined(self) -> Generator[None]:
         own = self.address == LOCAL
         try:
+            _knock(self.address)
             self._ray.init(
                 address=None if own else self.address,
                 num_cpus=self.workers if own else None,
@@ -86,8 +89,8 @@ class Cluster:
                 log_to_driver=False,
                 logging_level="ERROR",
             )
-        except (ConnectionError, RuntimeError, ValueError) as error:
-            raise StoreError(f'No Ray cluster at "{self.address}": {error}') from error
+        except (OSError, RuntimeError, ValueError) as error:
+            raise WorkersError(f'No Ray cluster at "{self.address}": {error}') from error
         try:
             yield
         finally:
@@ -163,6 +166,17 @@ class _Run:
             if monotonic() - chunk.since > self._cluster.timeout_s * len(chunk.cases):
                 self._ray.cancel(reference, force=True)  # and `wait` then gives it as an error
                 chunk.since = float("inf")
+
+
+def _knock(address: str) -> None:
+    """See that somebody answers at an address; Ray would go on asking for minutes.
+
+    Raises:
+        OSError, ValueError: nobody does, or it is no address.
+    """
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    if colon:
+        socket.create_connection((host, int(port)), CONNECT_S).close()
 
 
 def _import_ray() -> ModuleType:

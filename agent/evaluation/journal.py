@@ -23,7 +23,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, cast
 
-from ...ontology.errors import DataError, InUseError, StoreError
+from ...ontology.errors import DataError, StoreError
 from ..outcome import Json
 from .case import Case, Done, Result, line_of
 from .experiment import Experiment
@@ -43,8 +43,7 @@ class Journal:
 
     Raises:
         DataError: there is a run already and it is not to go on, or it is not this run.
-        InUseError: another process is writing it.
-        StoreError: the folder cannot be written.
+        StoreError: the folder cannot be written, or another process is writing it.
 
     Attributes:
         done: key -> what is done already.
@@ -110,7 +109,7 @@ class Journal:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise InUseError(str(self.folder)) from error
+            raise StoreError(f'Another process is writing the run in "{self.folder}".') from error
 
     def _take_up(self, header: Json, *, resume: bool) -> None:
         """Read what is there, or begin."""

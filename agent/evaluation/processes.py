@@ -16,7 +16,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from time import monotonic
 
-from ...ontology.errors import HiltError
+from ...ontology.errors import WorkersError
 from .case import Case, Done, line_of
 from .engine import ATTEMPTS, TIMEOUT_S
 from .experiment import Experiment
@@ -53,7 +53,7 @@ class Processes:
         """Run the cases in as many processes.
 
         Raises:
-            HiltError: no worker could be started.
+            WorkersError: no worker could be started.
         """
         waiting = deque(_Task(case) for case in cases)
         crew = _Crew(experiment, min(self.workers, len(cases)), self.timeout_s)
@@ -112,7 +112,7 @@ class _Crew:
             worker.close()
             self._failed_starts = 0 if worker.is_ready else self._failed_starts + 1
             if self._failed_starts >= FAILED_STARTS:
-                raise HiltError(
+                raise WorkersError(
                     "No worker process could be started. Run with one worker to see why."
                 )
             self._workers[index] = _Worker(self._experiment)

@@ -11,7 +11,7 @@ from hilt.agent.evaluation.case import Result
 from hilt.agent.evaluation.engine import Engine, Serial, open_engine, run
 from hilt.agent.evaluation.experiment import Experiment, make_experiment
 from hilt.agent.evaluation.processes import Processes
-from hilt.ontology.errors import DataError, HiltError, UnknownNameError
+from hilt.ontology.errors import DataError, UnknownNameError, WorkersError
 
 
 def results(experiment: Experiment, engine: Engine) -> list[Result]:
@@ -74,7 +74,7 @@ def test_workers_that_cannot_start_are_told(monkeypatch: pytest.MonkeyPatch):
     experiment = Squares(count=3)
     monkeypatch.setattr(Squares, "name", "evaluation_faults:Nothing")
 
-    with pytest.raises(HiltError, match="No worker process could be started"):
+    with pytest.raises(WorkersError, match="No worker process could be started"):
         run(experiment, engine=Processes(2))
 
 

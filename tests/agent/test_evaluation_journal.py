@@ -22,7 +22,7 @@ from hilt.agent.cli import main
 from hilt.agent.evaluation.case import Done
 from hilt.agent.evaluation.engine import run
 from hilt.agent.evaluation.journal import JOURNAL, RESULTS, TIMES, Journal
-from hilt.ontology.errors import DataError, InUseError
+from hilt.ontology.errors import DataError, StoreError
 
 KILLS = int(os.environ.get("HILT_KILLS", "6")) // 3
 HILT = (sys.executable, "-c", "from hilt.agent.cli import main; main()")
@@ -84,7 +84,10 @@ def test_folder_is_written_by_one_process(tmp_path: Path):
     experiment = Squares()
     cases = experiment.cases()
 
-    with Journal(tmp_path, experiment, cases, resume=False), pytest.raises(InUseError):
+    with (
+        Journal(tmp_path, experiment, cases, resume=False),
+        pytest.raises(StoreError, match="Another process is writing the run"),
+    ):
         journaled(tmp_path, experiment, resume=True)
 
 
