@@ -21,6 +21,7 @@ from .models import Model
 from .noise import Noise, with_depth_noise
 from .percept import PartPercept, Percept, visible_features
 from .poses import Array
+from .smoothing import smoothed
 
 SURE = 0.95  # confidence in an object in full sight; even then it may be a good likeness
 FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views differ that much
@@ -53,7 +54,13 @@ class Vision:
     def look(self) -> tuple[View, ...]:
         """What all cameras see now."""
         with self.engine.unseen(self.room):
-            return look(self.engine, self.cameras, self.noise)
+            views = look(self.engine, self.cameras, self.noise)
+        return tuple(self._smooth(view) for view in views) if self.noise.depth_m else views
+
+    def _smooth(self, view: View) -> View:
+        """The same without most of the noise of its depths on things."""
+        labels = [label for label, (name, _) in view.names.items() if name in self.kinds]
+        return replace(view, depth=smoothed(view.depth, view.labels, labels))
 
     def search(
         self, features: Iterable[str], *, views: Sequence[View] | None = None
