@@ -38,7 +38,7 @@ from .embodiment import EYES, ROBOT, Embodiment, household
 from .episodes import Diary
 from .goals import GoalManager, Request
 from .keeping import file_as_json, settings_as_choices
-from .outcome import Achievement, Json, Step
+from .outcome import Achievement, Json
 from .protocols import Motion, Vision
 from .reply import Reply
 from .translation import words_of
@@ -47,8 +47,6 @@ if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene import Scene
     from .filming import Film
-
-PICTURED = {"graspObject": "grasp", "handOver": "hand-over", "pointAt": "pointing"}
 
 
 def default_location() -> Path:
@@ -323,32 +321,6 @@ class Agent:
             body or self._motion,
             grips=_grips(self.objects),
         )
-
-    @contextmanager
-    def recorded(self, folder: Path) -> Generator[list[str]]:
-        """Keep pictures of what is done in the block, and an animation of it.
-
-        Args:
-            folder: where `before.png`, one picture for each motion, and `animation.gif` go.
-
-        Returns:
-            The files; complete when the block ends.
-        """
-        folder.mkdir(parents=True, exist_ok=True)
-        files = [str(self.body.picture(folder / "before.png"))]
-
-        def keep(step: Step) -> None:
-            name = PICTURED.get(step.node.rsplit("/", 1)[-1])
-            if name and step.action == "executed":
-                files.append(str(self.body.picture(folder / f"{name}.png")))
-
-        self.goals.watchers.append(keep)
-        try:
-            with self.filmed(folder / "animation.gif"):
-                yield files
-        finally:
-            self.goals.watchers.remove(keep)
-        files.append(str(folder / "animation.gif"))
 
     @contextmanager
     def facing(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:

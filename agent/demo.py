@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from . import console as shown
 from .agent import Agent
-from .outcome import Json
+from .outcome import Json, Step
 from .reply import Reply
 
 LESSONS = (
@@ -23,6 +23,7 @@ LESSONS = (
     "To pass a knife grab the knife by the blade",
 )
 COMMAND = "pass me something used for cutting"
+PICTURED = {"graspObject": "grasp", "handOver": "hand-over", "pointAt": "pointing"}
 AFTERWARDS = ("pick up the knife", "pass me something used for rolling")
 
 
@@ -112,8 +113,35 @@ class _Step:
         self._bar.update(self._task, description=text)
         recording: AbstractContextManager[list[str]] = nullcontext([])
         if folder and agent.simulate:
-            recording = agent.recorded(folder)
+            recording = _recorded(agent, folder)
         with recording as pictures:
             reply = agent.hear(text)
         self._bar.advance(self._task)
         return reply.with_pictures(*pictures) if pictures else reply
+
+
+@contextmanager
+def _recorded(agent: Agent, folder: Path) -> Generator[list[str]]:
+    """Keep pictures of what is done in the block, and a film of it.
+
+    Args:
+        agent: who does it.
+        folder: where `before.png`, one picture for each motion, and `animation.gif` go.
+
+    Returns:
+        The files; complete when the block ends.
+    """
+    files = [str(agent.body.picture(folder / "before.png"))]
+
+    def keep(step: Step) -> None:
+        name = PICTURED.get(step.node.rsplit("/", 1)[-1])
+        if name and step.action == "executed":
+            files.append(str(agent.body.picture(folder / f"{name}.png")))
+
+    agent.goals.watchers.append(keep)
+    try:
+        with agent.filmed(folder / "animation.gif"):
+            yield files
+    finally:
+        agent.goals.watchers.remove(keep)
+    files.append(str(folder / "animation.gif"))
