@@ -19,6 +19,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.timeout(0)  # a million rules may take longer than a test may
+
 RULES = int(os.environ.get("HILT_BENCH_RULES", "20000"))
 SECONDS = 120 * max(RULES, 100_000) / 1_000_000
 MEGABYTES = 3072
@@ -28,11 +30,11 @@ from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.exchange import export_file, import_file
 doing, base, file = sys.argv[1:]
 with KnowledgeBase.open(base) as kb:
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), time.process_time()
     found = import_file(kb, file) if doing == "import" else export_file(kb, file)
-    seconds = time.perf_counter() - start
+    seconds, cpu = time.perf_counter() - start, time.process_time() - cpu
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-print(json.dumps({"seconds": seconds, "megabytes": peak, "found": str(found)}))
+print(json.dumps({"seconds": seconds, "cpu": cpu, "megabytes": peak, "found": str(found)}))
 """
 
 
@@ -58,7 +60,10 @@ def measured(doing: str, base: Path, file: Path) -> None:
     command = [sys.executable, "-c", RUN, doing, str(base), str(file)]
     found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)  # noqa: S603 - our own program
 
-    print(f"\n{doing} {file.name}: {found['seconds']:.1f} s, {found['megabytes']:.0f} MB")
+    print(
+        f"\n{doing} {file.name}: {found['seconds']:.1f} s ({found['cpu']:.1f} s of processor), "
+        f"{found['megabytes']:.0f} MB"
+    )
     assert found["seconds"] <= SECONDS
     assert found["megabytes"] <= MEGABYTES
 
