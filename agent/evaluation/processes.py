@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Several processes on this machine, any of which may die or hang.
 
-Each worker has a pipe of its own and a few cases waiting in it, so that it never waits for the
-driver. A worker that dies, or is killed because a case takes too long, is replaced; the case it was
-at is begun again, a few times at most, and those that waited behind it simply again. (A pool of the
-standard library loses everything that is pending when one worker dies.)
+Each worker has a pipe of its own and, where cases are short, some waiting in it, so that it never
+waits for the driver. A worker that dies, or is killed because a case takes too long, is replaced;
+the case it was at is begun again, a few times at most, and those that waited behind it simply
+again. (A pool of the standard library loses everything that is pending when one worker dies.)
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from .experiment import Experiment
 from .worker import READY, lost, read_done, serve
 
 IN_PIPE = 3  # cases that a worker has: the one it is at, and some so that it need not wait
+SHORT_S = 0.05  # slower cases do not wait in a pipe while another worker may be idle [s]
 START_S = 120.0  # how long a worker may take to start [s]
 FAILED_STARTS = 3  # as many workers that die before they are ready mean that none will start
 
@@ -79,6 +80,7 @@ class _Crew:
         self._experiment = experiment
         self._timeout_s = timeout_s
         self._failed_starts = 0
+        self._cpu_s, self._count = 0.0, 0
         self._workers = [_Worker(experiment) for _ in range(size)]
 
     @property
@@ -87,7 +89,8 @@ class _Crew:
 
     def hand_out(self, waiting: deque[_Task]) -> None:
         """Fill the pipes evenly, as far as there are cases."""
-        for depth in range(IN_PIPE):
+        are_short = self._count > 0 and self._cpu_s / self._count < SHORT_S
+        for depth in range(IN_PIPE if are_short else 1):
             for worker in self._workers:
                 if waiting and len(worker.tasks) == depth:
                     worker.give(waiting.popleft())
@@ -97,8 +100,9 @@ class _Crew:
         limit = min(worker.deadline(self._timeout_s) for worker in self._workers)
         ready = wait([w.connection for w in self._workers], max(0.0, limit - monotonic()))
         for worker in self._workers:
-            if worker.connection in ready:
-                yield from worker.take()
+            for done in worker.take() if worker.connection in ready else ():
+                self._cpu_s, self._count = self._cpu_s + done.cpu_s, self._count + 1
+                yield done
 
     def replace_lost(self) -> Iterator[tuple[_Task | None, list[_Task]]]:
         """Put a new worker where one is gone or hangs.
