@@ -81,6 +81,7 @@ class Recorder:
         self._interval = max(1, round(pace / rate / TIME_STEP))  # steps
         self._waiting = 0
         self._taken: list[tuple[Picture, str]] = []
+        self._last: tuple[int, str] | None = None
         self._rests: list[int] = []  # where it rests on one of them
 
     def __enter__(self) -> Recorder:
@@ -95,8 +96,14 @@ class Recorder:
     ) -> None:
         self._world.watcher = None
         if error is None:
-            self.take()
+            if self._last != self._moment:
+                self.take()
             self._write()
+
+    @property
+    def _moment(self) -> tuple[int, str]:
+        """The time in the world, and what is written about it."""
+        return self._world.engine.steps, self.caption
 
     def _watch(self) -> None:
         if self._waiting == 0:
@@ -113,6 +120,7 @@ class Recorder:
         if self.grasps:
             picture = with_grasps(picture, camera, self.grasps)
         self._taken.append((picture, self.caption))
+        self._last = self._moment
 
     def pause(self, seconds: float, at: Array | None = None) -> None:
         """Take a picture and let the recording rest on it, while no time passes in the world."""
