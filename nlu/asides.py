@@ -8,13 +8,16 @@ with them; so a word that nobody has declared to be empty is never lost.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ..ontology.source import Field
+from .patterns import Group, factored, spellings
 from .tokens import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]
+Pattern = tuple[str | Group, ...]
 
 
 @dataclass(frozen=True)
@@ -26,29 +29,28 @@ class Asides:
         apart: they add nothing when a pause, or the end, is on both sides of them.
         asking: at the end, with a question mark, they make a question of what goes before.
         telling: at the end, with a question mark, they ask for nothing.
+        clauses: patterns of reasons that add nothing before a pause or the end.
     """
 
     anywhere: frozenset[Phrase] = frozenset()
     apart: frozenset[Phrase] = frozenset()
     asking: frozenset[Phrase] = frozenset()
     telling: frozenset[Phrase] = frozenset()
+    clauses: tuple[Pattern, ...] = ()
 
-    def with_phrases(self, kind: str, phrases: Iterable[Phrase], field: Field) -> Asides:
+    def reading(self, kind: str, field: Field) -> Asides:
         """These asides, and further ones of a kind.
 
         Raises:
-            DataError: there is no such kind.
+            DataError: there is no such kind, or a pattern is not as expected.
         """
-        known: dict[str, frozenset[Phrase]] = {
-            "anywhere": self.anywhere,
-            "apart": self.apart,
-            "asking": self.asking,
-            "telling": self.telling,
-        }
+        if kind == "clauses":
+            return replace(self, clauses=(*self.clauses, *_patterns(field)))
+        known = {"anywhere", "apart", "asking", "telling"}
         if kind not in known:
-            raise field.fail(f'expected one of {", ".join(known)}, found "{kind}".')
-        known[kind] |= set(phrases)
-        return Asides(**known)
+            raise field.fail(f'expected "clauses" or one of {sorted(known)}, found "{kind}".')
+        phrases = {words for each in field.items() for words in spellings(each)}
+        return replace(self, **{kind: getattr(self, kind) | phrases})
 
     def untagged(self, tokens: Tokens) -> Tokens:
         """The utterance without the tag at its end: "..., isn't it?", "..., okay?"."""
@@ -61,34 +63,85 @@ class Asides:
                 return replace(rest, asks=tag in self.asking, pauses=_below(tokens, place))
         return tokens
 
-    def removed(self, tokens: Tokens) -> Tokens:
-        """The utterance without all that adds nothing."""
+    def removed(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
+        """The utterance without all that adds nothing.
+
+        Args:
+            tokens: the utterance.
+            kept_whole: phrases in which nothing is an aside, as "ever" in "hardly ever".
+        """
         words = tokens.words
         edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
         edges |= {place for place, word in enumerate(words) if word == BREAK}
         kept: list[tuple[int, Token]] = []
         place = 0
         while place < len(words):
-            end = self._end(words, place, edges)
+            whole = _longest(words, place, kept_whole)
+            end = place if whole else self._end(words, place, edges)
             if end == place:
-                kept.append((place, tokens.items[place]))
-                end += 1
+                end += whole or 1
+                kept += enumerate(tokens.items[place:end], start=place)
             place = end
         return _only(tokens, kept)
 
     def _end(self, words: Phrase, start: int, edges: Collection[int]) -> int:
         """One past the longest aside from a place on; the place itself where there is none."""
+        ends = [end for end in self._clause_ends(words, start) if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
             phrase = words[start:end]
-            if phrase in self.anywhere:
-                return end
-            if start in edges and end in edges and phrase in self.apart:
-                return end
-        return start
+            apart = start in edges and end in edges
+            if phrase in self.anywhere or (apart and phrase in self.apart):
+                ends.append(end)
+        return max(ends, default=start)
+
+    def _clause_ends(self, words: Phrase, start: int) -> Iterator[int]:
+        if words[start] in self._beginnings:
+            for pattern in self.clauses:
+                yield from _ends(pattern, words, start)
+
+    @cached_property
+    def _beginnings(self) -> frozenset[str]:
+        """The first words of all clauses."""
+        firsts = (_choices(pattern[0]) for pattern in self.clauses)
+        return frozenset(choice[0] for choices in firsts for choice in choices)
 
 
 _LONGEST = 8
-"""No aside is longer [words]."""
+"""No aside but a clause is longer [words]."""
+
+_ANY = "*"
+_NEVER_ANY = frozenset({BREAK, "not", "never", "no"})
+
+
+def _patterns(field: Field) -> Iterator[Pattern]:
+    for each in field.items():
+        yield from factored(each)
+
+
+def _choices(piece: str | Group) -> Sequence[Phrase]:
+    return piece.choices if isinstance(piece, Group) else ((piece,),)
+
+
+def _ends(pattern: Pattern, words: Phrase, start: int) -> Iterator[int]:
+    """Where a pattern that begins at a place may end."""
+    if not pattern:
+        yield start
+        return
+    for choice in _choices(pattern[0]):
+        end = start + len(choice)
+        said = words[start:end]
+        if len(said) == len(choice) and all(map(_fits, choice, said)):
+            yield from _ends(pattern[1:], words, end)
+
+
+def _fits(wanted: str, word: str) -> bool:
+    return wanted == word or (wanted == _ANY and word not in _NEVER_ANY)
+
+
+def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
+    """The length of the longest of some phrases from a place on, 0 where there is none."""
+    longest = min(_LONGEST, len(words) - start)
+    return next((n for n in range(longest, 0, -1) if words[start : start + n] in phrases), 0)
 
 
 def fronted(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:

@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 from .categories import Category
 from .combinators import Combination, Combinator, Sign
 from .grammar import Unary
-from .lexicon import Entry, Lexicon
+from .lexicon import Entry, Lexicon, Sorted
 from .terms import Value, compose
 
 MAX_DERIVATIONS = 16
@@ -43,13 +43,13 @@ class Derivation(NamedTuple):
 
 
 class _Way(NamedTuple):
-    rule: Entry | Unary | Combination
+    rule: Unary | Combination
     middle: int = 0
     left: Sign = 0
     right: Sign = 0
 
 
-_Cell: TypeAlias = "dict[Sign, list[_Way]]"
+_Cell: TypeAlias = "dict[Sign, list[Entry | _Way]]"
 
 
 class Chart:
@@ -108,37 +108,45 @@ class Chart:
         self, tokens: Sequence[str], lexicon: Lexicon, guesses: Mapping[int, Sequence[Entry]]
     ) -> None:
         turns = self._combinator.turns
-        open_turns: list[tuple[int, int, Entry]] = []
-        for start in range(self.length):
-            found = list(lexicon.lookup(tokens, start))
-            found += [(start + len(guess.words), (guess,)) for guess in guesses.get(start, ())]
-            for end, entries in found:
-                cell = self._cells[start][end]
-                for entry in entries:
-                    if entry.sign in turns:
-                        open_turns.append((start, end, entry))
-                    else:
-                        cell.setdefault(entry.sign, []).append(_Way(entry))
-        for start, end, entry in self._usable(open_turns):
-            self._cells[start][end].setdefault(entry.sign, []).append(_Way(entry))
+        found = [
+            (self._cells[start][end], node.sorted(turns))
+            for start in range(self.length)
+            for end, node in lexicon.nodes(tokens, start)
+        ]
+        for cell, entries in found:
+            for sign, plain in entries.plain.items():
+                cell.setdefault(sign, []).extend(plain)
+        for start, added in guesses.items():
+            for guess in added:
+                self._cells[start][start + len(guess.words)].setdefault(guess.sign, []).append(
+                    guess
+                )
+        self._add_turns(found)
 
-    def _usable(self, found: list[tuple[int, int, Entry]]) -> list[tuple[int, int, Entry]]:
-        """The entries of constructions without those whose other words are not there.
+    def _add_turns(self, found: Sequence[tuple[_Cell, Sorted]]) -> None:
+        """Add the entries of constructions, but for those whose other words are not there.
 
         Nothing is lost: a category that seeks certain words never finds them, and words that
         nothing seeks are part of nothing. It is most of the entries, and most of the time.
         """
         turns = self._combinator.turns
-        there = {entry.sign for _, _, entry in found}
-        kept = [each for each in found if turns[each[2].sign].needs <= there]
-        wanted = self._combinator.wanted_by_changes | {
-            need for each in kept for need in turns[each[2].sign].needs
-        }
+        there = {entry.sign for _, entries in found for entry in entries.words}
+        wanted = set(self._combinator.wanted_by_changes)
+        for cell, entries in found:
+            for need in there & entries.heads.keys():
+                for entry in entries.heads[need]:
+                    needs = turns[entry.sign].needs
+                    if needs <= there:
+                        wanted |= needs
+                        cell.setdefault(entry.sign, []).append(entry)
         for sign in there:
             for needs in turns[sign].changes:
                 if needs <= there:
                     wanted |= {sign, *needs}
-        return [each for each in kept if not turns[each[2].sign].is_words or each[2].sign in wanted]
+        for cell, entries in found:
+            for entry in entries.words:
+                if entry.sign in wanted:
+                    cell.setdefault(entry.sign, []).append(entry)
 
     def _fill(self) -> None:
         join, cells, signs = self._combinator.join, self._cells, self._signs
@@ -157,10 +165,11 @@ class Chart:
 
     def _change(self, cell: _Cell) -> None:
         # What appears through a change may change again; grammars have no cycles of changes.
-        pending = list(cell)
+        changes = self._combinator.changes
+        pending = [sign for sign in cell if changes(sign)]
         while pending:
             sign = pending.pop()
-            for target, rule in self._combinator.changes(sign):
+            for target, rule in changes(sign):
                 if target not in cell:
                     cell[target] = []
                     pending.append(target)
@@ -180,10 +189,12 @@ class Chart:
             self._known[key] = found
         return found
 
-    def _derived(self, start: int, end: int, category: Category, way: _Way) -> list[Derivation]:
+    def _derived(
+        self, start: int, end: int, category: Category, way: Entry | _Way
+    ) -> list[Derivation]:
+        if isinstance(way, Entry):
+            return [Derivation(category, way.value, way.cost, start, end, way)]
         rule = way.rule
-        if isinstance(rule, Entry):
-            return [Derivation(category, rule.value, rule.cost, start, end, rule)]
         if isinstance(rule, Unary):
             return [
                 Derivation(

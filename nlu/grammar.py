@@ -8,6 +8,7 @@ with file, line and column.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -94,8 +95,13 @@ class Grammar:
         """A category in words, for a person who does not know the grammar."""
         while isinstance(category, Functor):
             category = category.result
-        # A run of words of a construction describes itself.
-        return self.descriptions.get(category.name, category.name)
+        return self.descriptions.get(category.name) or _shortened(category.name)
+
+
+def _shortened(words: str) -> str:
+    """The words of a construction, of a choice of many the first two."""
+    choices = re.sub(r'["()\[\]]', "", words).split("|")
+    return " or ".join(f'"{choice}"' for choice in choices[:2])
 
 
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:

@@ -5,12 +5,12 @@
     >>> language.understand("To pass a knife grab it by the blade").semantics
     'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same six files.
+A second language is a second folder beside `ontology/english`, with the same eight files.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -166,7 +166,7 @@ class Language:
         if found.reading is None and BREAK in tokens.words:
             again = self._taken(tokens.without_breaks(), situation, insist)
             found = again if again.reading is not None else found
-        if isinstance(found.meaning, Misunderstanding):
+        if _is_open(found.meaning):
             again = self._in_turn(tokens, situation, insist)
             again = again or self._without_asides(tokens, situation, insist)
             return replace(again, text=tokens.text) if again else found
@@ -224,11 +224,11 @@ class Language:
         self, tokens: Tokens, situation: Situation, insist: Collection[str]
     ) -> Understanding | None:
         """An utterance without what is said by the way; None when that is none either."""
-        asides = self.book.asides
-        bare = asides.removed(asides.untagged(tokens))
-        for each in (bare, fronted(bare, self.book.degree_phrases)):
-            if each is None or each == tokens or not each.items:
+        tried = {tokens.words}
+        for each in self._versions(tokens):
+            if each.words in tried or not each.items:
                 continue
+            tried.add(each.words)
             for whole in (each, each.without_breaks()):
                 found = self._taken(whole, situation, insist)
                 if found.reading is not None:
@@ -237,6 +237,16 @@ class Language:
             if again is not None:
                 return again
         return None
+
+    def _versions(self, tokens: Tokens) -> Iterator[Tokens]:
+        """The utterance in other words that mean the same, those closest to it first."""
+        asides, degrees = self.book.asides, self.book.degree_phrases
+        untagged = asides.untagged(tokens)
+        for each in (untagged, self.book.lengthened(untagged)):
+            yield each
+            bare = asides.removed(each, degrees)
+            yield bare
+            yield fronted(bare, degrees) or bare
 
     def _in_turn(
         self, tokens: Tokens, situation: Situation, insist: Collection[str]
@@ -269,7 +279,8 @@ class Language:
     def _slip_anywhere(self, unknown: list[Token], insist: Collection[str]) -> AskBack | None:
         """The question back when an unknown word of an unknown kind is close to a known one."""
         for token in unknown:
-            close = None if token.word in insist else nearest(token.word, self.known_words)
+            known = self.known_words - self._unnamed_words
+            close = None if token.word in insist else nearest(token.word, known)
             if close is not None:
                 return self._did_you_mean(token.word, close)
         return None
@@ -355,6 +366,13 @@ class Language:
             message = self.say("unknown_words", words=words[:MAX_NEW_WORDS])
         known = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self.listener.nearest(known))
+
+
+def _is_open(meaning: Meaning) -> bool:
+    """Whether an utterance may still be understood in another way: it has not several meanings."""
+    return isinstance(meaning, Misunderstanding) or (
+        isinstance(meaning, AskBack) and len(meaning.choices) <= 1
+    )
 
 
 def _may_teach(reading: Reading) -> bool:

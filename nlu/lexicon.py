@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from .categories import Category
-from .combinators import Sign
+from .combinators import Sign, Turn
 from .terms import Term, Value
 
 
@@ -42,11 +42,56 @@ class Entry(NamedTuple):
     role: str = ""
 
 
+@dataclass(frozen=True)
+class Sorted:
+    """The entries of some words, as a chart needs them.
+
+    Attributes:
+        plain: those that are no part of a construction, by sign.
+        words: those that only are certain words of a construction.
+        heads: those that seek certain words, by one of the words that they seek.
+    """
+
+    plain: Mapping[Sign, Sequence[Entry]]
+    words: Sequence[Entry]
+    heads: Mapping[Sign, Sequence[Entry]]
+
+
 @dataclass
-class _Node:
-    # A plain mutable tree: it is filled while a lexicon is built, and only read afterwards.
-    below: dict[str, _Node] = field(default_factory=dict["str", "_Node"])
+class Node:
+    """A place in the tree of a lexicon: the entries of the words that lead to it.
+
+    It is filled while a lexicon is built, and only read afterwards.
+    """
+
+    below: dict[str, Node] = field(default_factory=dict["str", "Node"])
     entries: list[Entry] = field(default_factory=list[Entry])
+    _sorted: Sorted | None = None
+
+    def sorted(self, turns: Mapping[Sign, Turn]) -> Sorted:
+        """The entries, sorted once.
+
+        Args:
+            turns: what signs have to do with the words of constructions.
+        """
+        if self._sorted is None:
+            self._sorted = _sorted(self.entries, turns)
+        return self._sorted
+
+
+def _sorted(entries: Sequence[Entry], turns: Mapping[Sign, Turn]) -> Sorted:
+    plain: dict[Sign, list[Entry]] = defaultdict(list)
+    heads: dict[Sign, list[Entry]] = defaultdict(list)
+    words: list[Entry] = []
+    for entry in entries:
+        turn = turns.get(entry.sign)
+        if turn is None:
+            plain[entry.sign].append(entry)
+        elif turn.is_words:
+            words.append(entry)
+        else:
+            heads[min(turn.needs)].append(entry)
+    return Sorted(dict(plain), tuple(words), dict(heads))
 
 
 class Lexicon:
@@ -58,7 +103,7 @@ class Lexicon:
     """
 
     def __init__(self, entries: Sequence[Entry], base: Lexicon | None = None) -> None:
-        self._root = _Node()
+        self._root = Node()
         self._base = base
         self._words = frozenset(word for entry in entries for word in entry.words)
         for entry in entries:
@@ -99,6 +144,10 @@ class Lexicon:
 
     def lookup(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, Sequence[Entry]]]:
         """The entries of all spans that begin at a token, with the end of the span."""
+        return ((end, node.entries) for end, node in self.nodes(tokens, start))
+
+    def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, Node]]:
+        """The nodes of all spans that begin at a token and have entries, with their ends."""
         node, end = self._root, start
         while end < len(tokens):
             below = node.below.get(tokens[end])
@@ -106,16 +155,16 @@ class Lexicon:
                 break
             node, end = below, end + 1
             if node.entries:
-                yield end, node.entries
+                yield end, node
         if self._base is not None:
-            yield from self._base.lookup(tokens, start)
+            yield from self._base.nodes(tokens, start)
 
     def _add(self, entry: Entry) -> None:
         node = self._root
         for word in entry.words:
             below = node.below.get(word)
             if below is None:
-                below = node.below[word] = _Node()
+                below = node.below[word] = Node()
             node = below
         # A word has few entries; to compare them is cheaper than to hash every term.
         for known in node.entries:

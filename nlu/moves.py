@@ -23,6 +23,7 @@ from .meaning import (
     Retraction,
     Rule,
     Statement,
+    ToolCommand,
 )
 from .predicates import Form
 from .tokens import BREAK, Tokens
@@ -171,7 +172,11 @@ def _subject(rule: Rule) -> Rule:
 
 def _sees_target(first: Meaning, last: Meaning) -> bool:
     """Whether the first move asks for the very thing that the second one is to act on."""
-    if not isinstance(first, Question) or first.ask != "see" or not isinstance(last, Command):
+    if not isinstance(first, Question) or first.ask != "see":
+        return False
+    if isinstance(last, ToolCommand):
+        return first.object == last.patient
+    if not isinstance(last, Command):
         return False
     seen = (first.object, first.affordance)
     return seen in {(last.target.object, None), (None, last.target.used_for)}

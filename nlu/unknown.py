@@ -121,13 +121,8 @@ def compounds(
 def _may_name(word: str, lexicon: Lexicon, *, last: bool = False) -> bool:
     if word not in lexicon:
         return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
-    kinds = {"N", "NS"} if last else {"N", "MS", "K"}
-    return any(
-        entry.name and str(entry.category) in kinds
-        for end, entries in lexicon.lookup((word,), 0)
-        for entry in entries
-        if end == 1
-    )
+    kinds = ("N", "NS") if last else ("N", "MS", "K")
+    return any(word in lexicon.names.get(kind, ()) for kind in kinds)
 
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:

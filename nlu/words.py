@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of `lexicon.yaml`, and maker of entries for the names of a vocabulary.
+"""Reader of the word files of a language, and maker of entries for the names of a vocabulary.
 
 `WordBook` is what the file says, checked: contractions, templates, the entries of all words, and
 the templates that a new noun, part, use or act gets. One line of the file may stand for hundreds
@@ -9,7 +9,7 @@ of entries: the spellings of a pattern, or the frames and inflections of a verb.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -25,6 +25,7 @@ from .lexicon import Entry, Frame, Template
 from .notation import read_entry, read_type
 from .patterns import Group, factored, spellings
 from .terms import Constant, evaluate, replace_constants
+from .tokens import Tokens
 from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
@@ -34,7 +35,7 @@ _NOTHING_VALUE = evaluate(_NOTHING)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "asides"),
+    *("constructions", "asides", "endings"),
 )
 
 
@@ -71,6 +72,7 @@ class WordBook:
         self.qualifiers: dict[str, tuple[str, ...]] = {}
         self.nouns: dict[str, tuple[str, ...]] = {}
         self.asides = Asides()
+        self.endings: dict[str, str] = {}
         self.entries: list[Entry] = []
         self.turns: list[Entry] = []
 
@@ -83,6 +85,8 @@ class WordBook:
         parts = read_yaml(path).entries(optional=_KEYS)
         for short, field in _entries(parts, "contractions"):
             self.contractions[short] = tuple(field.text().split())
+        for short, field in _entries(parts, "endings"):
+            self.endings[short] = field.text()
         if "closed" in parts:
             self.closed |= set(parts["closed"].texts())
         for name, field in _entries(parts, "templates"):
@@ -101,8 +105,12 @@ class WordBook:
         for field in _items(parts, "constructions"):
             self.turns += self._construction(field)
         for kind, field in _entries(parts, "asides"):
-            said = [words for each in field.items() for words in spellings(each)]
-            self.asides = self.asides.with_phrases(kind, said, field)
+            self.asides = self.asides.reading(kind, field)
+
+    def lengthened(self, tokens: Tokens) -> Tokens:
+        """An utterance with its endings that may be short for a word written out: "a shoe's"."""
+        items = tuple(replace(t, word=self.endings.get(t.word, t.word)) for t in tokens.items)
+        return replace(tokens, items=items)
 
     def verb_entries(self, verb: Verb, *, role: str = "", cost: float = 0.0) -> Iterator[Entry]:
         """The entries of a verb: all frames of its templates in all inflections."""

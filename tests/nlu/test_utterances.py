@@ -18,7 +18,6 @@ DATA = Path(__file__).parent / "data"
 # Said differently from everything that Hilt covers so far; each with what is missing.
 SKIPPED = {
     "pick something up that is used for rolling": "a relative clause away from its noun",
-    "the knife’s used for cutting": "'s as a short form of is",
     "pick up a mug by its handle when you pick it up": "an act that is its own occasion",
     "always hold the mug by the handle when picking it up, usually": "two degrees at once",
     "use a knife for cutting but never for pounding": "a denial joined to an imperative",
@@ -95,13 +94,32 @@ def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
 
 BLIND = [
     json.loads(line)
-    for name in ("blind.jsonl", "blind_far.jsonl")
+    for name in ("blind.jsonl", "blind_far.jsonl", "blind_last.jsonl", "blind_turns.jsonl")
     for line in (DATA / name).read_text(encoding="utf-8").splitlines()
     if line.strip()
 ]
 
 
-@pytest.mark.parametrize("case", [pytest.param(each, id=each["text"]) for each in BLIND])
+# Of the last two blind sets, what is not understood yet; each with what is missing.
+NOT_YET = {
+    "A spoon? Nah, you never cut with that.": "a no that answers oneself",
+    "A hammer you pick up by its handle and pass by its head.": "two acts on a fronted object",
+    "The rim is where you ought to grab any mug you're passing.": "a relative clause on the object",
+    "No matter what the thing is, you hand it over by the handle.": "any object, named as a thing",
+    "Mugs are for containing and knives, well, knives are for cutting.": "a second beginning",
+    "The red mug, not the blue one, is the one I'd like you to pass me.": "one thing, not another",
+    "That nail wants pounding, so go ahead and do it with the hammer.": 'an act named by "do it"',
+    "Cut that rope, would you, with whatever's used for slicing.": "a new use within a command",
+}
+
+
+def _blind(each: dict[str, object]) -> object:
+    reason = NOT_YET.get(str(each["text"]))
+    marks = [pytest.mark.xfail(reason=reason)] if reason else []
+    return pytest.param(each, marks=marks, id=str(each["text"]))
+
+
+@pytest.mark.parametrize("case", [_blind(each) for each in BLIND])
 def test_utterances_written_without_the_lexicon(
     language: Language, case: dict[str, object]
 ) -> None:
@@ -115,7 +133,9 @@ def test_utterances_written_without_the_lexicon(
 
 
 def fits(found: dict[str, object], wanted: object) -> bool:
-    """Whether a meaning is the one that was wanted, or one of several."""
+    """Whether a meaning is the one that was wanted, or one of several; None is a refusal."""
+    if wanted is None:
+        return bool(found.get("error") or found.get("ask_back"))
     assert isinstance(wanted, dict)
     if "any_of" in wanted:
         return any(fits(found, each) for each in wanted["any_of"])
