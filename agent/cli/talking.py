@@ -74,12 +74,13 @@ def tell(
     *,
     kb: Kb = None,
     objects: Objects = None,
+    actions: ActionsFile = None,
     speaker: Speaker = "sam",
     heard: Heard = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
-    with open_agent(kb, objects=objects) as agent:
+    with open_agent(kb, objects=objects, actions=actions) as agent:
         done = converse(
             agent,
             text,
