@@ -50,7 +50,7 @@ def lesson(base: KnowledgeBase, said: Statement, speaker: str, heard: float) -> 
     """
     as_said = tuple(rule_of(each, speaker) for each in said.rules)
     rules = tuple(rule_of(each, speaker, heard) for each in said.rules)
-    before = _earlier(base, rules, speaker)
+    before = _earlier(base, rules)
     known = {rule.id for rule in before}
     corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
     supersedes = tuple(
@@ -66,12 +66,10 @@ def lesson(base: KnowledgeBase, said: Statement, speaker: str, heard: float) -> 
     )
 
 
-def _earlier(base: KnowledgeBase, rules: Sequence[Rule], speaker: str) -> list[Rule]:
+def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
     """What a speaker told before that can be the same matter as one of these rules."""
-    # Such rules hang on the same node, and nothing else does: the size of the base does not count.
-    found = base.rules_of(sorted({rule.node for rule in rules}))
-    told = [rule for rule in found if rule.speaker == speaker]
-    return sorted(told, key=lambda rule: (rule.utterance or 0, rule.id))
+    found = {old.id: old for rule in rules for old in base.rules_like(rule)}
+    return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 
 
 def is_same_matter(one: Rule, other: Rule) -> bool:

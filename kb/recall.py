@@ -88,6 +88,28 @@ class Recall:
         found = self._stars([(key, value) for key, value in wanted if value is not None])
         return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
 
+    def rules_like(self, rule: Rule) -> list[Rule]:
+        """The active rules of the same speaker with the same premises, as `rules` orders them.
+
+        It takes as long as many rules have its first feature; the size of the base does not count.
+        """
+        if not rule.features:  # of any object: there are few on a node
+            found = [one for one in self.rules_of([rule.node]) if one.speaker == rule.speaker]
+        else:
+            found = self.read_rules(
+                self._stars(
+                    [
+                        *((stars.FEATURE, stars.atom_iri(atom)) for atom in sorted(rule.features)),
+                        *((stars.CONTEXT, stars.atom_iri(atom)) for atom in sorted(rule.contexts)),
+                        (stars.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
+                        (stars.STATUS, stars.status_iri("active")),
+                    ]
+                )
+            )
+        same = [one for one in found if one.features == rule.features]
+        same = [one for one in same if one.contexts == rule.contexts]
+        return sorted(same, key=lambda one: (one.utterance or 0, one.id))
+
     def rule(self, rule_id: str) -> Rule:
         """The rule of an id, whatever its status.
 

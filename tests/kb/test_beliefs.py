@@ -377,3 +377,19 @@ def test_general_rule_is_kept_like_any_other(kb: KnowledgeBase):
 
     assert [one.id for one in kb.rules_of(["pass.moveTo"])] == [rule.id]
     assert kb.rules(object="mug")[0].argument == Atom("place", "sink")
+
+
+def test_like_rules_have_the_same_premises_and_speaker(kb: KnowledgeBase):
+    """Whatever they conclude; others on the same node are not read."""
+    part = grasping("knife", "handle", "pass", interval=HIGH)
+    others = (
+        replace(part, speaker="anna"),
+        grasping("knife", "handle", "use", interval=HIGH),
+        grasping("mug", "handle", "pass", interval=HIGH),
+    )
+    teach(kb, BLADE, part, CUTTING, *others)
+
+    assert {rule.id for rule in kb.rules_like(BLADE)} == {BLADE.id, part.id}
+    assert [rule.id for rule in kb.rules_like(CUTTING)] == [CUTTING.id]
+    anything = replace(part, features=frozenset())
+    assert kb.rules_like(anything) == []
