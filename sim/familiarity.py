@@ -21,6 +21,7 @@ from .poses import Array
 LEAST_DEVIATION = 1e-3
 MOST_DEVIATIONS = 6.0  # a single number that is far off must not decide alone
 LIMIT_SHARE = 0.99  # of what is held back that is familiar
+LEAST_LIMIT = 0.1  # hardly any two views are nearer
 LOOSEST = 1.25  # times the median of all limits
 STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
 
@@ -60,10 +61,11 @@ class Familiarity:
         index = np.concatenate(chosen)
         usual = cls(deviation, inputs[index], classes[index], np.ones(len(chosen)))
         oddness = usual.oddness(held_inputs, held_classes)
-        limits = [np.quantile(oddness[held_classes == kind], LIMIT_SHARE) for kind in kinds]
+        held = [oddness[held_classes == kind] for kind in kinds]
+        limits = [np.quantile(each, LIMIT_SHARE) if len(each) else np.nan for each in held]
         # Of some classes few are held back; one odd example must not open them for everything.
-        limit = np.minimum(limits, LOOSEST * np.median(limits))
-        return cls(deviation, inputs[index], classes[index], limit)
+        limit = np.fmin(limits, LOOSEST * np.nanmedian(limits))
+        return cls(deviation, inputs[index], classes[index], np.maximum(limit, LEAST_LIMIT))
 
     def oddness(self, inputs: Array, classes: NDArray[np.int64]) -> Array:
         """How far inputs (n, d) are from what is usual in their classes (n,); 1 is the limit."""
