@@ -103,7 +103,8 @@ class Dialogue:
     ) -> None:
         self.base = base
         self._other = other
-        self.language = language.with_words(known(word) for word in base.words())
+        people = (_person(name) for name in base.trusts())
+        self.language = language.with_words((*(known(word) for word in base.words()), *people))
         self.seed = seed
         self.contexts: dict[Atom, Interval] = {}
         self.last_done: Reply | None = None
@@ -350,3 +351,8 @@ def _declined(said: meaning.Command | meaning.ToolCommand) -> Answer:
         return Answer("will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused")
     name = said.target.object or said.target.used_for or "thing"
     return Answer("will_not", {"goal": said.goal, "object": name}, "refused")
+
+
+def _person(name: str) -> meaning.NewWord:
+    """Somebody known by name, to be asked about: "do you trust kim?"."""
+    return meaning.NewWord(name.lower(), "person", name)

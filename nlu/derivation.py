@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from .categories import Category
 from .chart import Derivation
 from .combinators import Combination
 from .lexicon import Entry
@@ -73,6 +74,13 @@ def entries_of(derivation: Derivation) -> Iterator[Entry]:
         yield derivation.rule
     for part in derivation.parts:
         yield from entries_of(part)
+
+
+def categories_of(derivation: Derivation) -> Iterator[Category]:
+    """The categories of all spans that a derivation goes through."""
+    yield derivation.category
+    for part in derivation.parts:
+        yield from categories_of(part)
 
 
 def _shown(derivation: Derivation) -> str:

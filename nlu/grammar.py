@@ -56,6 +56,7 @@ class Grammar:
         unary: the changes of category.
         roots: the speech act of each category that is a whole utterance.
         topic: the category of what is only named, for "it" to stand for.
+        general: the category of any object of a kind, like "a knife".
     """
 
     types: Mapping[str, Type]
@@ -64,6 +65,7 @@ class Grammar:
     unary: tuple[Unary, ...]
     roots: Mapping[Category, str]
     topic: Category
+    general: Category
 
     def entry(self, field: Field, extra: Signature | None = None) -> tuple[Category, Term, float]:
         """Read and check one line `category : term @cost` of a word.
@@ -115,7 +117,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         DataError: the file is not as expected; says where.
     """
     entries = read_yaml(path).entries(
-        required=("categories", "predicates", "unary", "roots", "topic"), optional=()
+        required=("categories", "predicates", "unary", "roots", "topic", "general"), optional=()
     )
     atoms = entries["categories"].entries()
     parts = {
@@ -133,6 +135,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         unary=(),
         roots=_roots(entries["roots"], types),
         topic=Atom(entries["topic"].text(choices=tuple(types))),
+        general=Atom(entries["general"].text(choices=tuple(types))),
     )
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])

@@ -259,7 +259,10 @@ class Language:
         def topic(move: Tokens, situation: Situation) -> Form | None:
             return self.listener.topic(self.listener.chart(move, {}), situation)
 
-        return Moves(take, topic).in_turn(tokens, situation)
+        def is_general(move: Tokens) -> bool:
+            return self.listener.is_general(self.listener.chart(move, {}))
+
+        return Moves(take, topic, is_general).in_turn(tokens, situation)
 
     def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
         """The question back when a new word is close to a known one of its kind."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from .categories import Functor
 from .chart import Chart, Derivation
 from .combinators import Combinator
-from .derivation import entries_of
+from .derivation import categories_of, entries_of
 from .grammar import Grammar
 from .interpretation import Interpreter, reply
 from .lexicon import Entry, Lexicon
@@ -98,6 +98,13 @@ class Listener:
             if IT not in form and not new_words(entries_of(derivation)):
                 return form
         return None
+
+    def is_general(self, chart: Chart) -> bool:
+        """Whether what an utterance names is any object of a kind: "knives", "a knife"."""
+        return any(
+            self.grammar.general in categories_of(derivation)
+            for derivation in chart.derivations(self.grammar.topic)
+        )
 
     def failure(self, chart: Chart, tokens: Tokens) -> tuple[str, tuple[str, ...]]:
         """The longest span that was understood, and what was expected after it."""

@@ -324,7 +324,7 @@ class NewWord:
 
     Attributes:
         word: its dictionary form: singular, bare verb for a context, gerund for an affordance.
-        role: `object`, `part`, `affordance` or `context`.
+        role: `object`, `part`, `affordance` or `context`; `person` for somebody known.
         said: the word as it was said.
     """
 

@@ -42,17 +42,19 @@ class Moves:
     Attributes:
         take: what one of them means in a situation.
         topic: the thing that it only names, None when it does not.
+        is_general: whether what it names is any object of a kind.
     """
 
     take: Callable[[Tokens, Situation], Understanding]
     topic: Callable[[Tokens, Situation], Form | None]
+    is_general: Callable[[Tokens], bool]
 
     def in_turn(self, tokens: Tokens, situation: Situation) -> Understanding | None:
         """An utterance as moves that come to one meaning; None when they do not."""
         for moves in cuts(tokens):
             taken = self._taken(self._in_order(moves, situation), situation)
             main = main_move([move.meaning for move in taken]) if taken else None
-            if main is not None:
+            if main is not None and not (_holds(main[1]) and any(map(self.is_general, moves))):
                 place, meaning = main
                 words = tuple(word for move in taken for word in move.new_words)
                 return replace(taken[place], text=tokens.text, meaning=meaning, new_words=words)
@@ -88,6 +90,11 @@ class Moves:
     def _needs(self, move: Tokens, situation: Situation) -> bool:
         """Whether a move cannot be understood without what was spoken of."""
         return self.take(move, _speaking_of(None, situation)).reading is None
+
+
+def _holds(meaning: Meaning) -> bool:
+    """Whether it is an act with a part; of any object of a kind, that may be a rule as well."""
+    return isinstance(meaning, Command) and meaning.part is not None
 
 
 def _speaking_of(thing: Form | None, situation: Situation) -> Situation:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dialogue: what is believed, done and answered, and what is not."""
 
+from pathlib import Path
+
 import pytest
 
 from hilt.agent.agent import Agent
@@ -375,3 +377,14 @@ def test_what_is_forgotten_is_what_was_last_spoken_of(taught: Agent):
     taught.hear("how do you pass a knife?")
 
     assert taught.hear("forget that").said.startswith("I take it back: to pass a knife")
+
+
+def test_a_speaker_known_to_the_base_may_be_asked_about(tmp_path: Path):
+    """The name needs no capital letter."""
+    with Agent.open(str(tmp_path / "kb"), simulate=False) as before:
+        before.base.set_trust("kim", 0.5)
+
+    with Agent.open(str(tmp_path / "kb"), simulate=False) as agent:
+        reply = agent.hear("do you trust kim?")
+
+    assert "kim" in reply.said.lower()

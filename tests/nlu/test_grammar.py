@@ -21,6 +21,7 @@ unary:
   - '%s'
 roots: {%s: STATEMENT}
 topic: NP
+general: NP
 """
 
 
