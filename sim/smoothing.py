@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from .poses import Array
 
 HALF = 2  # pixels to each side
+FITS = 1.5  # times the noise; where the depths lie farther from their plane, there is an edge
 _RIDGE = 0.1  # [pixel^2], holds the plane level where the pixels lie in one line
 
 
 def smoothed(
-    depth: NDArray[np.float32], labels: NDArray[np.int32], wanted: Iterable[int]
+    depth: NDArray[np.float32], labels: NDArray[np.int32], wanted: Iterable[int], *, noise: float
 ) -> NDArray[np.float32]:
     """The depths of an image, smooth on each of some parts.
 
@@ -28,17 +29,25 @@ def smoothed(
         depth: (height, width) [m].
         labels: (height, width), what each pixel shows.
         wanted: the labels of the parts; all else stays as it is.
+        noise: standard deviation of the depths [m]. Where they lie much farther from a plane, a
+            part hides more of itself, as the rim of a mug does; there they stay as they are.
     """
     result = depth.copy()
     for label in wanted:
         rows, columns = np.nonzero(labels == label)
         if len(rows):
-            result[rows, columns] = _planes(depth[rows, columns].astype(float), rows, columns)
+            measured = depth[rows, columns].astype(float)
+            fitted, error = _planes(measured, rows, columns)
+            result[rows, columns] = np.where(error < FITS * noise, fitted, measured)
     return result
 
 
-def _planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> Array:
-    """The depths (n,) of planes through the pixels near each of n pixels, at that pixel."""
+def _planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> tuple[Array, Array]:
+    """Planes through the pixels near each of n pixels.
+
+    Returns:
+        Their depths (n,) at that pixel, and how far the pixels lie from them in the mean [m].
+    """
     y, x = rows - rows.min(), columns - columns.min()
     shape = (int(y.max()) + 1, int(x.max()) + 1)
     middle = depth.mean()
@@ -59,7 +68,9 @@ def _planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> Array:
     determinant = xx * yy - xy * xy
     along_x = (xz * yy - yz * xy) / determinant
     along_y = (yz * xx - xz * xy) / determinant
-    return middle + sz / n + along_x * (x - sx / n) + along_y * (y - sy / n)
+    spread = near(z * z) - sz * sz / n - along_x * xz - along_y * yz
+    error = np.sqrt(np.maximum(spread, 0.0) / n)
+    return middle + sz / n + along_x * (x - sx / n) + along_y * (y - sy / n), error
 
 
 def _box(image: Array) -> Array:

@@ -60,7 +60,9 @@ class Vision:
     def _smooth(self, view: View) -> View:
         """The same without most of the noise of its depths on things."""
         labels = [label for label, (name, _) in view.names.items() if name in self.kinds]
-        return replace(view, depth=smoothed(view.depth, view.labels, labels))
+        return replace(
+            view, depth=smoothed(view.depth, view.labels, labels, noise=self.noise.depth_m)
+        )
 
     def search(
         self, features: Iterable[str], *, views: Sequence[View] | None = None
