@@ -24,6 +24,7 @@ from .store import Store
 
 _ALL = frozenset({"nquads", "trig"})  # formats in which the engine writes a whole base
 _BELIEFS = frozenset({"ntriples", "turtle"})  # and one graph, to which another text may be added
+_TOLD = 10_000  # lines after which the progress is told
 _ANY = "GRAPH ?graph { ?node ?key ?value }"
 _COUNT = f"SELECT (COUNT(*) AS ?count) {{ {_ANY} }}"
 
@@ -52,7 +53,8 @@ class Sink:
     def __init__(self, take: Callable[[bytes], object], progress: Progress | None = None) -> None:
         """Hand on to `take`; `progress` is told how many lines went by."""
         self.failure: OSError | None = None
-        self._take, self._progress, self._lines = take, progress, 0
+        self._take, self._progress = take, progress
+        self._lines = self._told = 0
 
     def write(self, chunk: bytes, /) -> int:
         """Hand on some bytes."""
@@ -62,7 +64,8 @@ class Sink:
             self.failure = error
             raise
         self._lines += chunk.count(b"\n")
-        if self._progress:
+        if self._progress and self._lines - self._told >= _TOLD:
+            self._told = self._lines
             self._progress(self._lines)
         return len(chunk)
 

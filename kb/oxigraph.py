@@ -463,6 +463,8 @@ def _read_errors(source: str) -> Generator[None]:
         yield
     except MemoryError as error:
         raise DataError("has a text or name of more than 16 MB.", source=source) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=source) from error
     except (ValueError, OSError) as error:
         if isinstance(error, HiltError):
             raise

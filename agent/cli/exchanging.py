@@ -95,12 +95,17 @@ def _size(file: str) -> int | None:
 @contextmanager
 def _progress(doing: str, total: int | None) -> Generator[Callable[[int], None]]:
     """A bar on stderr while something long is done; nothing where nobody watches."""
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich import progress
 
     out = terminal(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn())
-    with Progress(
-        *columns, TimeElapsedColumn(), console=out, transient=True, disable=not out.is_terminal
+    columns = (
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.TaskProgressColumn() if total else progress.MofNCompleteColumn(),
+        progress.TimeElapsedColumn(),
+    )
+    with progress.Progress(
+        *columns, console=out, transient=True, disable=not out.is_terminal
     ) as bar:
         task = bar.add_task(doing, total=total)
         yield lambda done: bar.update(task, completed=done)
