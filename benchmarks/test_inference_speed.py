@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of inference, with ProbLog and PyReason beside it where they are installed.
+"""Speed of inference, with ProbLog beside it where it is installed.
 
     pytest benchmarks/test_inference_speed.py --benchmark-only      the figures
     pytest benchmarks/test_inference_speed.py --benchmark-disable   the bars, in processor time
 
 The bars: getFeatures and getAffordance at a node with the paper's 32 rules, p50 at most 0.25 ms in
 memory and 0.5 ms on disk, at least 20 times as fast as ProbLog on the same rules; five million
-vectorised rule applications a second on one core, in memory that grows with the rules. PyReason
-compiles itself the first time that it runs on a machine, which takes minutes; what is measured of
-it is a further decision, warm.
+vectorised rule applications a second on one core, in memory that grows with the rules.
 """
 
 from __future__ import annotations
@@ -87,33 +85,6 @@ def problog_decision() -> Callable[[], str]:
     return decide_by_problog
 
 
-def pyreason_decision() -> Callable[[], str]:
-    """The same decision by PyReason: annotated rules over a graph of what was seen."""
-    pyreason = pytest.importorskip("pyreason")
-    import networkx as nx
-
-    graph: nx.DiGraph[str] = nx.DiGraph()
-    for name in SCENE:
-        graph.add_node(name, **{f"is_{name}": f"{SURE},1"})
-    pyreason.settings.verbose = False
-    rules = [
-        (f"used_for_{use}(x):[{p},1] <-1 is_{name}(x):[0.1,1]", f"{name}_{use}")
-        for name, use, p in clauses()
-    ]
-
-    def decide_by_pyreason() -> str:
-        pyreason.reset()
-        pyreason.reset_rules()
-        pyreason.load_graph(graph)
-        for rule, name in rules:
-            pyreason.add_rule(pyreason.Rule(rule, name))
-        found = pyreason.reason(timesteps=1)
-        ranked = pyreason.filter_and_sort_nodes(found, ["used_for_cutting"])[-1]
-        return str(ranked.iloc[0]["component"])
-
-    return decide_by_pyreason
-
-
 def processor_time(run: Callable[[], object], times: int) -> float:
     """The median processor time of one run [s], which other programs do not disturb."""
     taken: list[float] = []
@@ -152,14 +123,6 @@ def test_one_node_is_within_its_bar(affordances: Affordances, request: pytest.Fi
 def test_problog_on_the_same_rules(benchmark: Any):
     """A peer, for the ratio."""
     assert benchmark(problog_decision()) == "knife"
-
-
-def test_pyreason_on_the_same_rules(benchmark: Any):
-    """Another peer, warm."""
-    warm = pyreason_decision()
-    warm()
-
-    assert benchmark.pedantic(warm, rounds=5) == "knife"
 
 
 def test_one_node_is_faster_than_problog_by_the_bar(affordances: Affordances):
