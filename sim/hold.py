@@ -10,11 +10,12 @@ goes on outwards beyond the tips is a slope that would push the fingers open.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from .clouds import Label, Surroundings
+from .nearness import Near
 from .poses import Array
 from .robots import Gripper
 
@@ -97,7 +98,12 @@ def judge(
         surroundings: the part, and what is near it.
         gripper: the hand.
     """
-    near = _Near.to(world_from_grip, surroundings, gripper)
+    near = Near.to(
+        world_from_grip,
+        surroundings,
+        aside=max(gripper.palm_size[0] / 2, gripper.finger_width / 2 + PART_CLEARANCE),
+        ahead=gripper.tip + max(BEYOND, PART_CLEARANCE),
+    )
     shift, width = _centre(near, gripper)
     near = near.moved(shift)
     centred = world_from_grip @ _sideways(shift)
@@ -149,59 +155,7 @@ def _sideways(shift: Array) -> Array:
     return move
 
 
-@dataclass(frozen=True)
-class _Near:
-    """Pairs of a hand and a point so near to it that it matters; p of them.
-
-    Attributes:
-        hands: how many hands there are.
-        hand: (p,), which hand, in ascending order.
-        x, y, z: (p,) of the point in the grip frame of that hand [m].
-        label: (p,) of the point.
-    """
-
-    hands: int
-    hand: np.ndarray
-    x: Array
-    y: Array
-    z: Array
-    label: np.ndarray
-
-    @classmethod
-    def to(cls, world_from_grip: Array, surroundings: Surroundings, gripper: Gripper) -> _Near:
-        # A tenth of a micrometre is enough here, and numbers of half the size take half the time.
-        middle = surroundings.points.mean(axis=0)
-        points = (surroundings.points - middle).astype(np.float32).T
-        axes = np.swapaxes(world_from_grip[:, :3, :3], 1, 2)
-        origin = axes @ (world_from_grip[:, :3, 3] - middle)[..., None]
-        # One product a hand: a product of all of them would be shared out among threads.
-        local = axes.astype(np.float32) @ points - origin.astype(np.float32)  # (c, 3, n)
-        x, y, z = local[:, 0], local[:, 1], local[:, 2]
-        half = max(gripper.palm_size[0] / 2, gripper.finger_width / 2 + PART_CLEARANCE)
-        end = gripper.tip + max(BEYOND, PART_CLEARANCE)
-        hand, point = np.nonzero((np.abs(x) <= half) & (z <= end))
-        x, y, z = (each[hand, point] for each in (x, y, z))
-        return cls(len(world_from_grip), hand, x, y, z, surroundings.labels[point])
-
-    def moved(self, shift: Array) -> _Near:
-        """The same for hands that have moved sideways by `shift` (c,) [m]."""
-        return replace(self, y=self.y - shift[self.hand])
-
-    def any(self, which: np.ndarray) -> np.ndarray:
-        """Which hands (c,) have one of some pairs (p,)."""
-        result = np.zeros(self.hands, dtype=bool)
-        result[self.hand[which]] = True
-        return result
-
-    def in_band(self, gripper: Gripper) -> np.ndarray:
-        """Which points (p,) of the wanted part lie between the pads."""
-        band = (np.abs(self.x) <= gripper.pad_width / 2) & (
-            np.abs(self.z) <= gripper.pad_length / 2
-        )
-        return band & (self.label == Label.WANTED)
-
-
-def _centre(near: _Near, gripper: Gripper) -> tuple[Array, Array]:
+def _centre(near: Near, gripper: Gripper) -> tuple[Array, Array]:
     """Middle and width (c,) [m] of the part between the pads."""
     band = near.in_band(gripper) & (np.abs(near.y) <= gripper.opening / 2)
     far = gripper.opening  # an empty band counts as twice as wide as the hand
@@ -222,7 +176,7 @@ class _Profile:
     heights: Array
 
     @classmethod
-    def between(cls, near: _Near, width: Array, gripper: Gripper) -> _Profile:
+    def between(cls, near: Near, width: Array, gripper: Gripper) -> _Profile:
         inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
         band = near.in_band(gripper) & inside
         hand = near.hand[band]
@@ -280,7 +234,7 @@ def _slopes(edges: Array, spacing: float) -> Array:
     return np.einsum("cn,csn->cs", centred, heights) / spread[:, None]
 
 
-def _obstacle(near: _Near, width: Array, opening: Array, gripper: Gripper) -> np.ndarray:
+def _obstacle(near: Near, width: Array, opening: Array, gripper: Gripper) -> np.ndarray:
     x, y, z = np.abs(near.x), np.abs(near.y), near.z
     half, half_open = (width / 2)[near.hand], (opening / 2)[near.hand]
     on_finger = x <= gripper.finger_width / 2
