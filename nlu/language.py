@@ -314,7 +314,8 @@ class Language:
             return _without_reading(tokens, situation, slip)
         meaning: Meaning
         if clear:
-            meaning = self._several(clear)
+            words = (word for reading in clear for word in reading.new_words)
+            meaning = self._slip(words, insist) or self._several(clear)
         elif readings:
             slip = self._slip(readings[0].new_words, insist)
             meaning = slip or self._not_known(tokens, unknown)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu import Language, Session
+from hilt.nlu import AskBack, Language, Session
 
 
 @pytest.mark.parametrize(
@@ -64,3 +64,13 @@ def test_a_rule_is_carried_over(language: Language) -> None:
         "affordance": "pounding",
         "confidence": [0.75, 1.0],
     }
+
+
+def test_a_slip_is_asked_about_whatever_else_the_word_could_be(language: Language) -> None:
+    """After "saw" was learned, "knive" could be a part of it too; still it looks like "knife"."""
+    session = Session(language).after(["A saw is used for slicing."])
+
+    meaning = session.hear("A knive is used for cutting")[0].meaning
+
+    assert isinstance(meaning, AskBack)
+    assert meaning.choices == ("knife",)
