@@ -229,7 +229,7 @@ class Language:
             if each.words in tried or not each.items:
                 continue
             tried.add(each.words)
-            for whole in (each, each.without_breaks()):
+            for whole in filter(_says_something, (each, each.without_breaks())):
                 found = self._taken(whole, situation, insist)
                 if found.reading is not None:
                     return found
@@ -370,6 +370,10 @@ class Language:
             message = self.say("unknown_words", words=words[:MAX_NEW_WORDS])
         known = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self.listener.nearest(known))
+
+
+def _says_something(tokens: Tokens) -> bool:
+    return any(token.word != BREAK for token in tokens.items)
 
 
 def _is_open(meaning: Meaning) -> bool:

@@ -86,3 +86,11 @@ def test_words_that_change_a_meaning_are_no_asides(language: Language, word: str
     known = language.book.asides
 
     assert (word,) not in known.anywhere | known.apart
+
+
+@pytest.mark.parametrize(
+    "text", ["really.", "you know. really. of course", "well; really; so?", "please!"]
+)
+def test_nothing_but_asides_says_nothing(language: Language, text: str) -> None:
+    """What is left then is no utterance."""
+    assert language.understand(text).kind in {"error", "acknowledgement"}
