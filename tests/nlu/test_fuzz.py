@@ -26,12 +26,13 @@ SENTENCES = st.sampled_from(
 @settings(max_examples=300, deadline=None)
 @given(st.one_of(st.text(max_size=300), st.binary(max_size=100).map(lambda b: b.decode("latin-1"))))
 def test_any_text_is_answered(language: Language, text: str) -> None:
-    """Nothing raises, nothing is done, nothing takes long."""
+    """Nothing raises, nothing is done but of known words, nothing takes long."""
     started = time.process_time()
 
     understood = language.understand(text)
 
-    assert understood.kind in {"error", "ask_back", "acknowledgement"}
+    is_of_words = len(understood.words) > 2 and language.known_words.issuperset(understood.words)
+    assert is_of_words or understood.kind in {"error", "ask_back", "acknowledgement"}
     assert time.process_time() - started < SLOWEST
 
 
