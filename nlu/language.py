@@ -20,6 +20,7 @@ from ..ontology.errors import UnknownNameError
 from ..ontology.qualifiers import Degrees, load_degrees
 from ..ontology.source import read_yaml
 from .asides import fronted
+from .building import nothing_to_collect
 from .chart import Chart
 from .combinators import Combinator
 from .expression import Expression, load_expression
@@ -70,6 +71,7 @@ class Language:
     learned: tuple[NewWord, ...] = ()
 
     @classmethod
+    @nothing_to_collect()
     def load(
         cls,
         language: str = "english",

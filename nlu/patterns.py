@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from ..ontology.source import Field
 
 MAX_SPELLINGS = 4000
-MANY = 6
+MANY = 3
 """From this number of choices on, a group of words is looked up on its own."""
 
 

@@ -94,13 +94,13 @@ def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
 
 BLIND = [
     json.loads(line)
-    for name in ("blind.jsonl", "blind_far.jsonl", "blind_last.jsonl", "blind_turns.jsonl")
-    for line in (DATA / name).read_text(encoding="utf-8").splitlines()
+    for name in ("blind", "blind_far", "blind_last", "blind_turns", "blind_speakers")
+    for line in (DATA / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()
     if line.strip()
 ]
 
 
-# Of the last two blind sets, what is not understood yet; each with what is missing.
+# Of the last three blind sets, what is not understood yet; each with what is missing.
 NOT_YET = {
     "A spoon? Nah, you never cut with that.": "a no that answers oneself",
     "A hammer you pick up by its handle and pass by its head.": "two acts on a fronted object",
@@ -108,7 +108,8 @@ NOT_YET = {
     "No matter what the thing is, you hand it over by the handle.": "any object, named as a thing",
     "Mugs are for containing and knives, well, knives are for cutting.": "a second beginning",
     "The red mug, not the blue one, is the one I'd like you to pass me.": "one thing, not another",
-    "That nail wants pounding, so go ahead and do it with the hammer.": 'an act named by "do it"',
+    "That nail wants pounding, dear, would you see to it with the hammer?": "asked for later",
+    "You know what, never mind that business about the shoe being used for pounding.": "two asides",
     "Cut that rope, would you, with whatever's used for slicing.": "a new use within a command",
 }
 
