@@ -8,16 +8,15 @@ with them; so a word that nobody has declared to be empty is never lost.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ..ontology.source import Field
-from .patterns import Group, factored, spellings
+from .patterns import Steps, checked, spellings
 from .tokens import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]
-Pattern = tuple[str | Group, ...]
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Asides:
     apart: frozenset[Phrase] = frozenset()
     asking: frozenset[Phrase] = frozenset()
     telling: frozenset[Phrase] = frozenset()
-    clauses: tuple[Pattern, ...] = ()
+    clauses: tuple[Steps, ...] = ()
 
     def reading(self, kind: str, field: Field) -> Asides:
         """These asides, and further ones of a kind.
@@ -45,7 +44,7 @@ class Asides:
             DataError: there is no such kind, or a pattern is not as expected.
         """
         if kind == "clauses":
-            return replace(self, clauses=(*self.clauses, *_patterns(field)))
+            return replace(self, clauses=(*self.clauses, *map(checked, field.items())))
         known = {"anywhere", "apart", "asking", "telling"}
         if kind not in known:
             raise field.fail(f'expected "clauses" or one of {sorted(known)}, found "{kind}".')
@@ -96,14 +95,15 @@ class Asides:
 
     def _clause_ends(self, words: Phrase, start: int) -> Iterator[int]:
         if words[start] in self._beginnings:
-            for pattern in self.clauses:
-                yield from _ends(pattern, words, start)
+            for steps in self.clauses:
+                yield from _ends(steps, words, start)
 
     @cached_property
     def _beginnings(self) -> frozenset[str]:
         """The first words of all clauses."""
-        firsts = (_choices(pattern[0]) for pattern in self.clauses)
-        return frozenset(choice[0] for choices in firsts for choice in choices)
+        return frozenset(
+            step[0] for steps in self.clauses for step in steps if not isinstance(step, int)
+        )
 
 
 _LONGEST = 8
@@ -113,25 +113,13 @@ _ANY = "*"
 _NEVER_ANY = frozenset({BREAK, "not", "never", "no"})
 
 
-def _patterns(field: Field) -> Iterator[Pattern]:
-    for each in field.items():
-        yield from factored(each)
-
-
-def _choices(piece: str | Group) -> Sequence[Phrase]:
-    return piece.choices if isinstance(piece, Group) else ((piece,),)
-
-
-def _ends(pattern: Pattern, words: Phrase, start: int) -> Iterator[int]:
+def _ends(steps: Steps, words: Phrase, start: int) -> Iterator[int]:
     """Where a pattern that begins at a place may end."""
-    if not pattern:
-        yield start
-        return
-    for choice in _choices(pattern[0]):
-        end = start + len(choice)
-        said = words[start:end]
-        if len(said) == len(choice) and all(map(_fits, choice, said)):
-            yield from _ends(pattern[1:], words, end)
+    for step in steps:
+        if isinstance(step, int):
+            yield start
+        elif start < len(words) and _fits(step[0], words[start]):
+            yield from _ends(step[1], words, start + 1)
 
 
 def _fits(wanted: str, word: str) -> bool:

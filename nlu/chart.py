@@ -107,9 +107,8 @@ class Chart:
     def _add_words(
         self, tokens: Sequence[str], lexicon: Lexicon, guesses: Mapping[int, Sequence[Entry]]
     ) -> None:
-        turns = self._combinator.turns
         found = [
-            (self._cells[start][end], node.sorted(turns))
+            (self._cells[start][end], node.sorted(self._combinator))
             for start in range(self.length)
             for end, node in lexicon.nodes(tokens, start)
         ]
@@ -118,9 +117,8 @@ class Chart:
                 cell.setdefault(sign, []).extend(plain)
         for start, added in guesses.items():
             for guess in added:
-                self._cells[start][start + len(guess.words)].setdefault(guess.sign, []).append(
-                    guess
-                )
+                end = start + len(guess.says.split(" "))
+                self._cells[start][end].setdefault(guess.sign, []).append(guess)
         self._add_turns(found)
 
     def _add_turns(self, found: Sequence[tuple[_Cell, Sorted]]) -> None:
@@ -129,18 +127,18 @@ class Chart:
         Nothing is lost: a category that seeks certain words never finds them, and words that
         nothing seeks are part of nothing. It is most of the entries, and most of the time.
         """
-        turns = self._combinator.turns
+        turn = self._combinator.turn
         there = {entry.sign for _, entries in found for entry in entries.words}
         wanted = set(self._combinator.wanted_by_changes)
         for cell, entries in found:
             for need in there & entries.heads.keys():
                 for entry in entries.heads[need]:
-                    needs = turns[entry.sign].needs
+                    needs = turn(entry.sign).needs
                     if needs <= there:
                         wanted |= needs
                         cell.setdefault(entry.sign, []).append(entry)
         for sign in there:
-            for needs in turns[sign].changes:
+            for needs in turn(sign).changes:
                 if needs <= there:
                     wanted |= {sign, *needs}
         for cell, entries in found:

@@ -9,7 +9,7 @@ matters, and what two numbers give is worked out once: a chart only looks it up.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from enum import Enum
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
@@ -77,6 +77,7 @@ class Combinator:
         self._pairs: dict[tuple[Sign, Sign], tuple[tuple[Sign, Combination], ...]] = {}
         self._cells: dict[tuple[tuple[Sign, ...], tuple[Sign, ...]], tuple[Joined, ...]] = {}
         self._unary: dict[Sign, tuple[tuple[Sign, Unary], ...]] = {}
+        self._turns: dict[Sign, Turn] = {}
         for change in unary:
             self.add(change)
 
@@ -86,7 +87,7 @@ class Combinator:
         if change not in known:
             known.append(change)
             self._unary.clear()
-            self.__dict__.pop("turns", None)
+            self._turns.clear()
             self.__dict__.pop("wanted_by_changes", None)
 
     def sign(self, category: Category, origin: Combination | None = None) -> Sign:
@@ -113,18 +114,15 @@ class Combinator:
         """The category that a number stands for."""
         return self._categories[sign]
 
-    @cached_property
-    def turns(self) -> Mapping[Sign, Turn]:
-        """The signs of constructions; to be asked for when all categories of words are known."""
-        found: dict[Sign, Turn] = {}
-        for sign, category in enumerate(list(self._categories)):
-            needs = self._needs(category)
+    def turn(self, sign: Sign) -> Turn:
+        """What a category has to do with the words of constructions."""
+        found = self._turns.get(sign)
+        if found is None:
+            category = self._categories[sign]
             is_words = isinstance(category, Atom) and category.is_words
-            if needs or is_words:
-                changes = tuple(
-                    self._needs(change.target) for change in self._changes.get(category, ())
-                )
-                found[sign] = Turn(is_words, needs, changes)
+            changes = (self._needs(change.target) for change in self._changes.get(category, ()))
+            found = Turn(is_words, self._needs(category), tuple(changes))
+            self._turns[sign] = found
         return found
 
     @cached_property

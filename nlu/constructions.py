@@ -9,13 +9,14 @@ the chart knows nothing of it. After lexicalised construction grammar (Steedman 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 from ..ontology.source import Field
 from .categories import Atom, Category, Functor
-from .patterns import Group
+from .patterns import is_gap
 from .terms import Lambda, Term, bind
 
 
@@ -34,15 +35,15 @@ class Gap:
 
 @dataclass(frozen=True)
 class Run:
-    """Words of a construction that stand together."""
+    """Words of a construction that stand together, as a pattern."""
 
-    words: tuple[str, ...]
+    text: str
     name = ""
 
     @property
     def category(self) -> Category:
         """What these words are, and no others."""
-        return Atom(f'"{" ".join(self.words)}"')
+        return Atom(f'"{self.text}"')
 
 
 Piece = Gap | Run
@@ -75,61 +76,40 @@ class Construction:
         """What takes the rest."""
         return self.pieces[self.anchor]
 
-    def without_head(self) -> tuple[Piece, ...]:
-        """The same for all constructions that differ only in their first words."""
-        head = _ANY_WORDS if isinstance(self.head, Run) else self.head
-        return (*self.pieces[: self.anchor], head, *self.pieces[self.anchor + 1 :])
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        """The gaps whose meanings the term has, by name."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, Gap) and piece.name)
 
-    def functor(self) -> tuple[Category, Term]:
-        """The category and the term of the head; of a gap, those that it changes to."""
-        before, after = self.pieces[: self.anchor], self.pieces[self.anchor + 1 :]
-        category, term = self.result, self.term
+    @cached_property
+    def category(self) -> Category:
+        """The category of the head; of a gap, what it changes to."""
+        category = self.result
+        for place in self._taken_last_first():
+            forward = place > self.anchor
+            category = Functor(category, self.pieces[place].category, forward)
+        return category
+
+    def functor(self) -> Term:
+        """The term of the head; of a gap, the function from what it means to that."""
+        term = self.term
+        for place in self._taken_last_first():
+            term = _taking(self.pieces[place], term)
+        return term if isinstance(self.head, Run) else _taking(self.head, term)
+
+    def _taken_last_first(self) -> Iterator[int]:
         # What is taken last is the innermost of the category and of the term.
-        for piece in before:
-            category = Functor(category, piece.category, forward=False)
-            term = _taking(piece, term)
-        for piece in reversed(after):
-            category = Functor(category, piece.category, forward=True)
-            term = _taking(piece, term)
-        return category, term if isinstance(self.head, Run) else _taking(self.head, term)
-
-    def to_be_checked(self) -> tuple[Category, Term]:
-        """The gaps with names as a category and its term, to be checked against each other."""
-        category, term = self.result, self.term
-        for piece in reversed(self.pieces):
-            if piece.name:
-                category = Functor(category, piece.category, forward=True)
-                term = _taking(piece, term)
-        return category, term
+        yield from range(self.anchor)
+        yield from range(len(self.pieces) - 1, self.anchor, -1)
 
 
-_ANY_WORDS = Run(())
-
-
-def pieces(words: Sequence[str | Group], field: Field) -> tuple[Piece, ...]:
-    """The gaps and runs of words of one spelling.
+def pieces_of(variant: Sequence[str], field: Field) -> tuple[Piece, ...]:
+    """The gaps and runs of words of a construction, from `patterns.variants`.
 
     Raises:
         DataError: a gap is not written as `{name:CATEGORY}`.
     """
-    found: list[Piece] = []
-    run: list[str] = []
-    for word in words:
-        if isinstance(word, str) and not word.startswith("{"):
-            run.append(word)
-            continue
-        if run:
-            found.append(Run(tuple(run)))
-            run.clear()
-        found.append(_gap(word) if isinstance(word, str) else Gap("", category_of(word)))
-        if found[-1] == _NO_GAP:
-            raise field.fail(f'expected a gap like {{x:NP}}, found "{word}".')
-    return (*found, Run(tuple(run))) if run else tuple(found)
-
-
-def category_of(group: Group) -> Category:
-    """What the words of a group are, and no others."""
-    return Atom(f'"{group.text}"')
+    return tuple(_gap(text, field) if is_gap(text) else Run(text) for text in variant)
 
 
 def runs(found: Sequence[Piece]) -> list[Run]:
@@ -141,12 +121,11 @@ def _taking(piece: Piece, term: Term) -> Lambda:
     return bind(term, piece.name) if piece.name else Lambda(term, "s")
 
 
-_NO_GAP = Gap("", Atom(""))
+_GAP = re.compile(r"\{(?:(?P<name>\w+):)?(?P<category>\w+)\}")
 
 
-@cache
-def _gap(word: str) -> Gap:
-    name, colon, category = word.strip("{}").partition(":")
-    if not word.endswith("}") or not (category if colon else name).isalnum():
-        return _NO_GAP
-    return Gap(name, Atom(category)) if colon else Gap("", Atom(name))
+def _gap(text: str, field: Field) -> Gap:
+    found = _GAP.fullmatch(text)
+    if found is None:
+        raise field.fail(f'expected a gap like {{x:NP}}, found "{text}".')
+    return Gap(found["name"] or "", Atom(found["category"]))

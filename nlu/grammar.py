@@ -8,15 +8,17 @@ with file, line and column.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from types import MappingProxyType
 
 from ..ontology.source import Field, read_yaml
 from .categories import Atom, Category, Functor, type_of
+from .constructions import Gap
 from .notation import read_entry, read_type, read_unary
+from .patterns import spelt, steps_of
 from .terms import Term, Value, evaluate
 from .typecheck import Arrow, Basic, Signature, Type, TypeMismatchError, check
 
@@ -93,6 +95,14 @@ class Grammar:
         except TypeMismatchError as error:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
+    def types_of(self, gaps: Sequence[Gap], field: Field) -> Signature:
+        """The types of the gaps of a construction, which its term has as constants.
+
+        Raises:
+            DataError: the category of a gap is not declared.
+        """
+        return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
+
     def described(self, category: Category) -> str:
         """A category in words, for a person who does not know the grammar."""
         while isinstance(category, Functor):
@@ -101,9 +111,9 @@ class Grammar:
 
 
 def _shortened(words: str) -> str:
-    """The words of a construction, of a choice of many the first two."""
-    choices = re.sub(r'["()\[\]]', "", words).split("|")
-    return " or ".join(f'"{choice}"' for choice in choices[:2])
+    """The words of a construction, of many spellings the first."""
+    spellings = map(" ".join, spelt(steps_of(words.strip('"'))))
+    return f'"{next(filter(None, spellings))}"'
 
 
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
@@ -162,15 +172,16 @@ def _unary(field: Field, grammar: Grammar) -> Unary:
 
 
 def _refuse_cycles(unary: tuple[Unary, ...], field: Field) -> None:
-    reached = {rule.source: {rule.source} for rule in unary}
-    for _ in unary:
-        for rule in unary:
-            for targets in reached.values():
-                if rule.source in targets:
-                    targets.add(rule.target)
+    order: TopologicalSorter[Category] = TopologicalSorter()
     for rule in unary:
-        if rule.source in reached.get(rule.target, ()):
-            raise field.fail(f"expected changes that end, but {rule} comes back to itself.")
+        order.add(rule.target, rule.source)
+    try:
+        order.prepare()
+    except CycleError as error:
+        source, target, *_ = error.args[1]
+        raise field.fail(
+            f"expected changes that end, but {source} => {target} comes back to itself."
+        ) from error
 
 
 def _type_of(category: Category, types: Mapping[str, Type], field: Field) -> Type:

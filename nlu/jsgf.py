@@ -11,7 +11,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from .language import Language
-from .lexicon import Entry
 
 HEADER = "#JSGF V1.0 UTF-8;\ngrammar hilt;\n"
 
@@ -106,8 +105,8 @@ def _filled(template: str) -> str:
 
 
 def _names(language: Language, kinds: frozenset[str]) -> list[str]:
-    entries: Iterable[Entry] = language.listener.lexicon.entries()
-    return sorted({" ".join(e.words) for e in entries if e.name and str(e.category) in kinds})
+    names = language.listener.lexicon.names
+    return sorted(word for kind in kinds for word in names.get(kind, ()))
 
 
 def _rule(name: str, choices: Iterable[str]) -> str:

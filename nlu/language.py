@@ -101,7 +101,7 @@ class Language:
         if extra_lexicon is not None:
             book.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
-        lexicon = Lexicon(list(book.vocabulary(names)), Lexicon(book.entries, Lexicon(book.turns)))
+        lexicon = Lexicon(book.vocabulary(names), book.lexicon)
         interpreter = Interpreter(degrees.intervals, book.tool_acts(), frozenset(names.contexts))
         listener = Listener(
             grammar,
@@ -131,12 +131,12 @@ class Language:
         added = tuple(word for word in dict.fromkeys(words) if word not in self.learned)
         if not added:
             return self
-        entries = [entry for word in added for entry in self.book.named(word.role, word.word)]
+        senses = [sense for word in added for sense in self.book.named(word.role, word.word)]
         uses = {self.book.bare(word.word): word.word for word in added if word.role == "affordance"}
         interpreter = self.listener.interpreter.knowing(added)
         listener = replace(
             self.listener,
-            lexicon=Lexicon(entries, self.listener.lexicon),
+            lexicon=Lexicon(senses, self.listener.lexicon),
             interpreter=replace(interpreter, tool_acts={**uses, **interpreter.tool_acts}),
         )
         return replace(self, listener=listener, learned=(*self.learned, *added))

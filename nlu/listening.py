@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .categories import Functor
+from .categories import Category, Functor
 from .chart import Chart, Derivation
 from .combinators import Combinator
 from .derivation import categories_of, entries_of
@@ -109,7 +109,7 @@ class Listener:
     def failure(self, chart: Chart, tokens: Tokens) -> tuple[str, tuple[str, ...]]:
         """The longest span that was understood, and what was expected after it."""
         start, end = chart.longest_span()
-        categories = sorted(chart.categories(start, end), key=lambda each: len(str(each)))
+        categories = sorted(chart.categories(start, end), key=_simplest_first)
         expected = (
             self.grammar.described(category.argument)
             for category in categories
@@ -165,6 +165,11 @@ class Listener:
             derivation,
             words,
         )
+
+
+def _simplest_first(category: Category) -> tuple[int, int, str]:
+    shown = str(category)
+    return shown.count("/") + shown.count("\\"), len(shown), shown
 
 
 def decide(readings: Sequence[Reading]) -> Reading | None:

@@ -1,16 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of the notation in which the language data is written.
+r"""Reader of the notation in which the language data is written.
 
-One small grammar (`notation.lark`) has the categories, lambda terms, types and pragmatic rules.
-A mistake becomes a `DataError` with file, line, column and what was expected.
+A mistake becomes a `DataError` with file, line, column and what was expected. The grammar, in which
+`{}` may be repeated and `[]` left out:
+
+    entry     category ":" term ["@" number]
+    unary     category "=>" category ":" term
+    rule      term "=>" term
+    category  simple {slash simple}             slash   "/" | "/^" | "\" | "\^"
+    simple    name | "(" category ")"
+    term      "λ" name "." term | group {group}    a "\" is a "λ" too
+    group     name | "(" term {"," term} ")"
+    type      basic ["->" type]
+    basic     name | "(" type ")"
+
+It is read by recursive descent, a thousand lines in the time a general parser needs to start.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal, cast
+import re
+from collections.abc import Callable
+from functools import lru_cache, reduce
+from string import ascii_letters
+from typing import TYPE_CHECKING, TypeVar
 
 from ..ontology.errors import DataError
 from .categories import Atom, Category, Functor
@@ -19,159 +32,240 @@ from .terms import Apply, Bound, Constant, Lambda, Term
 from .typecheck import BASIC_TYPES, Arrow, Basic, Type
 
 if TYPE_CHECKING:
-    from lark import Lark, Token, Tree
-
     from ..ontology.source import Field
 
-    Node = Tree[Token] | Token
+    Entry = tuple[Category, Term, float]
+    Change = tuple[Category, Category, Term]
+    Pair = tuple[Term, Term]
 
-Start = Literal["entry", "unary", "rule", "category", "term", "type"]
+MAX_TOKENS = 400
+"""A longer line is refused, so that none can nest too deeply to be read."""
 
-_SHOWN = {
-    "NAME": "a name",
-    "FORWARD": '"/"',
-    "BACKWARD": '"\\"',
-    "LAMBDA": '"λ"',
-    "LPAR": '"("',
-    "RPAR": '")"',
-    "COLON": '":"',
-    "COMMA": '","',
-    "DOT": '"."',
-    "COST": "a number",
-    "AT": '"@"',
-    "__ANON_0": '"=>"',
-    "$END": "the end",
-}
+MAX_REMEMBERED = 4096
+"""Many lines of a language are the same, and are read once."""
+
+_Read = TypeVar("_Read")
+
+_TOKEN = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*|-?\d+(?:\.\d+)?|=>|->|[/\\]\^?|\S)")
+_NAME_BEGINS = frozenset(f"{ascii_letters}_")
+_NAME, _NUMBER, _END = "a name", "a number", "the end"
 
 
-def read_entry(field: Field) -> tuple[Category, Term, float]:
+def read_entry(field: Field) -> Entry:
     """A category, the term of a word that has it, and its cost: `NP/N : λx.x @1`."""
-    category, term, *cost = _parse(field, "entry").children
-    return _category(category), _term(term, ()), float(str(cost[0])) if cost else 0.0
+    return _read(_entry, field)
 
 
-def read_unary(field: Field) -> tuple[Category, Category, Term]:
+def read_unary(field: Field) -> Change:
     """A change of category: `R => S : λr.r(high)`."""
-    source, target, term = _parse(field, "unary").children
-    return _category(source), _category(target), _term(term, ())
+    return _read(_unary, field)
 
 
 def read_rule(field: Field) -> tuple[Form, Form]:
     """A pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
-    left, right = _parse(field, "rule").children
+    left, right = _read(_rule, field)
     try:
-        return form_of_term(_term(left, ())), form_of_term(_term(right, ()))
+        return form_of_term(left), form_of_term(right)
     except ValueError as error:
         raise field.fail("expected predicate forms without functions.") from error
 
 
 def read_category(field: Field) -> Category:
     """A category alone: `(S/C)/C`."""
-    return _category(_parse(field, "category"))
+    return _read(_category, field)
 
 
 def read_type(field: Field) -> Type:
     """A type: `e -> e -> t`."""
-    return _type(_parse(field, "type"), field)
+    return _read(_type, field)
 
 
 def parse_term(text: str) -> Term:
     """A lambda term from a text; for tests and examples."""
     from ..ontology.source import Field  # here: only for a text that stands in no file
 
-    return _term(_parse(Field(text, "<text>", 1, 0), "term"), ())
+    return _read(_term, Field(text, "<text>", 1, 0))
 
 
-@cache
-def _lark() -> Lark:
-    from lark import Lark  # here: a program that parses nothing should not pay for it
+class _MistakeError(Exception):
+    """What is wrong with a text, and at which of its characters."""
 
-    grammar = (Path(__file__).parent / "notation.lark").read_text(encoding="utf-8")
-    return Lark(
-        grammar,
-        parser="lalr",
-        maybe_placeholders=False,
-        start=["entry", "unary", "rule", "category", "term", "type"],
-    )
+    def __init__(self, problem: str, offset: int) -> None:
+        super().__init__(problem, offset)
+        self.problem, self.offset = problem, offset
 
 
-def _parse(field: Field, start: Start) -> Tree[Token]:
-    from lark import UnexpectedInput
+class _Tokens:
+    """The tokens of one text, with a place that moves on."""
 
-    text = field.text()
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.items = _TOKEN.findall(text)
+        self.place = 0
+        # All that was asked for at this place in vain: what a message says was expected.
+        self._wanted: list[str] = []
+        if len(self.items) > MAX_TOKENS:
+            raise _MistakeError(f"expected at most {MAX_TOKENS} names and signs.", 0)
+        self.items.append("")
+
+    def take(self, *signs: str) -> str:
+        """The sign that stands here, and on to the next; empty where none of them does."""
+        found = self.items[self.place]
+        if found in signs:
+            return self._taken(found)
+        self._wanted += signs
+        return ""
+
+    def name(self) -> str:
+        """The name that stands here, and on to the next; empty where there is none."""
+        found = self.items[self.place]
+        if found[:1] in _NAME_BEGINS:
+            return self._taken(found)
+        self._wanted.append(_NAME)
+        return ""
+
+    def need(self, sign: str) -> None:
+        """Go on past a sign that must stand here."""
+        if not self.take(sign):
+            raise self.mistake()
+
+    def need_name(self) -> str:
+        """The name that must stand here."""
+        return self.name() or self._fail()
+
+    def number(self) -> float:
+        """The number that must stand here."""
+        found = self.items[self.place]
+        if not found.lstrip("-")[:1].isdigit():
+            self._wanted.append(_NUMBER)
+            raise self.mistake()
+        return float(self._taken(found))
+
+    def end(self) -> None:
+        """Nothing may be left."""
+        if self.items[self.place]:
+            self._wanted.append(_END)
+            raise self.mistake()
+
+    def mistake(self) -> _MistakeError:
+        """The error that says what was expected here."""
+        offset = self._offset()
+        rest = self.text[offset : offset + 12]
+        kinds = {_NAME, _NUMBER, _END}
+        wanted = {each if each in kinds else f'"{each}"' for each in self._wanted}
+        expected = " or ".join(sorted(wanted))
+        found = f'"{rest}"' if rest else _END
+        return _MistakeError(f"expected {expected}, found {found} in {self.text!r}.", offset)
+
+    def _taken(self, found: str) -> str:
+        self.place += 1
+        self._wanted.clear()
+        return found
+
+    def _fail(self) -> str:
+        raise self.mistake()
+
+    def _offset(self) -> int:
+        starts = [found.start(1) for found in _TOKEN.finditer(self.text)]
+        return starts[self.place] if self.place < len(starts) else len(self.text)
+
+
+def _read(read: Callable[[_Tokens], _Read], field: Field) -> _Read:
     try:
-        return _lark().parse(text, start=start)
-    except UnexpectedInput as error:
-        raise _syntax_error(field, text, error) from error
+        return _whole(read, field.text())
+    except _MistakeError as error:
+        raise DataError(
+            error.problem,
+            source=field.source,
+            line=field.line,
+            # Such texts stand in quotes, because they hold a colon or an arrow.
+            column=field.column + 1 + error.offset,
+        ) from error
 
 
-def _syntax_error(field: Field, text: str, error: object) -> DataError:
-    found = getattr(error, "column", -1)
-    at_end = getattr(getattr(error, "token", None), "type", "") == "$END"
-    offset = len(text) if at_end or not isinstance(found, int) else found - 1
-    accepted: Sequence[str] = sorted(
-        getattr(error, "accepts", None)
-        or getattr(error, "expected", None)
-        or getattr(error, "allowed", None)
-        or ()
-    )
-    expected = " or ".join(_SHOWN.get(name, name) for name in accepted) or "something else"
-    rest = text[offset : offset + 12]
-    seen = f'"{rest}"' if rest else "the end"
-    return DataError(
-        f"expected {expected}, found {seen} in {text!r}.",
-        source=field.source,
-        line=field.line,
-        # Such texts stand in quotes, because they hold a colon or an arrow.
-        column=field.column + 1 + offset,
-    )
+@lru_cache(MAX_REMEMBERED)
+def _whole(read: Callable[[_Tokens], _Read], text: str) -> _Read:
+    tokens = _Tokens(text)
+    found = read(tokens)
+    tokens.end()
+    return found
 
 
-def _category(node: Node) -> Category:
-    data, children = _split(node)
-    if data == "atom":
-        return Atom(str(children[0]))
-    result, slash, argument = children
-    return Functor(
-        _category(result),
-        _category(argument),
-        forward=str(slash).startswith("/"),
-        composes=str(slash).endswith("^"),
-    )
+def _entry(tokens: _Tokens) -> Entry:
+    category = _category(tokens)
+    tokens.need(":")
+    return category, _term(tokens), tokens.number() if tokens.take("@") else 0.0
 
 
-def _term(node: Node, names: tuple[str, ...]) -> Term:
-    data, children = _split(node)
-    if data == "function":
-        name = str(children[1])
-        return Lambda(_term(children[2], (name, *names)), name)
-    if data == "name":
-        name = str(children[0])
-        return Bound(names.index(name)) if name in names else Constant(name)
-    parts = [part for group in children for part in _arguments(group, names)]
-    term = parts[0]
-    for part in parts[1:]:
-        term = Apply(term, part)
-    return term
+def _unary(tokens: _Tokens) -> Change:
+    source = _category(tokens)
+    tokens.need("=>")
+    target = _category(tokens)
+    tokens.need(":")
+    return source, target, _term(tokens)
 
 
-def _arguments(group: Node, names: tuple[str, ...]) -> list[Term]:
-    data, children = _split(group)
-    if data == "name":
-        return [_term(group, names)]
-    return [_term(child, names) for child in children]
+def _rule(tokens: _Tokens) -> Pair:
+    left = _term(tokens)
+    tokens.need("=>")
+    return left, _term(tokens)
 
 
-def _type(node: Node, field: Field) -> Type:
-    data, children = _split(node)
-    if data == "arrow":
-        return Arrow(_type(children[0], field), _type(children[1], field))
-    name = str(children[0])
+def _category(tokens: _Tokens) -> Category:
+    category = _simple(tokens)
+    while slash := tokens.take("/", "\\", "/^", "\\^"):
+        composes = slash.endswith("^")
+        category = Functor(category, _simple(tokens), forward=slash[0] == "/", composes=composes)
+    return category
+
+
+def _simple(tokens: _Tokens) -> Category:
+    if not tokens.take("("):
+        return Atom(tokens.need_name())
+    category = _category(tokens)
+    tokens.need(")")
+    return category
+
+
+def _term(tokens: _Tokens, names: tuple[str, ...] = ()) -> Term:
+    if tokens.take("λ", "\\"):
+        name = tokens.need_name()
+        tokens.need(".")
+        return Lambda(_term(tokens, (name, *names)), name)
+    parts = _group(tokens, names)
+    if not parts:
+        raise tokens.mistake()
+    while further := _group(tokens, names):
+        parts += further
+    return reduce(Apply, parts)
+
+
+def _group(tokens: _Tokens, names: tuple[str, ...]) -> list[Term]:
+    """A name, or the terms in a bracket; none where neither stands."""
+    if name := tokens.name():
+        return [Bound(names.index(name)) if name in names else Constant(name)]
+    if not tokens.take("("):
+        return []
+    terms = [_term(tokens, names)]
+    while tokens.take(","):
+        terms.append(_term(tokens, names))
+    tokens.need(")")
+    return terms
+
+
+def _type(tokens: _Tokens) -> Type:
+    source = _basic(tokens)
+    return Arrow(source, _type(tokens)) if tokens.take("->") else source
+
+
+def _basic(tokens: _Tokens) -> Type:
+    if tokens.take("("):
+        found = _type(tokens)
+        tokens.need(")")
+        return found
+    name = tokens.need_name()
     if name not in BASIC_TYPES:
-        raise field.fail(f'expected one of {", ".join(BASIC_TYPES)}, found the type "{name}".')
+        raise _MistakeError(
+            f'expected one of {", ".join(BASIC_TYPES)}, found the type "{name}".', 0
+        )
     return Basic(name)
-
-
-def _split(node: Node) -> tuple[str, list[Node]]:
-    tree = cast("Tree[Token]", node)
-    return str(tree.data), list(tree.children)

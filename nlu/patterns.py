@@ -2,19 +2,94 @@
 """Spellings written short: `when (you|we) [want to]` for four of them.
 
 A choice stands in round brackets, what may be left out in square ones, as in the paper's Table 3
-and the JSpeech Grammar Format.
+and the JSpeech Grammar Format. A pattern becomes a graph that is walked word by word (an automaton
+without silent moves, after Glushkov 1961): it is as long as the text, however many it stands for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import TypeAlias
 
 from ..ontology.source import Field
 
 MAX_SPELLINGS = 4000
-MANY = 3
-"""From this number of choices on, a group of words is looked up on its own."""
+MAX_DEPTH = 20
+
+Steps: TypeAlias = "tuple[tuple[str, Steps] | int, ...]"
+"""Where one may go from a place: a word and what may follow it, or the number of the end."""
+
+_TOO_MANY = f"stands for more than {MAX_SPELLINGS} spellings."
+_NOTHING_LEFT = "expected at least one word that cannot be left out."
+_PIECE = re.compile(r"[()\[\]|]|[^\s()\[\]|]+")
+# Of a pattern with gaps: a bracket without gaps and further brackets is one piece.
+_PART = re.compile(rf"\([^()\[\]{{}}]*\)|\[[^()\[\]{{}}]*\]|{_PIECE.pattern}")
+_BRACKET = re.compile(r"[()\[\]|]")
+_WORD = re.compile(r"[^\s()\[\]|]+")
+_CLOSING = {"(": ")", "[": "]"}
+_OPENING = {")": "(", "]": "["}
+
+
+class PatternError(ValueError):
+    """A pattern is not as it should be; the message is one sentence."""
+
+
+def words_of(text: str) -> list[str]:
+    """All words that a pattern has, in any spelling."""
+    return _WORD.findall(text)
+
+
+def steps_of(text: str, end: int = 0) -> Steps:
+    """The graph of a pattern.
+
+    Args:
+        text: the pattern.
+        end: what stands at the end of each of its spellings.
+
+    Raises:
+        PatternError: a bracket is missing.
+    """
+    # From right to left, so that what follows a word is known when the word is met.
+    here: Steps = (end,)
+    within: list[tuple[str, Steps, list[Steps]]] = [("", here, [])]
+    for piece in reversed(_PIECE.findall(text)):
+        if piece in _OPENING:
+            within.append((piece, here, []))
+        elif piece == "|":
+            within[-1][2].append(here)
+            here = within[-1][1]
+        elif piece in _CLOSING:
+            closing, after, choices = within.pop()
+            if closing != _CLOSING[piece]:
+                raise _missing(_CLOSING[piece], text)
+            here = _either([*choices, here]) + (after if piece == "[" else ())
+        else:
+            here = ((piece, here),)
+    closing, _, choices = within.pop()
+    if closing:
+        raise _missing(_OPENING[closing], text)
+    return _either([*choices, here])
+
+
+def _either(choices: Sequence[Steps]) -> Steps:
+    return tuple(chain.from_iterable(reversed(choices)))
+
+
+def spelt(steps: Steps) -> Iterator[tuple[str, ...]]:
+    """All spellings of a graph, in the order of the choices; some of them may be the same."""
+    for step in steps:
+        if isinstance(step, int):
+            yield ()
+        else:
+            for rest in spelt(step[1]):
+                yield step[0], *rest
+
+
+def may_be_left_out(text: str) -> bool:
+    """Whether nothing at all is one of the spellings of a pattern."""
+    return text[:1] in _CLOSING and 0 in steps_of(text)
 
 
 def spellings(field: Field) -> list[tuple[str, ...]]:
@@ -23,97 +98,111 @@ def spellings(field: Field) -> list[tuple[str, ...]]:
     Raises:
         DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
     """
-    text = field.text()
-    found, end = _choices(text, 0, field)
-    if end != len(text):
-        raise field.fail(f'expected no "{text[end]}" here, or a bracket before it.')
-    if any(not words for words in found):
-        raise field.fail("expected at least one word that cannot be left out.")
-    return list(dict.fromkeys(found))
+    found: dict[tuple[str, ...], None] = {}
+    for words in spelt(checked(field)):
+        found[words] = None
+        if len(found) > MAX_SPELLINGS:
+            raise field.fail(_TOO_MANY)
+    return list(found)
 
 
-@dataclass(frozen=True)
-class Group:
-    """A choice of many words, as it stands in a pattern: `(what|which|whose|...)`.
-
-    Attributes:
-        text: how the pattern writes it, which is its name.
-        choices: all that it stands for.
-    """
-
-    text: str
-    choices: tuple[tuple[str, ...], ...]
-
-
-def factored(field: Field) -> list[tuple[str | Group, ...]]:
-    """All that a pattern stands for, where choices of many words stay together as groups.
-
-    Without this, five choices of ten words in one line would stand for 100,000 spellings.
+def checked(field: Field) -> Steps:
+    """The graph of a pattern in a file.
 
     Raises:
-        DataError: as for `spellings`.
+        DataError: a bracket is missing, or all of it may be left out.
     """
-    groups: dict[str, Group] = {}
-    text, place = "", 0
-    whole = field.text()
-    for start, end in _outermost(whole):
-        text += whole[place:start] + _grouped(whole[start:end], field, groups)
-        place = end
-    rest = replace(field, value=text + whole[place:])
-    return [tuple(groups.get(word, word) for word in words) for words in spellings(rest)]
+    return steps_of(words_in(field))
 
 
-def _grouped(text: str, field: Field, groups: dict[str, Group]) -> str:
-    """A bracket of a pattern, or the mark of the group that it is."""
-    if "{" in text:
-        return text
-    found = dict.fromkeys(_choices(text[1:-1], 0, field)[0])
-    choices = tuple(words for words in found if words)
-    if len(choices) < MANY:
-        return text
-    group = Group(text, choices)
-    mark = f"<{len(groups)}>"
-    groups[mark] = group
-    return f"[{mark}]" if text.startswith("[") or len(choices) < len(found) else mark
+def words_in(field: Field) -> str:
+    """The text of a pattern without gaps.
+
+    Raises:
+        DataError: a bracket is missing, or all of it may be left out.
+    """
+    text = field.text()
+    # Most are some words and nothing else.
+    if _BRACKET.search(text):
+        try:
+            steps = steps_of(text)
+        except PatternError as error:
+            raise field.fail(str(error)) from error
+        if 0 in steps:
+            raise field.fail(_NOTHING_LEFT)
+    return text
 
 
-def _outermost(text: str) -> Iterator[tuple[int, int]]:
-    depth = start = 0
-    for place, letter in enumerate(text):
-        if letter in "([":
-            start = place if depth == 0 else start
-            depth += 1
-        elif letter in ")]":
-            depth -= 1
-            if depth == 0:
-                yield start, place + 1
+def is_gap(piece: str) -> bool:
+    """Whether a piece of a pattern is a gap, like `{x:NP}`."""
+    return piece.startswith("{")
 
 
-def _choices(text: str, start: int, field: Field) -> tuple[list[tuple[str, ...]], int]:
-    alternatives: list[tuple[str, ...]] = []
+def variants(field: Field) -> list[tuple[str, ...]]:
+    """All that a pattern with gaps stands for, as gaps and the patterns of words between them.
+
+    Only choices that have a gap within are multiplied out: words stay together in one pattern.
+
+    Raises:
+        DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
+    """
+    text = field.text()
+    try:
+        choices = _choices(iter(_PART.findall(text)), text)
+    except PatternError as error:
+        raise field.fail(str(error)) from error
+    found = dict.fromkeys(chain.from_iterable(map(_joined, choices)))
+    if () in found:
+        raise field.fail(_NOTHING_LEFT)
+    return list(found)
+
+
+def _choices(pieces: Iterator[str], text: str, within: str = "") -> list[tuple[str, ...]]:
+    """The choices up to the end of a bracket: gaps, words, and brackets without gaps, in order."""
+    if len(within) > MAX_DEPTH:
+        raise PatternError(f"expected at most {MAX_DEPTH} brackets within each other.")
+    found: list[tuple[str, ...]] = []
     current: list[tuple[str, ...]] = [()]
-    place = start
-    while place < len(text) and text[place] not in ")]":
-        if text[place] in "([":
-            inner, end = _choices(text, place + 1, field)
-            closing = ")" if text[place] == "(" else "]"
-            if text[end : end + 1] != closing:
-                raise field.fail(f'expected "{closing}" after character {end}.')
-            if closing == "]":
-                inner = [*inner, ()]
-            current = [(*before, *after) for before in current for after in inner]
-            place = end + 1
-        elif text[place] == "|":
-            alternatives += current
-            current, place = [()], place + 1
-        elif text[place] == " ":
-            place += 1
-        else:
-            end = place
-            while end < len(text) and text[end] not in " |()[]":
-                end += 1
-            current = [(*before, text[place:end]) for before in current]
-            place = end
-        if len(current) + len(alternatives) > MAX_SPELLINGS:
-            raise field.fail(f"stands for more than {MAX_SPELLINGS} spellings.")
-    return alternatives + current, place
+    for piece in pieces:
+        if piece in _OPENING:
+            if _OPENING[piece] != within[-1:]:
+                raise _missing(_OPENING[piece], text)
+            return found + current
+        if piece == "|":
+            found += current
+            current = [()]
+            continue
+        is_bracket = piece in _CLOSING
+        inner = _inner(pieces, text, within + piece) if is_bracket else [(piece,)]
+        current = [(*before, *after) for before in current for after in inner]
+        if len(found) + len(current) > MAX_SPELLINGS:
+            raise PatternError(_TOO_MANY)
+    if within:
+        raise _missing(_CLOSING[within[-1]], text)
+    return found + current
+
+
+def _inner(pieces: Iterator[str], text: str, within: str) -> list[tuple[str, ...]]:
+    """The choices of a bracket; the bracket as it is where there is no gap in it."""
+    inner, opening = _choices(pieces, text, within), within[-1]
+    if any(map(is_gap, chain.from_iterable(inner))):
+        return inner if opening == "(" else [*inner, ()]
+    return [(f"{opening}{'|'.join(map(' '.join, inner))}{_CLOSING[opening]}",)]
+
+
+def _joined(pieces: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """The pieces with neighbouring words as one; without words that may all be left out, too."""
+    place = next((n for n, piece in enumerate(pieces) if not is_gap(piece)), len(pieces))
+    end = next((n for n in range(place, len(pieces)) if is_gap(pieces[n])), len(pieces))
+    if place == end:
+        yield tuple(pieces)
+        return
+    words = " ".join(pieces[place:end])
+    for rest in _joined(pieces[end:]):
+        yield *pieces[:place], words, *rest
+        if may_be_left_out(words):
+            yield *pieces[:place], *rest
+
+
+def _missing(bracket: str, text: str) -> PatternError:
+    return PatternError(f'expected "{bracket}" once more in "{text}".')

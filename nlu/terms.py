@@ -14,7 +14,7 @@ checked against their category before they are used (`typecheck`), so evaluation
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -127,7 +127,7 @@ def apply_all(function: Term, *arguments: Term) -> Term:
     return function
 
 
-def replace_constants(term: Term, names: dict[str, str]) -> Term:
+def replace_constants(term: Term, names: Mapping[str, str]) -> Term:
     """The term with constants renamed, as the templates of verbs and nouns need it."""
     match term:
         case Constant(name):

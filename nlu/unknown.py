@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon
 from .meaning import NewWord
+from .senses import Filled
 from .tokens import Token
 from .words import Verb, WordBook
 
@@ -82,7 +83,7 @@ def slips(one: str, other: str, limit: int) -> int:
 def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]:
     """All that an unknown word may be, each entry marked with its role and dictionary form."""
     word = token.word
-    found: list[Entry] = []
+    found: list[Filled] = []
     singulars = inflection.origins(word, "plural")
     for role in ("object", "part"):
         found += book.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
@@ -92,10 +93,10 @@ def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]
         found += book.noun("person", word, role="person", cost=_PERSON_COST)
     for bare in _bare_forms(word, inflection):
         verb = Verb(bare, ("new_act",), bare)
-        found += book.verb_entries(verb, role="context", cost=_VERB_COST)
+        found += book.verb_forms(verb, role="context", cost=_VERB_COST)
         verb = Verb(bare, ("new_affordance",), None)
-        found += book.verb_entries(verb, role="affordance")
-    return [entry for entry in found if entry.words == (word,)]
+        found += book.verb_forms(verb, role="affordance")
+    return [each.entry() for each in found if each.says == word]
 
 
 def compounds(
@@ -114,8 +115,8 @@ def compounds(
         return []
     singular = next(iter(inflection.origins(second, "plural")), second)
     name = f"{first} {singular}"
-    found = [*book.noun("object", name, role="object", cost=_COMPOUND_COST)]
-    return [entry for entry in found if entry.words == (first, second)]
+    found = book.noun("object", name, role="object", cost=_COMPOUND_COST)
+    return [each.entry() for each in found if each.says == f"{first} {second}"]
 
 
 def _may_name(word: str, lexicon: Lexicon, *, last: bool = False) -> bool:
@@ -128,7 +129,7 @@ def _may_name(word: str, lexicon: Lexicon, *, last: bool = False) -> bool:
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
     """The new words that a reading rests on, each once."""
     words = (
-        NewWord(entry.name, entry.role, " ".join(entry.words))
+        NewWord(entry.name, entry.role, entry.says)
         for entry in entries
         if entry.role and entry.role != "person"
     )

@@ -3,7 +3,8 @@
 
 `WordBook` is what the file says, checked: contractions, templates, the entries of all words, and
 the templates that a new noun, part, use or act gets. One line of the file may stand for hundreds
-of entries: the spellings of a pattern, or the frames and inflections of a verb.
+of entries, the frames and inflections of a verb: all lines are checked when they are read, and what
+follows from them is worked out when it is heard.
 """
 
 from __future__ import annotations
@@ -11,20 +12,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
 from ..ontology.source import Field, read_yaml
 from .asides import Asides
-from .categories import Category
+from .categories import Atom, Functor
 from .combinators import Combinator
-from .constructions import Construction, Gap, Piece, Run, category_of, pieces, runs
+from .constructions import Construction, Run, pieces_of, runs
 from .grammar import Grammar, Unary
 from .inflection import Inflection
-from .lexicon import Entry, Frame, Template
+from .lexicon import Entry, Frame, Lexicon, Template
 from .notation import read_entry, read_type
-from .patterns import Group, factored, spellings
-from .terms import Constant, evaluate, replace_constants
+from .patterns import variants, words_in
+from .senses import Filled, Headed
+from .terms import Constant, evaluate
 from .tokens import Tokens
 from .vocabulary import ROLES, Vocabulary
 
@@ -32,6 +35,7 @@ NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "p
 
 _NOTHING = Constant("something")
 _NOTHING_VALUE = evaluate(_NOTHING)
+_BINDER = Functor(Atom("WITH"), Atom("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
@@ -73,8 +77,8 @@ class WordBook:
         self.nouns: dict[str, tuple[str, ...]] = {}
         self.asides = Asides()
         self.endings: dict[str, str] = {}
-        self.entries: list[Entry] = []
-        self.turns: list[Entry] = []
+        self.turns = Lexicon()
+        self.lexicon = Lexicon(base=self.turns)
 
     def read(self, path: Path) -> None:
         """Add all that a file says; a second file adds to the first.
@@ -99,11 +103,11 @@ class WordBook:
             self._template_named(kind, field)
             self.nouns[kind] = (*self.nouns.get(kind, ()), *field.texts())
             for name in field.texts():
-                self.entries += self.noun(kind, name)
+                self.lexicon.add_all(self.noun(kind, name))
         for field in _items(parts, "words"):
-            self.entries += self._word(field)
+            self._read_word(field)
         for field in _items(parts, "constructions"):
-            self.turns += self._construction(field)
+            self._read_construction(field)
         for kind, field in _entries(parts, "asides"):
             self.asides = self.asides.reading(kind, field)
 
@@ -112,33 +116,33 @@ class WordBook:
         items = tuple(replace(t, word=self.endings.get(t.word, t.word)) for t in tokens.items)
         return replace(tokens, items=items)
 
-    def verb_entries(self, verb: Verb, *, role: str = "", cost: float = 0.0) -> Iterator[Entry]:
-        """The entries of a verb: all frames of its templates in all inflections."""
+    def verb_forms(self, verb: Verb, *, role: str = "", cost: float = 0.0) -> Iterator[Filled]:
+        """What a verb is: all frames of its templates in all inflections."""
         gerund = self._inflection.form(verb.verb, "ing")
         names = {"ACT": verb.means or _constant(verb.verb), "USE": _constant(gerund)}
         for name in verb.templates:
             yield from self._filled(self.templates[name], verb.verb, names, role=role, cost=cost)
 
-    def noun(self, kind: str, name: str, *, role: str = "", cost: float = 0.0) -> Iterator[Entry]:
-        """The entries of a noun, part, property or person, by the name of its template."""
+    def noun(self, kind: str, name: str, *, role: str = "", cost: float = 0.0) -> Iterator[Filled]:
+        """What a noun, part, property or person is, by the name of its template."""
         template = self.templates[kind]
         yield from self._filled(template, name, {"THIS": _constant(name)}, role=role, cost=cost)
 
-    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[Entry]:
-        """The entries of all names of a vocabulary."""
+    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[Filled]:
+        """What all names of a vocabulary are."""
         for role in ROLES:
             for name in vocabulary.names(role):
                 yield from self.named(role, name)
 
-    def named(self, role: str, name: str) -> Iterator[Entry]:
-        """The entries of one name in a role, one of `ROLES`."""
+    def named(self, role: str, name: str) -> Iterator[Filled]:
+        """What one name is in a role, one of `ROLES`."""
         if role in NOUN_TEMPLATES:
             return self.noun(NOUN_TEMPLATES[role], name)
         if role == "affordance":
             bare = self.bare(name)
             templates = ("affordance",) if bare in self._known_verbs else ("affordance", "tool")
-            return self.verb_entries(Verb(bare, templates, _constant(bare)))
-        return self.verb_entries(Verb(name, ("new_act",), _constant(name)))
+            return self.verb_forms(Verb(bare, templates, _constant(bare)))
+        return self.verb_forms(Verb(name, ("new_act",), _constant(name)))
 
     def tool_acts(self) -> dict[str, str]:
         """The acts that need a tool, each with the affordance that the tool must have."""
@@ -158,17 +162,14 @@ class WordBook:
 
     def tool_phrases(self) -> dict[str, str]:
         """What is done with a tool as the object: "cut with" for `cut`."""
-        binder = next(
-            (" ".join(entry.words) for entry in self.entries if str(entry.category) == "WITH/NP"),
-            "",
-        )
+        senses = self.lexicon.senses()
+        binder = next((sense.says for sense in senses if sense.category == _BINDER), "")
         return {act: f"{self.act_names()[act]} {binder}" for act in self.tool_acts()}
 
     @cached_property
     def only_in_turns(self) -> frozenset[str]:
         """Words that only occur in turns of phrase; they may name something new as well."""
-        turns = {word for entry in self.turns for word in entry.words}
-        return frozenset(turns - self.closed - {w for entry in self.entries for w in entry.words})
+        return self.turns.own_words - self.closed - self.lexicon.own_words
 
     @cached_property
     def degree_phrases(self) -> frozenset[tuple[str, ...]]:
@@ -187,23 +188,20 @@ class WordBook:
         return next(iter(self._inflection.origins(gerund, "ing")), gerund)
 
     def _filled(
-        self, template: Template, word: str, names: dict[str, str], *, role: str, cost: float
-    ) -> Iterator[Entry]:
+        self,
+        template: Template,
+        word: str,
+        names: Mapping[str, str],
+        *,
+        role: str = "",
+        cost: float = 0.0,
+    ) -> Iterator[Filled]:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
+        name = named.replace("_", " ")
         for form, frames in template.forms.items():
-            tokens = tuple(self._inflection.form(word, form).split(" "))
+            says = self._inflection.form(word, form)
             for frame in frames:
-                term = replace_constants(frame.term, names)
-                yield Entry(
-                    tokens,
-                    frame.category,
-                    term,
-                    evaluate(term),
-                    self._combinator.sign(frame.category),
-                    frame.cost + cost,
-                    named.replace("_", " "),
-                    role,
-                )
+                yield Filled(says, frame, names, self._combinator, name, role, cost)
 
     def _template(self, name: str, field: Field) -> Template:
         parts = field.entries(required=("constants", "forms"), optional=())
@@ -219,6 +217,8 @@ class WordBook:
             if form != "base" and form not in self._inflection.tables:
                 known = ", ".join(("base", *self._inflection.tables))
                 raise lines.fail(f'there is no form "{form}"; expected one of {known}.')
+        for frame in chain.from_iterable(forms.values()):
+            self._combinator.sign(frame.category)
         return Template(name, tuple(constants), MappingProxyType(forms))
 
     def _template_named(self, name: str, field: Field) -> Template:
@@ -234,7 +234,7 @@ class WordBook:
         means = parts["means"].text() if "means" in parts else None
         verb = Verb(parts["verb"].text(), parts["templates"].texts(), means)
         self.verbs.append(verb)
-        self.entries += self.verb_entries(verb)
+        self.lexicon.add_all(self.verb_forms(verb))
 
     def _read_qualifier(self, degree: str, field: Field) -> None:
         if degree not in self._grammar.signature:
@@ -242,9 +242,9 @@ class WordBook:
         template = self._template_named("qualifier", field)
         self.qualifiers[degree] = field.texts()
         for word in field.texts():
-            self.entries += self._filled(template, word, {"DEG": degree}, role="", cost=0.0)
+            self.lexicon.add_all(self._filled(template, word, {"DEG": degree}))
 
-    def _word(self, field: Field) -> Iterator[Entry]:
+    def _read_word(self, field: Field) -> None:
         parts = field.entries(required=("says",), optional=("is", "like"))
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
@@ -252,45 +252,39 @@ class WordBook:
         frames = [Frame(*self._grammar.entry(line)) for line in lines]
         for name in parts["like"].items() if "like" in parts else ():
             frames += self._template_named(name.text(), name).forms["base"]
-        signs = [self._combinator.sign(frame.category) for frame in frames]
         values = [evaluate(frame.term) for frame in frames]
+        signs = [self._combinator.sign(frame.category) for frame in frames]
         for says in parts["says"].items():
-            for words in spellings(says):
-                for frame, sign, value in zip(frames, signs, values, strict=True):
-                    yield Entry(words, frame.category, frame.term, value, sign, frame.cost)
+            text = words_in(says)
+            for frame, value, sign in zip(frames, values, signs, strict=True):
+                self.lexicon.add(
+                    Entry(frame.category, frame.term, value, sign, frame.cost, says=text)
+                )
 
-    def _construction(self, field: Field) -> Iterator[Entry]:
+    def _read_construction(self, field: Field) -> None:
         parts = field.entries(required=("says", "is"), optional=())
-        patterns = [(words, says) for says in parts["says"].items() for words in factored(says)]
-        spelt = dict.fromkeys(pieces(words, says) for words, says in patterns)
+        spelt = dict.fromkeys(
+            pieces_of(variant, says) for says in parts["says"].items() for variant in variants(says)
+        )
         for line in parts["is"].items():
             category, term, cost = read_entry(line)
-            heads: dict[tuple[Piece, ...], Entry] = {}
-            for found in spelt:
-                construction = Construction(found, category, term)
-                key = construction.without_head()
-                if key not in heads:
-                    self._grammar.verify(*construction.to_be_checked(), line)
-                    heads[key] = self._headed(construction, cost)
-                head = construction.head
-                if isinstance(head, Run):
-                    yield heads[key]._replace(words=head.words)
-        for group in {each for words, _ in patterns for each in words if isinstance(each, Group)}:
-            for words in group.choices:
-                yield self._plain(words, category_of(group))
-        for run in {run for found in spelt for run in runs(found)[1:]}:
-            yield self._plain(run.words, run.category)
+            found = [Construction(pieces, category, term) for pieces in spelt]
+            for gaps in dict.fromkeys(construction.gaps for construction in found):
+                self._grammar.verify(category, term, line, self._grammar.types_of(gaps, line))
+            for construction in found:
+                self._add_head(construction, cost)
+        for run in dict.fromkeys(run for pieces in spelt for run in runs(pieces)[1:]):
+            sign = self._combinator.sign(run.category)
+            self.turns.add(Entry(run.category, _NOTHING, _NOTHING_VALUE, sign, says=run.text))
 
-    def _plain(self, words: tuple[str, ...], category: Category) -> Entry:
-        """Words that only have to be there."""
-        return Entry(words, category, _NOTHING, _NOTHING_VALUE, self._combinator.sign(category))
-
-    def _headed(self, construction: Construction, cost: float) -> Entry:
-        category, term = construction.functor()
-        value, head = evaluate(term), construction.head
-        if isinstance(head, Gap):
-            self._combinator.add(Unary(head.category, category, term, value, cost))
-        return Entry((), category, term, value, self._combinator.sign(category), cost)
+    def _add_head(self, construction: Construction, cost: float) -> None:
+        head, category = construction.head, construction.category
+        self._combinator.sign(category)
+        if isinstance(head, Run):
+            self.turns.add(Headed(construction, cost, self._combinator, head.text))
+        else:
+            term = construction.functor()
+            self._combinator.add(Unary(head.category, category, term, evaluate(term), cost))
 
 
 def _constant(name: str) -> str:

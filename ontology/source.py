@@ -12,15 +12,12 @@ duplicate keys, and no file over `MAX_BYTES`.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .errors import DataError
-
-if TYPE_CHECKING:
-    from yaml.nodes import Node
 
 MAX_BYTES = 64 * 2**20
 MAX_DEPTH = 64
@@ -177,33 +174,15 @@ def parse_yaml(text: str, *, source: str = "<text>") -> Field:
     """Read YAML from a text; as `read_yaml` does from a file."""
     import yaml  # here, so that what only names a `Field` does not pay for it
 
-    loader_class = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    loader = loader_class(text)
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
     try:
-        _refuse_aliases(yaml.parse(text, Loader=loader_class), source)
-        node = loader.get_single_node()
-        if node is None:
-            raise DataError("the file is empty.", source=source)
-        return _Reader(loader, source, text.splitlines()).field(node)
+        return _Reader(loader, source, text.splitlines()).document()
     except yaml.MarkedYAMLError as error:
         raise _syntax_error(error, text, source) from error
     except yaml.YAMLError as error:
         raise DataError(f"is not YAML: {error}.", source=source) from error
     finally:
         loader.dispose()
-
-
-def _refuse_aliases(events: Iterator[Any], source: str) -> None:
-    depth = 0
-    for event in events:
-        name = type(event).__name__
-        depth += name.endswith("StartEvent") - name.endswith("EndEvent")
-        if name == "AliasEvent" or depth > MAX_DEPTH:
-            problem = "aliases are not allowed" if name == "AliasEvent" else "nested too deeply"
-            mark = event.start_mark
-            raise DataError(
-                f"{problem}.", source=source, line=mark.line + 1, column=mark.column + 1
-            )
 
 
 def _syntax_error(error: Any, text: str, source: str) -> DataError:
@@ -218,40 +197,105 @@ def _syntax_error(error: Any, text: str, source: str) -> DataError:
     )
 
 
-@dataclass(frozen=True)
+_TAG = "tag:yaml.org,2002:"
+_TEXT = f"{_TAG}str"
+_PLAIN = frozenset({"str", "int", "float", "bool", "null", "seq", "map"})
+_END = frozenset({"SequenceEndEvent", "MappingEndEvent"})
+
+
 class _Reader:
-    """Makes fields of the nodes of one text."""
+    """Makes fields of the events of one text, in one pass.
 
-    loader: Any
-    source: str
-    lines: Sequence[str]
+    Args:
+        loader: what tells the events, and makes numbers of texts.
+        source: the name of the text.
+        lines: the lines of the text.
+    """
 
-    def field(self, node: Node) -> Field:
-        line, column = node.start_mark.line + 1, node.start_mark.column + 1
-        text = self.lines[line - 1] if line <= len(self.lines) else ""
-        tag = node.tag.rsplit(":", 1)[-1]
-        if tag not in {"str", "int", "float", "bool", "null", "seq", "map"}:
-            raise DataError(
-                f'the type "{node.tag}" is not allowed; write a text in quotes, a number, true or '
-                "false, a list or a mapping.",
-                source=self.source,
-                line=line,
-                column=column,
-                text=text,
-            )
-        if tag == "seq":
-            value: Any = tuple(self.field(item) for item in node.value)
-        elif tag == "map":
-            value = self._mapping(node)
-        else:
-            value = self.loader.construct_object(node)
-        return Field(value, self.source, line, column, text)
+    def __init__(self, loader: Any, source: str, lines: Sequence[str]) -> None:
+        self._loader, self._source, self._lines = loader, source, lines
+        self._next: Callable[[], Any] = loader.get_event
+        self._tags: dict[str, str] = {}
+        self._depth = 0
 
-    def _mapping(self, node: Node) -> dict[str, Field]:
-        result: dict[str, Field] = {}
-        for key_node, value_node in node.value:
-            key = self.field(key_node)
-            if key.text() in result:
+    def document(self) -> Field:
+        """The one document of the text."""
+        self._next()
+        event = self._next()
+        if type(event).__name__ == "StreamEndEvent":
+            raise DataError("the file is empty.", source=self._source)
+        field = self._field(self._next())
+        self._next()
+        event = self._next()
+        if type(event).__name__ != "StreamEndEvent":
+            raise self._at(event, None).fail("expected one document, found another one.")
+        return field
+
+    def _field(self, event: Any) -> Field:
+        kind = type(event).__name__
+        if kind == "ScalarEvent":
+            return self._scalar(event)
+        if kind == "AliasEvent":
+            raise self._at(event, None).fail("aliases are not allowed.")
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise self._at(event, None).fail("nested too deeply.")
+        is_list = kind == "SequenceStartEvent"
+        if event.tag is not None and event.tag != f"{_TAG}{'seq' if is_list else 'map'}":
+            raise self._refused(event, event.tag)
+        field = self._at(event, self._items() if is_list else self._entries())
+        self._depth -= 1
+        return field
+
+    def _items(self) -> tuple[Field, ...]:
+        items: list[Field] = []
+        while type(event := self._next()).__name__ not in _END:
+            items.append(self._field(event))
+        return tuple(items)
+
+    def _entries(self) -> dict[str, Field]:
+        entries: dict[str, Field] = {}
+        while type(event := self._next()).__name__ not in _END:
+            key = self._field(event)
+            if key.text() in entries:
                 raise key.fail(f'the key "{key.value}" stands here twice.')
-            result[key.value] = self.field(value_node)
-        return result
+            entries[key.value] = self._field(self._next())
+        return entries
+
+    def _scalar(self, event: Any) -> Field:
+        # Most values are texts in quotes, which are what they are.
+        if event.tag in {None, "!"} and not event.implicit[0]:
+            return self._at(event, event.value)
+        tag = self._tag(event)
+        if tag == _TEXT:
+            return self._at(event, event.value)
+        if tag.removeprefix(_TAG) not in _PLAIN:
+            raise self._refused(event, tag)
+        from yaml.nodes import ScalarNode
+
+        node = ScalarNode(tag, event.value, event.start_mark, event.end_mark)
+        return self._at(event, self._loader.construct_object(node))
+
+    def _tag(self, event: Any) -> str:
+        """The type of a value, which shows in its text where it is not given."""
+        if event.tag is not None:
+            return event.tag
+        found = self._tags.get(event.value)
+        if found is None:
+            from yaml.nodes import ScalarNode
+
+            found = self._loader.resolve(ScalarNode, event.value, (True, False))
+            self._tags[event.value] = found
+        return found
+
+    def _at(self, event: Any, value: object) -> Field:
+        mark = event.start_mark
+        line: int = mark.line
+        text = self._lines[line] if line < len(self._lines) else ""
+        return Field(value, self._source, line + 1, mark.column + 1, text)
+
+    def _refused(self, event: Any, tag: str) -> DataError:
+        return self._at(event, None).fail(
+            f'the type "{tag}" is not allowed; write a text in quotes, a number, true or false, a '
+            "list or a mapping."
+        )

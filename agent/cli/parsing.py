@@ -73,8 +73,8 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check a lexicon file: every category declared, every term of the type it needs."""
-    before = sum(1 for _ in _session(None).language.listener.lexicon.entries())
-    entries = sum(1 for _ in _session(file).language.listener.lexicon.entries()) - before
+    before = sum(1 for _ in _session(None).language.listener.lexicon.senses())
+    entries = sum(1 for _ in _session(file).language.listener.lexicon.senses()) - before
     found = {"file": str(file), "entries": entries}
     show(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
 
@@ -87,10 +87,13 @@ def list_entries(
     as_json: AsJson = False,
 ) -> None:
     """List the entries: words, category, lambda term."""
+    from ...nlu.patterns import words_of
+
     entries = sorted(
-        (" ".join(entry.words), str(entry.category), str(entry.term))
-        for entry in _session(lexicon).language.listener.lexicon.entries()
-        if word is None or word in entry.words
+        (entry.says, str(entry.category), str(entry.term))
+        for sense in _session(lexicon).language.listener.lexicon.senses()
+        if word is None or word in words_of(sense.says)
+        for entry in [sense.entry()]
     )
     if as_json:
         show([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])

@@ -324,7 +324,7 @@ def test_help_imports_nothing_heavy():
     code = (
         "import sys, contextlib, hilt.agent.cli as cli\n"
         "with contextlib.suppress(SystemExit): cli.main(['--help'])\n"
-        "heavy = {'numpy', 'pyoxigraph', 'rdflib', 'yaml', 'lark', 'pybullet', 'rich'}\n"
+        "heavy = {'numpy', 'pyoxigraph', 'rdflib', 'yaml', 'pybullet', 'rich'}\n"
         "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.constructions import Construction, Gap, Run, pieces
+from hilt.nlu.constructions import Construction, Gap, Run, pieces_of
 from hilt.nlu.notation import read_entry
-from hilt.nlu.patterns import Group, factored
+from hilt.nlu.patterns import variants
 from hilt.ontology.errors import DataError
 from hilt.ontology.source import Field
 
@@ -21,27 +21,25 @@ def field(text: str) -> Field:
 def construction(says: str, means: str) -> Construction:
     """The one construction of a pattern without choices."""
     category, term, _ = read_entry(field(means))
-    return Construction(pieces(says.split(), field(says)), category, term)
+    (variant,) = variants(field(says))
+    return Construction(pieces_of(variant, field(says)), category, term)
 
 
 def test_the_first_words_take_the_gaps() -> None:
     """What stands before them is sought to the left, the rest to the right."""
     found = construction("{a:K} is a job for {x:NP}", "R : λq.implies(x,a,q)")
 
-    category, term = found.functor()
-
-    assert found.head == Run(("is", "a", "job", "for"))
-    assert (str(category), str(term)) == (r"(R\K)/NP", "λx.λa.λq.implies(x,a,q)")
+    assert found.head == Run("is a job for")
+    assert str(found.category) == r"(R\K)/NP"
+    assert str(found.functor()) == "λx.λa.λq.implies(x,a,q)"
 
 
 def test_later_words_are_arguments_without_meaning() -> None:
     """They only have to be there."""
     found = construction("take {x:NP} for {a:K}", "R : λq.implies(x,a,q)")
 
-    category, term = found.functor()
-
-    assert str(category) == '((R/K)/"for")/NP'
-    assert str(term) == "λx.λs.λa.λq.implies(x,a,q)"
+    assert str(found.category) == '((R/K)/"for")/NP'
+    assert str(found.functor()) == "λx.λs.λa.λq.implies(x,a,q)"
 
 
 def test_gaps_alone_change_the_first_one_without_a_name() -> None:
@@ -49,23 +47,14 @@ def test_gaps_alone_change_the_first_one_without_a_name() -> None:
     found = construction("{x:NP} {GOOD} {a:FU}", "R : λq.implies(x,a,q)")
 
     assert isinstance(found.head, Gap)
-    assert str(found.functor()[0]) == r"(R\NP)/FU"
-
-
-def test_many_choices_stay_one_group() -> None:
-    """So that several of them in one line do not multiply."""
-    many = "(a|b|c|d|e|f|g|h)"
-
-    (found,) = factored(field(f"{many} x {many}"))
-
-    assert [type(piece) for piece in found] == [Group, str, Group]
+    assert str(found.category) == r"(R\NP)/FU"
 
 
 @pytest.mark.parametrize("gap", ["{x:", "{x:}", "{:NP}x", "{}"])
 def test_a_wrong_gap_is_refused(gap: str) -> None:
     """The message shows what a gap looks like."""
     with pytest.raises(DataError, match="expected a gap like"):
-        pieces([gap], field(gap))
+        pieces_of([gap], field(gap))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.patterns import spellings
+from hilt.nlu.patterns import spellings, variants
 from hilt.ontology.errors import DataError
 from hilt.ontology.source import Field
 
@@ -41,3 +41,24 @@ def test_a_pattern_stands_for_a_bounded_number() -> None:
     """A short line cannot fill the memory."""
     with pytest.raises(DataError, match="more than"):
         expanded("(a|b) " * 20)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "found"),
+    [
+        ("(is|are) a (job|task) for {x:NP}", [("(is|are) a (job|task) for", "{x:NP}")]),
+        ("[now] {x:NP}", [("[now]", "{x:NP}"), ("{x:NP}",)]),
+        ("take ({x:NP}|it) up", [("take", "{x:NP}", "up"), ("take it up",)]),
+        ("use [(the|a) {x:N}]", [("use (the|a)", "{x:N}"), ("use",)]),
+    ],
+)
+def test_only_choices_with_gaps_multiply(pattern: str, found: list[tuple[str, ...]]) -> None:
+    """Words between gaps stay one pattern, however many they stand for."""
+    assert variants(Field(pattern, "<text>", 1, 1)) == found
+
+
+@pytest.mark.parametrize("pattern", ["({x:NP}|b", "{x:NP} a)", "[{x:NP}", "({x:NP}]", "[{x:NP}]"])
+def test_a_wrong_pattern_with_gaps_is_refused(pattern: str) -> None:
+    """The same is wrong as without gaps."""
+    with pytest.raises(DataError, match="expected"):
+        variants(Field(pattern, "<text>", 1, 1))

@@ -36,7 +36,7 @@ def test_plain_data_reads_back_as_written(value: object):
         ("a: !!python/name:os.system x", '<text>:1:4: the type "tag:yaml.org,2002:python/name'),
         ("a: 2026-11-21", '<text>:1:4: the type "tag:yaml.org,2002:timestamp" is not allowed'),
         ("yes: 1", "<text>:1:1: expected a text, found True."),
-        ("[" * (MAX_DEPTH + 2), f"<text>:1:{MAX_DEPTH - 1}: nested too deeply."),
+        ("[" * (MAX_DEPTH + 2), f"<text>:1:{MAX_DEPTH + 1}: nested too deeply."),
     ],
 )
 def test_what_is_not_plain_data_is_refused_with_its_place(text: str, message: str):
