@@ -3,7 +3,7 @@
 
 scene     which objects are on the table, and where as far as anybody has said
 world     the table, what stands on it, and time
-engine    the physics engine; the only module that knows PyBullet
+engine    the physics engine behind names; of what it is made only `simulator` imports PyBullet
 percept   what has been seen of an object, part by part, and how sure that is
 vision    searches for the features it is asked for, in camera images only
 grasp     a pose of the hand from which its fingers close on one part, and how well they would hold

@@ -8,6 +8,7 @@ right-handed, lengths in [m], angles in [rad]. All functions work on stacks of p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -118,3 +119,23 @@ def interpolate(pose_a: Array, pose_b: Array, fractions: ArrayLike) -> Array:
     start, end = pose_a[:3, 3], pose_b[:3, 3]
     positions = start + fractions[:, None] * (end - start)
     return pose(slerp(pose_a[:3, :3], pose_b[:3, :3], fractions), positions)
+
+
+def from_quaternion(position: Sequence[float], quaternion: Sequence[float]) -> Array:
+    """The pose at a position (3,) [m], turned by a unit quaternion in the order x, y, z, w."""
+    x, y, z, w = quaternion
+    rotation = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return pose(rotation, position)
+
+
+def quaternion(rotation: Array) -> tuple[float, float, float, float]:
+    """The unit quaternion x, y, z, w of a rotation (3, 3)."""
+    vector = rotation_vector(rotation)
+    angle = float(np.linalg.norm(vector))
+    # np.sinc(t) is sin(pi t) / (pi t): defined at 0, where the axis is not.
+    x, y, z = 0.5 * np.sinc(angle / (2 * np.pi)) * vector
+    return float(x), float(y), float(z), float(np.cos(angle / 2))
