@@ -44,6 +44,7 @@ HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_ATTEMPTS = 3  # how often the hand closes for one thing
 EFFORTS = (1, 2, 4)  # of plans: where little effort finds no way, more may
+GOOD = 0.5  # a grasp with a lower score is a reason to look once more for a better one
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons that mean: the thing is not in the hand any more
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
@@ -313,16 +314,18 @@ class Body:
 
     def _choose(self, sight: Sight) -> tuple[str, Reach | None]:
         """The way to the best grasp that can be reached and has not failed before; or why not."""
-        reason = ""
+        reason, best = "", None
         surroundings = sight.surroundings(TABLE_HEIGHT)
         for effort in EFFORTS:
             plan = plan_grasps(surroundings, self.robot.gripper, rng=self._rng, effort=effort)
             fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
             reach = next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
+            if best is None or (reach and reach.grasp.score > best.grasp.score):
+                best = reach
             if self.onlooker:
-                self.onlooker(self._aim.name, self._aim.part, plan, reach.grasp if reach else None)
-            if reach is not None:
-                return "", reach
+                self.onlooker(self._aim.name, self._aim.part, plan, best.grasp if best else None)
+            if best is not None and (best.grasp.score >= GOOD or effort > EFFORTS[0]):
+                return "", best
             reason = _why_not(plan)
         return reason, None
 

@@ -26,6 +26,7 @@ FINE_CELL = 0.002  # [m] between the points that the profile looks at
 COARSE_REACH, FINE_REACH = 0.15, 0.13  # [m] round the part, what a hand may run into
 COARSE_POINTS, FINE_POINTS = 2000, 6000  # of each kind, also of large things
 SAMPLES = 60  # points of the part from which poses are tried
+OTHER_TURN = 0.2  # [rad], with more effort the hand comes from other directions, too
 JUDGED = 240  # proposals that are judged
 PLACE = 0.02  # [m], side of the cubes that are one place; each place gets its share of them
 TILT_COST = 0.03  # [m], a level approach counts as this much farther from the balance
@@ -99,13 +100,14 @@ def plan_grasps(
         gripper: the hand.
         rng: where the search begins.
         count: most grasps that are given.
-        effort: how many times as many poses as usual are tried and judged.
+        effort: how many times as many poses as usual are tried and judged, in other directions.
     """
     if len(surroundings.wanted) < LEAST_POINTS:
         return GraspPlan((), {})
     coarse = surroundings.thinned(COARSE_CELL, reach=COARSE_REACH, most=COARSE_POINTS)
     fine = surroundings.thinned(FINE_CELL, reach=FINE_REACH, most=FINE_POINTS)
-    proposed = propose(coarse, gripper, rng=rng, count=effort * SAMPLES)
+    turn = (effort - 1) * OTHER_TURN
+    proposed = propose(coarse, gripper, rng=rng, count=effort * SAMPLES, turn=turn)
     opening = np.minimum(proposed.width + 2 * hold.SPARE, gripper.opening)
     low = hold.hits_table(proposed.world_from_grip, opening, surroundings.table, gripper)
     first = np.flatnonzero(~low)

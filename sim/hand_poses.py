@@ -64,15 +64,28 @@ def hand_directions(heading: float) -> Array:
 
 
 def propose(
-    surroundings: Surroundings, gripper: Gripper, *, rng: np.random.Generator, count: int
+    surroundings: Surroundings,
+    gripper: Gripper,
+    *,
+    rng: np.random.Generator,
+    count: int,
+    turn: float = 0.0,
 ) -> HandPoses:
-    """Poses of the open hand round `count` points of the wanted part of `surroundings`."""
+    """Poses of the open hand round points of the wanted part.
+
+    Args:
+        surroundings: the part, and what is near it.
+        gripper: the hand.
+        rng: at which point to begin.
+        count: of points.
+        turn: of all directions about the vertical, for a look from between those of turn 0 [rad].
+    """
     wanted = surroundings.wanted
     samples = wanted[spread(wanted, count, first=int(rng.integers(len(wanted))))]
     found: list[Array] = []
     widths: list[Array] = []
     too_wide = blocked = 0
-    for rotation in hand_directions(level_direction(wanted)):
+    for rotation in hand_directions(level_direction(wanted) + turn):
         sections = _Sections.along(rotation, samples, surroundings, gripper)
         too_wide += sections.too_wide
         blocked += sections.blocked

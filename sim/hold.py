@@ -38,10 +38,14 @@ ROUNDING = 1e-6  # [m], more than single precision loses
 RULED_OUT = 10.0  # taken from the score of a pose that something is in the way of
 
 DEEP_ROWS = 3  # of cells, from the tips; a thing held by less pops out when it is moved
+BITE = 0.002  # [m] above the ends of the pads; what they touch lower down is squeezed out of them
+HEAVY, TOO_HEAVY = 0.25, 0.65  # [N m]; between them a weight more and more surely turns in the hand
 
 # Weights of the score: 1 is a flat, vertical grasp at the centre of mass.
 _BASE, _AREA, _ACROSS, _DEPTH = 0.35, 0.1, 0.3, 0.3
 _TORQUE, _REACH, _TILT, _WIDE, _WEDGE, _SQUEEZED = 0.3, 0.3, 0.1, 0.1, 1.0, 0.2
+# Shares that a score loses: what holds badly comes last, and is still better than nothing.
+_SHALLOW, _TURNING = 0.6, 0.6
 LEAST_CELLS = 2.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
 
 
@@ -124,18 +128,22 @@ def judge(
     obstacle[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
     slope, twist = profile.slopes(gripper)
     arm = surroundings.balance - centred[:, :3, 3]
+    torque = surroundings.mass * GRAVITY * turning_arm(centred, arm)
     score = (
         _BASE
         + _AREA * overlap
         + _ACROSS * both.max(axis=2).mean(axis=1)
         + _DEPTH * np.minimum(_rows_from_tip(both) / DEEP_ROWS, 1.0)
-        - _TORQUE * surroundings.mass * GRAVITY * turning_arm(centred, arm) / TORQUE_SCALE
+        - _TORQUE * torque / TORQUE_SCALE
         - _REACH * np.linalg.norm(arm, axis=1) / REACH_SCALE
         - _TILT * (1 + centred[:, 2, 2])
         - _WEDGE * np.abs(slope).max(axis=1)
         - _WIDE * width / gripper.opening
         - _SQUEEZED * squeezed
     )
+    shallow = np.clip(1 - _bite(near, width, gripper) / BITE, 0.0, 1.0)
+    turning = np.clip((torque - HEAVY) / (TOO_HEAVY - HEAVY), 0.0, 1.0)
+    score *= (1 - _SHALLOW * shallow) * (1 - _TURNING * turning)
     score = np.where(obstacle == _NONE, score, score - RULED_OUT)
     return Holds(centred, width, between, opening, score, obstacle, slope, twist)
 
@@ -206,6 +214,23 @@ class _Profile:
         along = _slopes(self.heights.max(axis=2), gripper.pad_length / CELLS_Z)
         slope = np.column_stack([across.mean(axis=1), along.mean(axis=1)])
         return slope, np.arctan((across[:, 0] - across[:, 1]) / 2)
+
+
+def _bite(near: Near, width: Array, gripper: Gripper) -> Array:
+    """How far up from the ends of the pads they touch the part in the mean (c,) [m].
+
+    Of the two pads, the one that has less of it counts. Cells tell it too coarsely: a plate that
+    the pads just reach fills a whole row of them.
+    """
+    beyond_level = np.abs(near.y) >= (width / 2 - LEVEL)[near.hand]
+    touched = near.in_band(gripper) & beyond_level
+    sides = []
+    for side in (near.y > 0, near.y <= 0):
+        hand = near.hand[touched & side]
+        up = gripper.pad_length / 2 - near.z[touched & side]
+        count = np.bincount(hand, minlength=near.hands)
+        sides.append(np.bincount(hand, up, near.hands) / np.maximum(count, 1))
+    return np.minimum(*sides)
 
 
 def _between(touched: np.ndarray) -> np.ndarray:

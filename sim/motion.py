@@ -21,14 +21,14 @@ from .engine import TIME_STEP
 from .hold import GRAVITY
 from .poses import Array
 from .pounding import Strike, hand_points, strikes
-from .reach import Reach, Reacher
+from .reach import FASTEST, Reach, Reacher
 from .robot import NAME, Robot
 from .sight import Sight
 
-TRANSIT_PACE = 0.9  # shares of the joints' speed limits
+TRANSIT_PACE = FASTEST  # shares of the joints' speed limits
 APPROACH_PACE = 0.45
 LIFT_PACE = 0.45
-CARRY_PACE = 0.9
+CARRY_PACE = FASTEST
 CAREFUL_TORQUE = 0.25  # [N m], a thing that turns so much in the hand is carried at half the pace
 FEEL_EVERY = 12  # steps between two looks at what the fingers feel
 LOST_LOOKS = 2

@@ -8,8 +8,6 @@ rounded off by a running mean.
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from .poses import Array
@@ -17,15 +15,6 @@ from .poses import Array
 PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
 SHORTEST = 0.12  # [s], also for a path of no length
 ROUNDING = 0.1  # [s] over which corners are rounded off
-
-
-def densified(points: Array, largest: float) -> Array:
-    """The path (n, k) with so many postures that no joint turns more than `largest` [rad]."""
-    pieces = [points[:1]]
-    for start, end in pairwise(points):
-        count = max(1, int(np.ceil(np.abs(end - start).max() / largest)))
-        pieces.append(start + np.linspace(0, 1, count + 1)[1:, None] * (end - start))
-    return np.concatenate(pieces)
 
 
 def timed(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Array, Array]:
@@ -52,6 +41,19 @@ def timed(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Ar
     speeds = (positions - before) / step
     speeds[-1] = 0.0
     return positions, speeds
+
+
+def passed(positions: Array, apart: float) -> Array:
+    """Some of the positions (t, k) of a run, the first and the last among them.
+
+    Args:
+        positions: at the steps of the run [rad].
+        apart: how far a joint turns from one chosen position to the next, rounded up to a step
+            of the run [rad].
+    """
+    turned = np.append(0.0, np.cumsum(np.abs(np.diff(positions, axis=0)).max(axis=1)))
+    chosen = np.searchsorted(turned, np.arange(0.0, turned[-1], apart))
+    return positions[[*chosen, -1]]
 
 
 def _rounded(positions: Array, start: Array, half: int) -> Array:

@@ -15,15 +15,17 @@ import numpy as np
 
 from . import poses
 from .clearance import Spheres, clearance, self_clearance
+from .engine import TIME_STEP
 from .grasp import Grasp
 from .kinematics import Solution
-from .paths import densified
+from .paths import passed, timed
 from .poses import Array
 from .robot import Robot
 
 RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
 APPROACH_STEP = 0.0225  # [m] between the poses of a straight way; between them it bends by 0.5 mm
-CHECK_STEP = 0.12  # [rad] between the postures that are checked
+CHECK_STEP = 0.03  # [rad] between the postures that are checked: a hand moves 2 cm from one to it
+FASTEST = 0.9  # share of the joints' speed limits; the faster, the more its corners are rounded off
 TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
 APPROACH_GAP = -0.003  # [m] to the rest; the spheres are a little larger than the hand
 AT_ONCE = 4  # grasps whose ways are sought together: the first ones mostly do
@@ -136,12 +138,16 @@ class Reacher:
             [home],
             [over_start, home, over_goal],
         ):
-            path = densified(np.vstack([start, *via, goal]), CHECK_STEP)
+            path = np.vstack([start, *via, goal])
             # The start is where it is: something may be nearer to it than a path should be.
             least = min(gap, self._gap(spheres, path[:1], seen, held))
-            if self._gap(spheres, path[1:], seen, held) >= least - ROUNDING:
+            if self._gap(spheres, self._passed(path), seen, held) >= least - ROUNDING:
                 return path
         return None
+
+    def _passed(self, path: Array) -> Array:
+        run, _ = timed(path, self.robot.chain.speed, step=TIME_STEP, pace=FASTEST)
+        return passed(run, CHECK_STEP)
 
     def straight_up(self, height: float) -> Array | None:
         """Postures from where the arm is, straight up by `height` [m]; None when out of reach."""

@@ -57,7 +57,9 @@ class Robot:
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = [joint.name for joint in self.chain.moving]
-        engine.load(NAME, kind.file, self.world_from_base, fixed=True)
+        # Robot files tell inertias that no link of that mass can have (0.1 kg m^2 of each finger of
+        # the Panda): the wrist's motors then cannot follow, and the arm leaves its way by 0.3 rad.
+        engine.load(NAME, kind.file, self.world_from_base, fixed=True, inertia_of_shape=True)
         facts = {joint.name: joint for joint in engine.joints(NAME)}
         self._efforts = [facts[name].effort for name in self._joints]
         engine.set_joints(NAME, self._joints, kind.home)

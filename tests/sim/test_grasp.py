@@ -158,6 +158,29 @@ def test_slope_says_where_a_round_part_is_widest():
     assert moved[0, 3] == pytest.approx(0.5, abs=0.003)
 
 
+def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
+    """A hand that just reaches a plate scores less than one 3 mm deeper, all else alike."""
+    plate = box((0.5, 0.0, 0.03), (0.1, 0.02, 0.002))
+    scene = surround(plate, [], [], table=0.0, balance=np.array((0.5, 0, 0.03)), mass=0.1)
+    bottom = 0.029 + GRIPPER.pad_length / 2  # height of the grip when the pads end with the plate
+    hands = np.stack([poses.pose(DOWN, (0.5, 0, bottom - z)) for z in (0.0, 0.003)])
+
+    shallow, deep = judge(hands, np.full(2, 0.02), scene, GRIPPER).score
+
+    assert 0 < shallow < 0.7 * deep
+
+
+def test_thing_that_would_turn_in_the_hand_is_not_ruled_out():
+    """A heavy bar held far from its middle scores little, but more than nothing."""
+    far = surround(bar().wanted, [], [], table=0.0, balance=np.array((0.6, 0.0, 0.012)), mass=0.6)
+
+    near_middle, far_from_it = (
+        judge(hand_over_bar(), np.array([0.02]), scene, GRIPPER).score[0] for scene in (bar(), far)
+    )
+
+    assert 0 < far_from_it < 0.3 * near_middle
+
+
 def test_hand_lower_than_the_table_hits_it():
     """The tips end a centimetre below the grip frame."""
     low, high = (poses.pose(DOWN, (0.5, 0, z))[None] for z in (0.009, 0.012))

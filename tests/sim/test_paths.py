@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.sim.paths import densified, timed
+from hilt.sim.paths import passed, timed
 
 STEP = 1 / 240
 LIMITS = np.array([2.0, 1.0])
@@ -33,14 +33,15 @@ def test_timed_keeps_to_the_speed_limits(points, pace):
 
 
 @given(postures, st.floats(0.05, 0.5))
-def test_densified_keeps_the_corners(points, largest):
-    """Between the corners come postures, near enough to each other."""
-    path = np.array(points)
+def test_passed_leaves_no_gap(points, apart):
+    """Of a run are kept its ends, and so much that a joint turns little between two positions."""
+    positions, _ = timed(np.array(points), LIMITS, step=STEP, pace=0.9)
 
-    dense = densified(path, largest)
+    kept = passed(positions, apart)
 
-    assert np.abs(np.diff(dense, axis=0)).max() <= largest + 1e-9
-    assert all(np.any(np.all(np.isclose(dense, corner), axis=1)) for corner in path)
+    assert np.allclose(kept[[0, -1]], positions[[0, -1]])
+    longest_step = np.abs(np.diff(positions, axis=0)).max(initial=0.0)
+    assert np.abs(np.diff(kept, axis=0)).max(initial=0.0) <= apart + longest_step + 1e-9
 
 
 def test_timed_takes_longer_at_a_slower_pace():

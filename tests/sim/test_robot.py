@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from hilt.sim import poses
-from hilt.sim.engine import Engine
+from hilt.sim.engine import TIME_STEP, Engine
+from hilt.sim.paths import timed
+from hilt.sim.poses import Array
 from hilt.sim.robot import NAME, Robot
 from hilt.sim.robots import find_robot
 
@@ -38,6 +40,18 @@ def test_follow_ends_where_the_path_does(robot: Robot):
 
     assert arrived
     assert np.abs(robot.joints - goal).max() < 1e-3
+
+
+def test_arm_keeps_to_its_way_when_all_its_joints_hurry(robot: Robot):
+    """Also where the wrist is flung about, no joint is farther from its way than a step's worth."""
+    goal = robot.kind.home + np.array((0.8, 0.3, 0.25, -0.3, -1.7, 0.5, -0.9))
+    wanted, _ = timed(np.vstack([robot.joints, goal]), robot.chain.speed, step=TIME_STEP, pace=0.9)
+    found: list[Array] = []
+    robot.follow(
+        np.vstack([robot.joints, goal]), pace=0.9, stop=lambda: found.append(robot.joints) or False
+    )
+
+    assert np.abs(np.array(found) - wanted).max() < 0.012
 
 
 def test_follow_stops_when_it_is_asked_to(robot: Robot):
