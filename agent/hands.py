@@ -105,7 +105,7 @@ class Hands:
 
     def _hand_over(self, task: Task) -> Answer | None:
         report = self._motion.hand_over()
-        self.world = replace(self.world, handed_over=report.ok)
+        self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
 
     def _point_at(self, task: Task) -> Answer | None:

@@ -208,6 +208,8 @@ class World:
         lifted_m: how high the thing was lifted [m].
         held_s: how long it was held [s].
         handed_over: whether it was still held at the hand-over pose.
+        handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
+            when nothing was handed over.
         attempts: how often the hand had to close.
         nail_depth_mm: how deep what was pounded stands in [mm]; None when nothing was.
         driven_mm: by how much it was driven in [mm].
@@ -219,6 +221,7 @@ class World:
     lifted_m: float = 0.0
     held_s: float = 0.0
     handed_over: bool = False
+    handed_over_at: tuple[float, ...] = ()
     attempts: int = 0
     nail_depth_mm: float | None = None
     driven_mm: float = 0.0
@@ -228,15 +231,25 @@ class World:
         """The `world` of `hilt do --json`."""
         if not self.executed:
             return {"executed": False}
-        return {
-            "executed": True,
-            "touched": list(self.touched),
-            "lifted_m": round(self.lifted_m, 4),
-            "held_s": round(self.held_s, 3),
-            "handed_over": self.handed_over,
-            "attempts": self.attempts,
-            "pictures": list(self.pictures),
-        } | self._pounded()
+        return (
+            {
+                "executed": True,
+                "touched": list(self.touched),
+                "lifted_m": round(self.lifted_m, 4),
+                "held_s": round(self.held_s, 3),
+                "handed_over": self.handed_over,
+                "attempts": self.attempts,
+                "pictures": list(self.pictures),
+            }
+            | self._met()
+            | self._pounded()
+        )
+
+    def _met(self) -> Json:
+        if not self.handed_over_at:
+            return {}
+        numbers = [round(value, 4) for value in self.handed_over_at]
+        return {"handed_over_at": {"position_m": numbers[:3], "quaternion_xyzw": numbers[3:]}}
 
     def _pounded(self) -> Json:
         if self.nail_depth_mm is None:

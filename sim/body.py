@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from ..ontology.objects import ObjectType
+from . import poses
 from .camera import View
 from .eyes import open_eyes
 from .grasp import Grasp, GraspPlan, plan_grasps
@@ -327,7 +328,7 @@ class Body:
             if best is not None and (best.grasp.score >= GOOD or effort > EFFORTS[0]):
                 return "", best
             reason = _why_not(plan)
-        return reason, None
+        return (reason if self._reacher(sight).reaches(sight.wanted) else "unreachable"), None
 
     def _has_failed(self, grasp: Grasp) -> bool:
         at = grasp.world_from_grip[:3, 3]
@@ -381,7 +382,12 @@ class Body:
         if not reason:
             held_s = self.motion.hold_still(self._held, OFFER_TIME)
             reason = "" if held_s >= OFFER_TIME else "dropped"
-        return self._report("hand_over", reason, held_s=held_s)
+        report = self._report("hand_over", reason, held_s=held_s)
+        return replace(report, at=self._grip()) if report.ok else report
+
+    def _grip(self) -> tuple[float, ...]:
+        world_from_grip = self.robot.world_from_grip
+        return (*world_from_grip[:3, 3].tolist(), *poses.quaternion(world_from_grip[:3, :3]))
 
     def _lift_once(self, height_m: float) -> MotionReport:
         if self._held is None or self._sight is None:

@@ -15,8 +15,10 @@ import numpy as np
 
 from . import poses
 from .clearance import Spheres, clearance, self_clearance
+from .clouds import spread
 from .engine import TIME_STEP
 from .grasp import Grasp
+from .hand_poses import hand_directions
 from .kinematics import Solution
 from .paths import passed, timed
 from .poses import Array
@@ -30,6 +32,8 @@ TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
 APPROACH_GAP = -0.003  # [m] to the rest; the spheres are a little larger than the hand
 AT_ONCE = 4  # grasps whose ways are sought together: the first ones mostly do
 ROUNDING = 1e-4  # [m], so that standing near something does not forbid to leave it
+PLACES = 8  # points of a part that are tried before it is called out of reach
+EVERY_DIRECTION = 6  # so many of the directions of the hand are left out of that, but for one
 VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 
 
@@ -173,6 +177,12 @@ class Reacher:
         targets = self.robot.base_from_hand(world_from_grip)
         starts = np.vstack([self.robot.joints, self.robot.kind.starts])
         return self.robot.chain.solve(targets, starts)
+
+    def reaches(self, part: Array) -> bool:
+        """Whether the hand comes to any of the points (n, 3) of a part, from any side."""
+        places = part[spread(part, PLACES, first=0)]
+        at = poses.pose(hand_directions(0.0)[::EVERY_DIRECTION], places[:, None])
+        return bool(self.postures(at.reshape(-1, 4, 4)).found.any())
 
     def travel(self, joints: Array) -> Array:
         """How long the arm needs at least from where it is to postures (m, k) [s]."""

@@ -42,6 +42,8 @@ class MotionReport:
         bumped: neighbours that were moved by more than a centimetre.
         depth_m: how deep what was struck stands in [m]; 0 when nothing was struck.
         driven: whether it is in all the way.
+        at: where the grip hands over what it holds: x, y, z [m] and the unit quaternion x, y, z, w
+            in the world; empty for other motions, and when it does not come there.
     """
 
     action: str
@@ -58,3 +60,4 @@ class MotionReport:
     bumped: tuple[str, ...] = ()
     depth_m: float = 0.0
     driven: bool = False
+    at: tuple[float, ...] = ()

@@ -9,6 +9,7 @@ from PIL import Image
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.outcome import World
+from hilt.sim.body import MEETING
 
 pytestmark = pytest.mark.sim
 
@@ -37,6 +38,7 @@ def test_fingers_touch_the_part_that_was_said(pick_up: str, hand_over: str):
 
     assert (passed.touched, picked.touched) == ((hand_over,), (pick_up,))
     assert passed.handed_over
+    assert passed.as_json()["handed_over_at"]["position_m"] == pytest.approx(MEETING, abs=0.125)
     assert min(passed.lifted_m, picked.lifted_m) >= 0.10
     assert min(passed.held_s, picked.held_s) >= 1.0
 

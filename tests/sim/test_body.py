@@ -11,7 +11,8 @@ import pytest
 
 from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
-from hilt.sim.body import Body
+from hilt.sim import poses
+from hilt.sim.body import MEETING, Body
 from hilt.sim.percept import Percept
 from hilt.sim.report import REASONS
 from hilt.sim.robots import find_robot
@@ -67,6 +68,18 @@ def test_hand_over_turns_the_free_part_to_the_receiver(knife_body: Body):
 
     handle, blade = (knife.part(part).cloud.mean(axis=0) for part in ("handle", "blade"))
     assert handle[0] > blade[0] + 0.03
+
+
+def test_hand_over_tells_where_the_grip_is(knife_body: Body):
+    """The report has the pose of the grip, on the line to the receiver; no other report has one."""
+    grasp, lift = knife_body.grasp(seen(knife_body, "knife"), "blade"), knife_body.lift()
+    given = knife_body.hand_over()
+
+    stated = poses.from_quaternion(given.at[:3], given.at[3:])
+
+    assert stated == pytest.approx(knife_body.robot.world_from_grip, abs=0.01)
+    assert stated[:3, 3] == pytest.approx(MEETING, abs=0.125)
+    assert grasp.at == lift.at == ()
 
 
 def test_without_a_part_the_hand_takes_what_holds_best(knife_body: Body):

@@ -59,6 +59,18 @@ def test_what_cannot_be_grasped_is_not_tried(
         assert body.holding is None
 
 
+@pytest.mark.parametrize("at", [(1.0, 0.1), (0.9, 0.6), (-0.4, 0.2)])
+def test_thing_out_of_reach_is_told_as_that(at: tuple[float, float]):
+    """However little of it is seen from there: not that it cannot be held, but that it is far."""
+    with body_at(Placement("mug", "mug", at, 0.3)) as body:
+        before = body.world.time
+
+        report = grasped(body, "mug", "handle")
+
+        assert (report.ok, report.reason, report.attempts) == (False, "unreachable", 0)
+        assert body.world.time == before
+
+
 def test_other_part_of_the_inverted_mug_is_grasped():
     """That its barrel is too wide says nothing about its handle."""
     with body_at(INVERTED) as body:
