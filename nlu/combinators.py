@@ -60,7 +60,8 @@ class Turn(NamedTuple):
 _NOWHERE = _Way(None, -1, -1, False)
 Joined: TypeAlias = "tuple[Sign, Sign, Sign, Combination]"
 
-MAX_REMEMBERED = 200_000
+MAX_REMEMBERED = 20_000
+"""A conversation needs a few thousand; of random words more would only take memory."""
 
 
 class Combinator:

@@ -20,7 +20,7 @@ from ..ontology.errors import UnknownNameError
 from ..ontology.qualifiers import Degrees, load_degrees
 from ..ontology.source import read_yaml
 from .asides import fronted
-from .building import nothing_to_collect
+from .building import building, without_collecting
 from .chart import Chart
 from .combinators import Combinator
 from .expression import Expression, load_expression
@@ -71,7 +71,7 @@ class Language:
     learned: tuple[NewWord, ...] = ()
 
     @classmethod
-    @nothing_to_collect()
+    @building
     def load(
         cls,
         language: str = "english",
@@ -141,6 +141,7 @@ class Language:
         )
         return replace(self, listener=listener, learned=(*self.learned, *added))
 
+    @without_collecting
     def understand(
         self,
         text: str,

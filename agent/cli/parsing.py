@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -121,9 +120,7 @@ def _session(lexicon: Path | None) -> Session:
     from ...nlu.language import Language
     from ...nlu.session import Session
 
-    language = Language.load(extra_lexicon=lexicon)
-    gc.freeze()  # the lexicon stays: to look through it again would make some parse wait 0.1 s
-    return Session(language)
+    return Session(Language.load(extra_lexicon=lexicon))
 
 
 def _print(found: Understanding) -> None:
