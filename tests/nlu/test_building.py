@@ -24,7 +24,7 @@ def test_nothing_is_collected_within(quiet: object) -> None:
     """And the result is the same."""
     assert callable(quiet)
 
-    assert quiet(lambda: gc.isenabled())() is False
+    assert quiet(gc.isenabled)() is False
     assert gc.isenabled()
 
 
