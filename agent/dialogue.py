@@ -148,7 +148,7 @@ class Dialogue:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        understood = self._understood(text, speaker, insist)
+        understood = self._understood(text, speaker, insist, heard)
         self._discourse = understood.discourse
         turn = Turn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
@@ -157,12 +157,14 @@ class Dialogue:
             self._pending = None
         return self._listeners[type(understood.meaning)](turn, understood.meaning)
 
-    def _understood(self, text: str, speaker: str, insist: Collection[str]) -> Understanding:
+    def _understood(
+        self, text: str, speaker: str, insist: Collection[str], heard: float
+    ) -> Understanding:
         said = self._other.understand(text, speaker=speaker) if self._other else None
         if said is not None:
             return Understanding(text, speaker, "self", said, discourse=self._discourse)
         return self.language.understand(
-            text, speaker=speaker, discourse=self._discourse, insist=insist
+            text, speaker=speaker, discourse=self._discourse, insist=insist, heard=heard
         )
 
     # --- Being told --------------------------------------------------------------------------
@@ -278,14 +280,15 @@ class Dialogue:
     def _ask_back(self, turn: Turn, said: meaning.AskBack) -> Reply:
         reply = replace(self._reply(turn, said.question), ending="asked")
         self._record(reply, turn)
+        text, speaker = turn.understood.text, turn.speaker
         meant = self._corrected(turn, said)
-        if meant:
+        if said.choices == (text,):  # badly heard: a "yes" to it is as good as the words
+            self._pending = Pending(yes=lambda: self.hear(text, speaker=speaker, keep=turn.keep))
+        elif meant:
             again, word = meant
             self._pending = Pending(
-                yes=lambda: self.hear(again, speaker=turn.speaker, heard=turn.heard),
-                no=lambda: self.hear(
-                    turn.understood.text, speaker=turn.speaker, heard=turn.heard, insist=[word]
-                ),
+                yes=lambda: self.hear(again, speaker=speaker, heard=turn.heard),
+                no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, insist=[word]),
             )
         return reply
 
@@ -338,6 +341,7 @@ class Dialogue:
             reply.understanding.kind,
             accepted=reply.is_done,
             answer=reply.said,
+            heard=turn.heard,
         )
 
     def _reply(self, turn: Turn, spoken: str) -> Reply:

@@ -134,6 +134,7 @@ class Telling(Recall):
         accepted: bool,
         answer: str = "",
         time: datetime | None = None,
+        heard: float = 1.0,
     ) -> Utterance:
         """Keep in the history what changes no rule: a command, a question, a refused statement.
 
@@ -145,9 +146,12 @@ class Telling(Recall):
             accepted: whether it was carried out or believed.
             answer: what was said back.
             time: when it was said; now by default.
+            heard: how surely the words were recognised, in [0, 1].
         """
         moment = to_milliseconds(time or self.clock())
-        utterance = Utterance(0, text, predicate, speaker, moment, kind, accepted, answer)
+        utterance = Utterance(
+            0, text, predicate, speaker, moment, kind, accepted, answer, heard=heard
+        )
         with self.store.writing():
             return self._write(utterance, [])
 

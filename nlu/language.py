@@ -150,6 +150,7 @@ class Language:
         addressee: str = "self",
         discourse: Discourse | None = None,
         insist: Collection[str] = (),
+        heard: float = 1.0,
     ) -> Understanding:
         """What a text means; never raises for any text.
 
@@ -159,12 +160,23 @@ class Language:
             addressee: who is spoken to, `self` for Hilt.
             discourse: what the conversation has spoken of; None at its beginning.
             insist: words that are new although they are close to known ones.
+            heard: how surely a recogniser heard it, in [0, 1]; what was not heard well enough to
+                be sure what is wanted is asked about.
         """
-        situation = Situation(speaker, addressee, discourse or Discourse())
+        situation = Situation(speaker, addressee, discourse or Discourse(), (heard, 1.0))
         tokens = tokenize(text, self.book.contractions)
         problem = self._problem(text, tokens)
         if problem is not None:
             return _without_reading(tokens, situation, problem)
+        found = self._understood(tokens, situation, insist)
+        if found.reading is None or self.listener.pragmatics.is_enough(found.reading.sure):
+            return found
+        question = AskBack(self.say("heard_badly", text=found.text), (found.text,))
+        return _without_reading(tokens, situation, question)
+
+    def _understood(
+        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+    ) -> Understanding:
         found = self._taken(tokens, situation, insist)
         if found.reading is None and BREAK in tokens.words:
             again = self._taken(tokens.without_breaks(), situation, insist)

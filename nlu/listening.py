@@ -17,7 +17,7 @@ from .derivation import categories_of, entries_of
 from .grammar import Grammar
 from .interpretation import Interpreter, reply
 from .lexicon import Entry, Lexicon
-from .meaning import AskBack, Meaning, Misunderstanding, Statement
+from .meaning import AskBack, Confidence, Meaning, Misunderstanding, Statement
 from .pragmatics import Intention, Pragmatics
 from .predicates import Form, form_of
 from .questions import question
@@ -38,11 +38,13 @@ class Situation:
         speaker: who speaks, as a name of a form.
         addressee: who is spoken to.
         discourse: what was spoken of before.
+        heard: how sure it is that this was said, (lower, upper) in [0, 1].
     """
 
     speaker: str
     addressee: str
     discourse: Discourse
+    heard: Confidence = (1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -130,12 +132,13 @@ class Listener:
         ranked = sorted(self.examples, key=likeness, reverse=True)
         return tuple(each for each in ranked[:MAX_NEAREST] if likeness(each) > 0)
 
-    def _intention(self, said: Form) -> Intention:
-        """The one thing that is meant by a speech act."""
+    def _intention(self, said: Form, heard: Confidence) -> Intention:
+        """The one thing that is meant by a speech act, as sure as the act was heard."""
         meant = self.pragmatics.meant(said)
         if len(meant) != 1:
             raise RefusedError("which_intention", asks=True)
-        return meant[0]
+        weighed = self.pragmatics.intentions(said, heard)
+        return next(each for each in weighed if each.form == meant[0].form)
 
     def _derivations(self, chart: Chart) -> list[tuple[str, Derivation]]:
         found = [
@@ -155,7 +158,7 @@ class Listener:
         if act == "QUESTION" and form.name in {"implies", "and"}:
             form = Form("isTrue", (form,))
         said = Form(act, (Form(situation.speaker), Form(situation.addressee), form))
-        intention = self._intention(said)
+        intention = self._intention(said, situation.heard)
         return Reading(
             said,
             intention.form,

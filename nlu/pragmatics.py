@@ -71,7 +71,11 @@ class Pragmatics:
 
     def meant(self, act: Form, heard: Confidence = (1.0, 1.0)) -> list[Intention]:
         """The intentions that are sure enough; with none or several of them, Hilt must ask."""
-        return [each for each in self.intentions(act, heard) if each.certainty > self.threshold]
+        return [each for each in self.intentions(act, heard) if self.is_enough(each.interval)]
+
+    def is_enough(self, interval: Confidence) -> bool:
+        """Whether an intention is sure enough to go by."""
+        return self.evidence.certainty(interval) > self.threshold
 
     def _judged(self, form: Form, intervals: Sequence[Confidence]) -> Intention:
         interval = self.evidence.fused(intervals)

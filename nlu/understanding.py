@@ -23,7 +23,8 @@ class Reading:
     Attributes:
         act: the speech act, `STATEMENT(sam,self,...)`.
         intention: what the speaker wants, `wantBelieve(sam,self,...)`.
-        sure: how sure the pragmatic rule is, (lower, upper) in [0, 1].
+        sure: how sure the intention is, by the pragmatic rules and by how it was heard, as
+            (lower, upper) in [0, 1].
         meaning: what it comes to.
         cost: how unlikely it is; the least is the best.
         derivation: how the chart found it.

@@ -111,6 +111,7 @@ def do(
     context: Contexts = None,
     settings: SettingsFile = None,
     choices: Choices = None,
+    heard: Heard = 1.0,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
     with (
@@ -135,7 +136,7 @@ def do(
         done = converse(
             agent,
             text,
-            lambda said: agent.hear(said, speaker=speaker, only="do"),
+            lambda said: agent.hear(said, speaker=speaker, only="do", heard=heard),
             (lambda reply: reply.as_do_json()) if as_json else None,
         )
     finish(done)

@@ -317,6 +317,25 @@ def test_recognition_score_discounts_what_is_learned(agent: Agent):
     assert agent.base.utterance(1).heard == 0.8
 
 
+def test_what_was_badly_heard_is_asked_about_first(agent: Agent):
+    """Nothing is believed of it before a "yes"; the question and the score are in the history."""
+    reply = agent.hear("A spoon is used for poking", heard=0.5)
+
+    assert reply.ending == "asked"
+    assert not agent.base.rules()
+    assert reply.said == 'I did not hear that well. Did you say "A spoon is used for poking"?'
+    assert agent.base.utterance(1).heard == 0.5
+    assert agent.hear("yes").rules[0].interval.lower == pytest.approx(0.95)
+
+
+@pytest.mark.parametrize("text", ["pass me the knife", "could you pass me the knife?"])
+def test_a_badly_heard_command_is_not_carried_out(agent: Agent, text: str):
+    """That it is wanted is as sure as it was heard, and less by the rule for indirect requests."""
+    assert agent.hear(text, heard=0.9).achievement is not None
+    assert agent.hear(text, heard=0.4).achievement is None
+    assert agent.hear("no").achievement is None
+
+
 def test_new_words_are_usable_at_once(agent: Agent):
     """Object and affordance learned from one sentence are understood in the next."""
     reply = agent.hear("A saw is used for slicing")
