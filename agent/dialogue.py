@@ -25,8 +25,9 @@ from ..ontology.errors import UnknownNameError
 from . import protocols
 from .episodes import Diary
 from .goals import GoalManager, Request
+from .knowledge import Knowledge
 from .outcome import Achievement, Answer, World
-from .questions import Knowledge, answer
+from .questions import answer
 from .reply import Reply
 from .teaching import Lesson, known, learned, lesson, to_forget
 from .translation import request_of, said_of
@@ -254,6 +255,7 @@ class Dialogue:
         else:
             self._diary.leave_out()
         self.last_done = reply
+        self._topic = ()
         self._turn_to(came.decision.rules if came.decision else ())
         settled = request.settled_on(came)
         if reply.ending == "asked" and settled:
@@ -263,7 +265,7 @@ class Dialogue:
     # --- Being asked, and talking -------------------------------------------------------------
 
     def _answer(self, turn: Turn, said: meaning.Question) -> Reply:
-        knowledge = Knowledge(self.base, self._in_words, self._visible, self.last_done)
+        knowledge = Knowledge(self.base, self._in_words, self._visible, self.last_done, self._topic)
         found, rules = answer(said, knowledge)
         self._turn_to(rules)
         return replace(self._answered(turn, found), rules=rules)

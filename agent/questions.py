@@ -4,40 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 
 from ..inference.abduction import Hypothesis, hypotheses
 from ..inference.affordance import FIND, Affordances
 from ..inference.evidence import relative_plausibility
-from ..inference.explanation import reason_against
 from ..inference.goal import Conclusion, Goal, Observation, Target
 from ..inference.taxonomy import Taxonomy
-from ..kb.beliefs import KnowledgeBase
 from ..kb.interval import CERTAIN
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
-from ..nlu.meaning import Command, Question, ToolCommand
-from .outcome import Answer, Slot
-from .reply import Reply
-
-Describe = Callable[[Rule], str]
-Answered = tuple[Answer, tuple[Rule, ...]]
-
-
-@dataclass(frozen=True)
-class Knowledge:
-    """What questions are answered from.
-
-    Attributes:
-        base: the knowledge base.
-        describe: puts a rule into words.
-        visible: the names of the objects in view, in the order of the scene.
-        last: the last command that was carried out or tried.
-    """
-
-    base: KnowledgeBase
-    describe: Describe
-    visible: Callable[[], tuple[str, ...]]
-    last: Reply | None
+from ..nlu.meaning import Question
+from .knowledge import Answered, Knowledge, say
+from .outcome import Answer
+from .reasons import why, why_not
 
 
 def answer(question: Question, known: Knowledge) -> Answered:
@@ -49,17 +27,17 @@ def _uses_of(question: Question, known: Knowledge) -> Answered:
     rules = _strongest(known.base.rules(object=question.object), "affordance")
     uses = tuple(rule.affordance for rule in rules if rule.affordance and rule.asserts)
     if not uses:
-        return _say("no_uses_of", object=question.object), ()
-    return _say("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
+        return say("no_uses_of", object=question.object), ()
+    return say("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
 def _objects_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.asserts]
     if not rules:
-        return _say("nothing_known_for", affordance=question.affordance), ()
+        return say("nothing_known_for", affordance=question.affordance), ()
     names = tuple(dict.fromkeys(rule.object or "anything" for rule in rules))
     slots = {"objects": names, "affordance": question.affordance}
-    return _say("objects_for", done=True, **slots), tuple(rules)
+    return say("objects_for", done=True, **slots), tuple(rules)
 
 
 def _best_for(question: Question, known: Knowledge) -> Answered:
@@ -69,17 +47,17 @@ def _best_for(question: Question, known: Knowledge) -> Answered:
     seen = [Observation(name, name, {Atom("object", name): CERTAIN}) for name in names]
     best = Affordances(known.base).infer(FIND, goal, seen).best
     if best is None:
-        return _say("nothing_known_for", affordance=question.affordance), ()
+        return say("nothing_known_for", affordance=question.affordance), ()
     interval = (best.interval.lower, best.interval.upper)
     slots = {"object": best.object, "affordance": question.affordance, "confidence": interval}
-    return _say("best_for", done=True, **slots), best.rules
+    return say("best_for", done=True, **slots), best.rules
 
 
 def _how(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object, context=question.context)
     grasps = _strongest((rule for rule in rules if rule.part), "part")
     if not grasps:
-        return _say("no_how", goal=question.context or "grasp", object=question.object), ()
+        return say("no_how", goal=question.context or "grasp", object=question.object), ()
     return _told("how", grasps[0], known), (grasps[0],)
 
 
@@ -87,7 +65,7 @@ def _is_used_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.object == question.object]
     if not rules:
         slots = {"object": question.object, "affordance": question.affordance}
-        return _say("is_not_used_for", done=True, **slots), ()
+        return say("is_not_used_for", done=True, **slots), ()
     key = "is_used_for" if rules[0].asserts else "is_denied"
     return _told(key, rules[0], known), (rules[0],)
 
@@ -95,62 +73,26 @@ def _is_used_for(question: Question, known: Knowledge) -> Answered:
 def _about(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object)
     if not rules:
-        return _say("nothing_about", object=question.object), ()
+        return say("nothing_about", object=question.object), ()
     said = tuple(known.describe(rule) for rule in rules)
-    return _say("about", done=True, object=question.object, rules=said), tuple(rules)
+    return say("about", done=True, object=question.object, rules=said), tuple(rules)
 
 
 def _confidence(question: Question, known: Knowledge) -> Answered:
     rules = _meant(question, known)
     if not rules:
-        return _say("not_known"), ()
+        return say("not_known"), ()
     interval = rules[0].support
     slots = {"rule": known.describe(rules[0]), "confidence": (interval.lower, interval.upper)}
-    return _say("confidence", done=True, **slots), (rules[0],)
+    return say("confidence", done=True, **slots), (rules[0],)
 
 
 def _source(question: Question, known: Knowledge) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
-        return _say("no_source"), ()
+        return say("no_source"), ()
     text = known.base.utterance(rules[0].utterance).text
-    return _say("source", done=True, speaker=rules[0].speaker, text=text), (rules[0],)
-
-
-def _why(question: Question, known: Knowledge) -> Answered:
-    rules = _last_rules(known)
-    if known.last is None:
-        return _say("nothing_done"), ()
-    told = [known.base.utterance(rule.utterance) for rule in rules if rule.utterance]
-    if not told:
-        reason = _reason(known.last, question.object)
-        return (_say("because", done=True, reason=reason) if reason else _say("not_known")), ()
-    if rules[-1].status == "induced":
-        return _say("because_alike", done=True, text=told[-1].text), tuple(rules)
-    speakers = tuple(dict.fromkeys(utterance.speaker for utterance in told))
-    # What came from a file was not said in words: the rule itself is the reason.
-    texts = tuple(
-        dict.fromkeys(
-            known.describe(rule) if utterance.kind == "import" else utterance.text
-            for rule, utterance in zip((r for r in rules if r.utterance), told, strict=True)
-        )
-    )
-    return _say("because_told", done=True, speakers=speakers, texts=texts), tuple(rules)
-
-
-def _why_not(question: Question, known: Knowledge) -> Answered:
-    if known.last is None:
-        return _say("nothing_done"), ()
-    name = question.object or "thing"
-    reason = _reason(known.last, question.object)
-    if reason:
-        return _say("why_not", done=True, object=name, reason=reason), ()
-    if name not in known.visible():
-        return _say("why_not_seen", done=True, object=name), ()
-    wanted = _wanted_use(known.last)
-    if wanted and not known.base.rules(object=name, affordance=wanted):
-        return _say("why_not_told", done=True, object=name, affordance=wanted), ()
-    return _say("why_not_asked", done=True, object=name), ()
+    return say("source", done=True, speaker=rules[0].speaker, text=text), (rules[0],)
 
 
 def _what_if(question: Question, known: Knowledge) -> Answered:
@@ -158,10 +100,10 @@ def _what_if(question: Question, known: Knowledge) -> Answered:
     argument = Atom("affordance", question.affordance or "")
     found = hypotheses(known.base.rules(), Conclusion(USED_FOR, argument))
     if not found:
-        return _say("nothing_known_for", affordance=question.affordance), ()
+        return say("nothing_known_for", affordance=question.affordance), ()
     things = tuple(dict.fromkeys(_thing(each) for each in found))
     key = "what_if_one" if len(things) == 1 else "what_if"
-    said = _say(key, done=True, affordance=question.affordance, things=things)
+    said = say(key, done=True, affordance=question.affordance, things=things)
     return said, tuple(rule for each in found for rule in each.rules)
 
 
@@ -185,40 +127,38 @@ def _which_context(question: Question, known: Knowledge) -> Answered:
     fitting = [h for h in found if question.context is None or asked & {r.context for r in h.rules}]
     rules = tuple(rule for each in fitting for rule in each.rules)
     if not rules:
-        return _say("not_explained", object=question.object, part=question.part), ()
+        return say("not_explained", object=question.object, part=question.part), ()
     said = tuple(dict.fromkeys(known.describe(rule) for rule in rules))
-    return _say("explained", done=True, rules=said), rules
+    return say("explained", done=True, rules=said), rules
 
 
-def _see(_: Question, known: Knowledge) -> Answered:
+def _see(question: Question, known: Knowledge) -> Answered:
     names = known.visible()
-    return (_say("see", done=True, objects=names) if names else _say("see_nothing")), ()
+    if question.object:
+        seen = question.object in names
+        return say("see_one" if seen else "nothing_seen", done=True, object=question.object), ()
+    return (say("see", done=True, objects=names) if names else say("see_nothing")), ()
 
 
 def _trust(question: Question, known: Knowledge) -> Answered:
     if question.speaker is None:
-        return _say("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
+        return say("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
     trust = known.base.trust(question.speaker)
     key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
-    return _say(key, done=True, speaker=question.speaker), ()
+    return say(key, done=True, speaker=question.speaker), ()
 
 
 def _capabilities(_: Question, __: Knowledge) -> Answered:
-    return _say("capabilities", done=True), ()
+    return say("capabilities", done=True), ()
 
 
 # --- Helpers -------------------------------------------------------------------------------
 
 
-def _say(key: str, *, done: bool = False, **slots: Slot | None) -> Answer:
-    given = {name: value for name, value in slots.items() if value is not None}
-    return Answer(key, given, "done" if done else "failed")
-
-
 def _told(key: str, rule: Rule, known: Knowledge) -> Answer:
     interval = (rule.support.lower, rule.support.upper)
     said = known.describe(rule)
-    return _say(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)
+    return say(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)
 
 
 def _functional(question: Question, known: Knowledge) -> list[Rule]:
@@ -226,10 +166,10 @@ def _functional(question: Question, known: Knowledge) -> list[Rule]:
 
 
 def _meant(question: Question, known: Knowledge) -> list[Rule]:
-    """The rules a question is about: those it names, else those of the last command."""
+    """The rules a question is about: those it names, else those last spoken of."""
     named = (question.object, question.affordance, question.context)
     if not any(named):
-        return _last_rules(known) or _latest(known)
+        return list(known.topic) or _latest(known)
     rules = known.base.rules(
         object=question.object, affordance=question.affordance, context=question.context
     )
@@ -238,33 +178,6 @@ def _meant(question: Question, known: Knowledge) -> list[Rule]:
 
 def _latest(known: Knowledge) -> list[Rule]:
     return sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
-
-
-def _last_rules(known: Knowledge) -> list[Rule]:
-    came = known.last.achievement if known.last else None
-    if came is None or came.decision is None:
-        return []
-    return list(came.decision.rules)
-
-
-def _reason(last: Reply, name: str | None) -> str | None:
-    """Why the last command took or did not take a thing; None when it did not look for it."""
-    decision = last.achievement.decision if last.achievement else None
-    if decision is None:
-        return None
-    tried = next((each for each in decision.rejected if each.candidate.object == name), None)
-    if tried:
-        return tried.reason
-    found = next((each for each in decision.object.candidates if name in {None, each.object}), None)
-    return reason_against(decision.object, found) if found else None
-
-
-def _wanted_use(last: Reply) -> str | None:
-    """What the thing of the last command was to be used for."""
-    said = last.understanding.meaning
-    if isinstance(said, ToolCommand):
-        return said.tool.used_for
-    return said.target.used_for if isinstance(said, Command) else None
 
 
 def _by_strength(rules: Iterable[Rule]) -> list[Rule]:
@@ -295,6 +208,6 @@ _ANSWERS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
     "uses_of": _uses_of,
     "what_if": _what_if,
     "which_context": _which_context,
-    "why": _why,
-    "why_not": _why_not,
+    "why": why,
+    "why_not": why_not,
 }

@@ -375,7 +375,10 @@ class Language:
     def _choice(self, meaning: Meaning) -> str:
         if isinstance(meaning, Statement):
             return self.speech.listed([self.phrase(rule) for rule in meaning.rules])
-        return str(meaning.as_json())
+        try:
+            return f'"{self.generate(meaning)}"'
+        except UnknownNameError:
+            return str(meaning.as_json())
 
     def _not_known(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
         words = list(dict.fromkeys(token.word for token in unknown))

@@ -117,7 +117,7 @@ class Listener:
             for category in categories
             if isinstance(category, Functor) and category.forward
         )
-        return tokens.span(start, end), tuple(dict.fromkeys(expected))[:MAX_EXPECTED]
+        return tokens.span(start, end), _each_once(expected)[:MAX_EXPECTED]
 
     def nearest(self, words: Iterable[str]) -> tuple[str, ...]:
         """The example sentences that share most words with an utterance."""
@@ -168,6 +168,14 @@ class Listener:
             derivation,
             words,
         )
+
+
+def _each_once(descriptions: Iterable[str]) -> tuple[str, ...]:
+    """Descriptions without those that another one begins with: "is", beside "is" or "are"."""
+    found = tuple(dict.fromkeys(descriptions))
+    return tuple(
+        one for one in found if not any(o != one and o.startswith(f"{one} or ") for o in found)
+    )
 
 
 def _simplest_first(category: Category) -> tuple[int, int, str]:

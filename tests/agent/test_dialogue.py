@@ -181,6 +181,47 @@ def test_why_is_answered_with_the_sentence_it_rests_on(taught: Agent):
 
 
 @pytest.mark.parametrize(
+    ("question", "answer"),
+    [
+        ("why the blade?", f'Because Sam said: "{LESSON_THREE}".'),
+        ("why the knife?", 'Because Sam said: "pass me the knife".'),
+        ("why the spoon?", "But it was not the spoon."),
+        ("why the handle?", "But it was not the handle."),
+        ("why not the knife?", "But it was the knife."),
+        ("why not by the blade?", "But it was the blade."),
+        ("why not by the handle?", f'Not by the handle, because Sam said: "{LESSON_THREE}".'),
+    ],
+)
+def test_reasons_are_those_of_what_is_asked_about(taught: Agent, question: str, answer: str):
+    """The thing was named by the command, the part by a rule; and what was not done has none."""
+    taught.hear("pass me the knife")
+
+    assert taught.hear(question).said == answer
+
+
+@pytest.mark.parametrize("question", ["who told you that?", "why?"])
+def test_bare_questions_are_about_what_was_last_spoken_of(taught: Agent, question: str):
+    """Not about the last sentence that was told, nor the last thing that was done."""
+    taught.hear("pass me the knife")
+    taught.hear("A mug is used for containing")
+    taught.hear("how sure are you that a knife is used for cutting?")
+
+    assert "A knife is used for cutting" in taught.hear(question).said
+
+
+@pytest.mark.parametrize(
+    ("question", "answer"),
+    [
+        ("do you see a mug?", "I see a mug."),
+        ("where is the nail?", "I do not see a nail."),
+    ],
+)
+def test_who_asks_for_one_thing_hears_of_that_one(taught: Agent, question: str, answer: str):
+    """The others are not listed."""
+    assert taught.hear(question).said == answer
+
+
+@pytest.mark.parametrize(
     ("command", "question", "reason"),
     [
         ("pass me something used for cutting", "spoon", "nobody has told me that a spoon is used"),
@@ -379,7 +420,7 @@ def test_part_that_is_not_sure_enough_is_asked_about(agent: Agent):
 
 
 @pytest.mark.parametrize(
-    "turn", ["how do you pass a knife?", "pass me something used for cutting", "who told you?"]
+    "turn", ["how do you pass a knife?", "pass me something used for cutting", "why the blade?"]
 )
 def test_correction_is_about_what_was_last_spoken_of(taught: Agent, turn: str):
     """After an answer or a deed, "no" corrects the rule that it rests on, not the last one told."""
