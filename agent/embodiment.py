@@ -37,7 +37,7 @@ class Embodiment:
         scene: what is on the table; its seed is that of everything random.
         household: the types of objects that there are.
         objects_file: the user's own file among them, if any.
-        robot: its name.
+        robot: its name, or a file of robots and the name in it; see `find_robot`.
         eyes: where percepts come from, "mask", "learned" or "learned:FILE".
         noise: how the eyes fail, as text ("missed=0.1,confused=0.05"); empty for not at all.
         simulate: whether there is a simulated body; without one all is seen with certainty.

@@ -203,7 +203,8 @@ class World:
     """What happened in the (simulated) world.
 
     Attributes:
-        executed: whether the robot moved at all.
+        executed: whether it was left to the robot to act. What it sees no way to do it does not
+            try: then it has not closed its hand, and `attempts` is 0.
         touched: the parts that the fingers touched when they closed.
         lifted_m: how high the thing was lifted [m].
         held_s: how long it was held [s].
@@ -248,7 +249,7 @@ class World:
     def _met(self) -> Json:
         if not self.handed_over_at:
             return {}
-        numbers = [round(value, 4) for value in self.handed_over_at]
+        numbers = [round(value, 4) + 0.0 for value in self.handed_over_at]
         return {"handed_over_at": {"position_m": numbers[:3], "quaternion_xyzw": numbers[3:]}}
 
     def _pounded(self) -> Json:

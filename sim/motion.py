@@ -245,14 +245,18 @@ class Motion:
     # --- pointing -----------------------------------------------------------------------------
 
     def point_at(self, cloud: Array, reacher: Reacher) -> str:
-        """Point at a thing with closed fingers, without touching it; the reason why not, or ""."""
-        self.robot.open(0.0)
+        """Point at a thing with closed fingers, or the hand where it has none, without touching it.
+
+        The reason why not, or an empty text.
+        """
+        if self.robot.kind.gripper:
+            self.robot.open(0.0)
         spheres = self.robot.body_spheres(0.0)
         for goal in self._pointing(cloud, reacher):
             path = reacher.transit(goal, spheres, reacher.seen, gap=POINTING_GAP / 2)
             if path is None:
                 continue
-            free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self._bumps)
+            free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.bumps)
             return "" if free else "bumped"
         return "unreachable"
 
@@ -266,7 +270,7 @@ class Motion:
         along = rotations[..., 2]
         # As far back as the nearest point of the thing along the way of the finger asks for.
         depth = np.min((cloud - middle) @ along.T, axis=0) - POINTING_GAP
-        at = middle + (depth - self.robot.gripper.tip)[:, None] * along
+        at = middle + (depth - self.robot.tip)[:, None] * along
         answer = reacher.postures(poses.pose(rotations, at))
         yield from answer.joints[answer.found]
 
@@ -403,9 +407,6 @@ class Motion:
             return missing >= LOST_LOOKS
 
         return lost
-
-    def _bumps(self) -> bool:
-        return any(self.robot.felt())
 
 
 def _unit(vectors: Array) -> Array:

@@ -83,33 +83,41 @@ class Reacher:
     def _ways(self, grasps: Sequence[Grasp], lift: float) -> Iterator[Reach]:
         both = [turned for grasp in grasps for turned in (grasp, _half_turned(grasp))]
         at = np.stack([grasp.world_from_grip for grasp in both])
-        before = self.postures(at @ poses.translation(0, 0, -RETREAT))
-        approach = self._straight(at @ poses.translation(0, 0, -RETREAT), at, before.joints)
+        approach = self._approaches(at)
         up = self._straight(at, poses.translation(0, 0, lift) @ at, approach.joints[:, -1])
-        found = before.found & approach.found & up.found
+        found = approach.found & up.found
         # Of a grasp and its half turn, the one that is nearer comes first.
-        pairs = self.travel(before.joints).reshape(-1, 2).argsort(axis=1)
+        pairs = self.travel(approach.joints[:, 0]).reshape(-1, 2).argsort(axis=1)
         order = (2 * np.arange(len(grasps))[:, None] + pairs).ravel()
         for index in order[found[order]]:
-            way = self._free_way(
-                both[index], before.joints[index], approach.joints[index], up.joints[index]
-            )
+            way = self._free_way(both[index], approach.joints[index], up.joints[index])
             if way is not None:
                 yield way
 
-    def _free_way(self, grasp: Grasp, before: Array, approach: Array, up: Array) -> Reach | None:
+    def _approaches(self, at: Array) -> Solution:
+        """Straight ways to poses of the grip (m, 4, 4), the posture before the grasp included."""
+        back = at @ poses.translation(0, 0, -RETREAT)
+        before = self.postures(back)
+        on = self._straight(back, at, before.joints)
+        joints = np.concatenate([before.joints[:, None], on.joints], axis=1)
+        found = before.found & on.found
+        lost = np.flatnonzero(~found)
+        if len(lost):
+            # Near the joints' limits a way may be found from its end and not from its beginning.
+            there = self.postures(at[lost])
+            off = self._straight(at[lost], back[lost], there.joints)
+            joints[lost] = np.concatenate([there.joints[:, None], off.joints], axis=1)[:, ::-1]
+            found[lost] = there.found & off.found
+        return Solution(joints, found)
+
+    def _free_way(self, grasp: Grasp, approach: Array, up: Array) -> Reach | None:
         spheres = self.robot.body_spheres(grasp.opening)
         if self._gap(spheres, approach, self.others) < APPROACH_GAP:
             return None
-        transit = self.transit(before, spheres, self.seen)
+        transit = self.transit(approach[0], spheres, self.seen)
         if transit is None:
             return None
-        return Reach(
-            grasp,
-            transit,
-            np.vstack([before[None], approach]),
-            np.vstack([approach[-1:], up]),
-        )
+        return Reach(grasp, transit, approach, np.vstack([approach[-1:], up]))
 
     def transit(
         self,
@@ -191,7 +199,7 @@ class Reacher:
 
     def _straight(self, start: Array, end: Array, joints: Array) -> Solution:
         longest = np.linalg.norm(end[:, :3, 3] - start[:, :3, 3], axis=1).max(initial=0.0)
-        count = max(1, int(np.ceil(longest / APPROACH_STEP)))
+        count = max(1, int(np.ceil(longest / APPROACH_STEP - ROUNDING)))
         fractions = np.linspace(0.0, 1.0, count + 1)[1:]
         path = np.stack(
             [poses.interpolate(a, b, fractions) for a, b in zip(start, end, strict=True)]
@@ -203,7 +211,8 @@ class Reacher:
         chain = self.robot.chain
         base_from_hand = chain.forward(joints[None])
         world_from_hand = self.robot.world_from_base @ base_from_hand
-        lack = self.table + VIA_HEIGHT + self.robot.gripper.grip - world_from_hand[0, 2, 3]
+        grip = self.robot.hand_from_grip[2, 3]
+        lack = self.table + VIA_HEIGHT + grip - world_from_hand[0, 2, 3]
         world_from_hand[0, 2, 3] += max(0.0, lack)
         target = poses.inverse(self.robot.world_from_base) @ world_from_hand
         answer = chain.solve(target, joints[None])

@@ -96,12 +96,26 @@ class Robot:
     @property
     def world_from_grip(self) -> Array:
         """The middle between the pads (4, 4)."""
-        return self.world_from_hand @ self.gripper.hand_from_grip
+        return self.world_from_hand @ self.hand_from_grip
+
+    @property
+    def hand_from_grip(self) -> Array:
+        """Where the grip is in the frame of the hand (4, 4); the same where there is no gripper."""
+        return self.kind.gripper.hand_from_grip if self.kind.gripper else np.eye(4)
+
+    @property
+    def tip(self) -> float:
+        """How far the ends of the fingers are before the grip, or the end of a bare arm [m]."""
+        if self.kind.gripper:
+            return self.kind.gripper.tip
+        return max(
+            (z + radius for *_, z, radius in self.kind.spheres.get(self.kind.hand, ())), default=0.0
+        )
 
     def base_from_hand(self, world_from_grip: Array) -> Array:
         """What inverse kinematics needs for grip poses (..., 4, 4)."""
         base_from_world = poses.inverse(self.world_from_base)
-        return base_from_world @ world_from_grip @ poses.inverse(self.gripper.hand_from_grip)
+        return base_from_world @ world_from_grip @ poses.inverse(self.hand_from_grip)
 
     def body_spheres(self, opening: float) -> Spheres:
         """What arm and hand fill when the hand is open by `opening` [m]."""
@@ -153,11 +167,17 @@ class Robot:
 
     def felt(self) -> tuple[tuple[Contact, ...], tuple[Contact, ...]]:
         """What each finger touches with more than `FELT`."""
-        first, second = (
-            tuple(c for c in self.engine.contacts(NAME, link) if c.force > FELT and c.other != NAME)
-            for link in self.gripper.links
-        )
+        first, second = (self._felt_by(link) for link in self.gripper.links)
         return first, second
+
+    def bumps(self) -> bool:
+        """Whether the hand touches anything, with its fingers where it has some."""
+        links = self.gripper.links if self.kind.gripper else (self.kind.hand,)
+        return any(self._felt_by(link) for link in links)
+
+    def _felt_by(self, link: str) -> tuple[Contact, ...]:
+        contacts = self.engine.contacts(NAME, link)
+        return tuple(c for c in contacts if c.force > FELT and c.other != NAME)
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
         self.engine.drive(

@@ -24,6 +24,7 @@ from .kinematics import Chain, read_chain
 from .poses import Array
 
 ROBOTS_FILE = Path(__file__).with_name("robots.yaml")
+OWN_FILE = ".yaml"
 
 _GRIPPER_LENGTHS = (
     "grip",
@@ -143,13 +144,22 @@ def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
 def find_robot(name: str) -> RobotType:
     """The robot of this name.
 
+    Args:
+        name: one that comes with Hilt, or a file of robots like `robots.yaml`: "mine.yaml", or
+            "mine.yaml:NAME" where there are several in it.
+
     Raises:
         UnknownNameError: there is none; lists those there are.
+        DataError: the file says something else than expected.
     """
-    robots = _shipped()
-    if name not in robots:
-        raise UnknownNameError("robot", name, robots)
-    return robots[name]
+    file, mark, inside = name.partition(OWN_FILE)
+    robots = load_robots(Path(file + mark)) if mark else _shipped()
+    wanted = inside.removeprefix(":") if mark else name
+    if mark and not wanted and len(robots) == 1:
+        return next(iter(robots.values()))
+    if wanted not in robots:
+        raise UnknownNameError("robot", wanted or name, robots)
+    return robots[wanted]
 
 
 @cache
@@ -197,13 +207,13 @@ def _read_attachment(field: Field) -> Attachment:
 
 
 def _find_urdf(field: Field) -> Path:
-    path = Path(field.text())
-    if not path.is_absolute():
+    path = Path(field.source).parent / field.text()
+    if not path.is_file():
         from importlib.util import find_spec
 
         # Only the folder of this package is wanted, and importing it costs time.
         found = find_spec("pybullet_data")
-        path = Path(found.origin or "").parent / path if found else path
+        path = Path(found.origin or "").parent / field.text() if found else path
     if not path.is_file():
         raise field.fail(f'there is no file "{path}".')
     return path

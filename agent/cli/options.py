@@ -38,7 +38,9 @@ Objects = Annotated[
     Path | None,
     typer.Option("--objects", help="A YAML file with objects of your own, besides Hilt's."),
 ]
-Robot = Annotated[str, typer.Option("--robot", help="The robot: panda, kuka, or another one.")]
+Robot = Annotated[
+    str, typer.Option("--robot", help="The robot: panda, kuka, or one of a file, FILE.yaml:NAME.")
+]
 Eyes = Annotated[
     str,
     typer.Option(

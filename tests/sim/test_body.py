@@ -152,6 +152,16 @@ def test_thing_out_of_reach_is_said_to_be_so():
     assert (report.ok, report.reason, report.attempts) == (False, "unreachable", 0)
 
 
+def test_thing_close_to_the_robot_is_taken():
+    """Where the arm is folded up, its way down is also sought from below."""
+    near = Scene((Placement("knife", "knife", (0.327, -0.029), 1.7),), 1)
+
+    with Body(near, OBJECTS, seed=1) as body:
+        report = body.grasp(seen(body, "knife"), "blade")
+
+    assert (report.ok, report.touched) == (True, ("blade",))
+
+
 def test_lifting_with_an_empty_hand_is_said_to_be_so(knife_body: Body):
     """Without a grasp there is nothing to lift, hold, give or put back."""
     reports = [

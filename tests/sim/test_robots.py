@@ -3,13 +3,19 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from hilt.ontology.errors import DataError, UnknownNameError
+from hilt.ontology.objects import load_objects
+from hilt.sim.body import Body
 from hilt.sim.robots import ROBOTS_FILE, find_robot, load_robots
+from hilt.sim.scene import parse_scene
+
+OBJECTS = load_objects()
 
 
 @pytest.mark.parametrize("name", load_robots())
@@ -55,3 +61,35 @@ def test_robot_without_gripper_has_none(tmp_path: Path):
     file.write_text("\n".join(lines[:first] + lines[last:]), encoding="utf-8")
 
     assert load_robots(file)["panda"].gripper is None
+    assert find_robot(f"{file}:panda").gripper is None
+
+
+@pytest.mark.sim
+def test_robot_without_a_hand_points_with_its_arm(tmp_path: Path):
+    """It comes near the thing it points at, and touches nothing."""
+    arm = ROBOTS_FILE.read_text(encoding="utf-8").partition("\nkuka:\n")[2]
+    arm = re.sub(r"  (attached|gripper):\n(    .*\n)+", "", arm).partition("    panda_hand:\n")[0]
+    file = tmp_path / "arm.yaml"
+    file.write_text("arm:\n" + arm.replace("panda_hand", "lbr_iiwa_link_7"), encoding="utf-8")
+    scene = parse_scene("objects:glass", seed=3, objects=OBJECTS)
+
+    with Body(scene, OBJECTS, seed=3, robot=str(file)) as body:
+        before = body.world.pose("glass")
+        report = body.point_at(body.search(["object:glass"])[0])
+
+        assert (report.ok, body.abilities) == (True, {"findObject", "pointAt"})
+        assert np.allclose(body.world.pose("glass"), before, atol=1e-4)
+        assert np.linalg.norm(body.robot.world_from_hand[:3, 3] - body.world.top("glass")) < 0.3
+
+
+def test_robot_of_a_file_with_one_needs_no_name(tmp_path: Path):
+    """Where there are several, the name must be told; the error lists them."""
+    text = ROBOTS_FILE.read_text(encoding="utf-8")
+    both, one = tmp_path / "both.yaml", tmp_path / "one.yaml"
+    both.write_text(text, encoding="utf-8")
+    one.write_text(text[: text.index("\nkuka:")], encoding="utf-8")
+
+    assert find_robot(str(one)).name == "panda"
+    assert find_robot(f"{both}:kuka").name == "kuka"
+    with pytest.raises(UnknownNameError, match="Known: kuka, panda"):
+        find_robot(str(both))
