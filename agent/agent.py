@@ -362,6 +362,12 @@ class Agent:
             finally:
                 self._film = None
 
+    def start_over(self) -> None:
+        """Give up the body, whatever it was doing; the next command finds the table as at first."""
+        self._release_body()
+        for made in ("body", "goals"):
+            self.__dict__.pop(made, None)
+
     def close(self) -> None:
         """Release the body and the base."""
         self._release_body()

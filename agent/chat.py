@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TextIO
 
 from rich.console import Console, RenderableType
 from rich.text import Text
 
+from ..kb.rule import check_speaker
+from ..ontology.errors import ValidationError
 from . import console as shown
 from .agent import Agent
 from .prompt import lines
 
 QUIT = "/quit"
+SPEAKER = "/speaker"
 
 
 def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
@@ -23,39 +27,80 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
         agent: who listens.
         out: where the conversation is shown.
         source: what is said; prompted for when it is a terminal.
-        speaker: who says it.
+        speaker: who says it at first.
     """
-    talking = source.isatty()
-    if talking:
+    chat = Chat(agent, out, speaker, talking=source.isatty())
+    if chat.talking:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
-    said = lines(f"{speaker}> ", lambda: _completable(agent)) if talking else source
+    said = lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.talking else source
     for line in (line.strip() for line in said):
         if line == QUIT:
             return
-        if line.startswith("/"):
-            out.print(_command(agent, line))
-        elif line:
-            _converse(agent, out, line, speaker, talking=talking)
+        if line:
+            chat.take(line)
 
 
-def _completable(agent: Agent) -> set[str]:
-    return {*agent.dialogue.language.known_words, *_COMMANDS, QUIT}
+@dataclass
+class Chat:
+    """A conversation on a terminal or down a pipe.
 
+    Attributes:
+        agent: who listens.
+        out: where it is shown.
+        speaker: who is speaking now.
+        talking: whether a person sees each answer at once.
+    """
 
-def _converse(agent: Agent, out: Console, line: str, speaker: str, *, talking: bool) -> None:
-    with out.status("..."):
-        reply = agent.hear(line, speaker=speaker)
-    out.print(Text.assemble(("Hilt: ", "bold green"), reply.said) if talking else shown.turn(reply))
+    agent: Agent
+    out: Console
+    speaker: str
+    talking: bool
 
+    def take(self, line: str) -> None:
+        """Show what comes of a line: the answer to an utterance, or the result of a command."""
+        name, _, rest = line.partition(" ")
+        if not line.startswith("/"):
+            self._converse(line)
+        elif name == SPEAKER:
+            self.out.print(self._turn_to(rest.strip()))
+        elif line in _COMMANDS:
+            self.out.print(_COMMANDS[line](self.agent))
+        else:
+            self.out.print(Text(f"There is no {line}. {_help()}"))
 
-def _command(agent: Agent, line: str) -> RenderableType:
-    if line not in _COMMANDS:
-        return Text(f"There is no {line}. {_help()}")
-    return _COMMANDS[line](agent)
+    def completable(self) -> set[str]:
+        """What the Tab key may make of a beginning."""
+        return {*self.agent.dialogue.language.known_words, *_COMMANDS, SPEAKER, QUIT}
+
+    def _converse(self, line: str) -> None:
+        try:
+            with self.out.status("..."):
+                reply = self.agent.hear(line, speaker=self.speaker)
+        except KeyboardInterrupt:
+            self.agent.start_over()
+            self.out.print(Text("I stopped. The next command finds the table as it was at first."))
+            return
+        except ValidationError as error:  # what is no text ends no conversation
+            self.out.print(Text(str(error)))
+            return
+        spoken = Text.assemble(("Hilt: ", "bold green"), reply.said)
+        self.out.print(spoken if self.talking else shown.turn(reply))
+
+    def _turn_to(self, speaker: str) -> Text:
+        """Let somebody else speak from now on."""
+        if not speaker:
+            return Text(f"{self.speaker} is speaking. {SPEAKER} NAME lets somebody else speak.")
+        try:
+            check_speaker(speaker)
+        except ValidationError as error:
+            return Text(str(error))
+        self.speaker, trust = speaker, self.agent.base.trust(speaker)
+        doubt = "" if trust is not None and trust.upper > 0 else ", whom I do not trust yet"
+        return Text(f"{speaker} is speaking now{doubt}.")
 
 
 def _help() -> str:
-    return f"Talk to me, or say {', '.join(_COMMANDS)} or {QUIT}."
+    return f"Talk to me, or say {', '.join(_COMMANDS)}, {SPEAKER} NAME or {QUIT}."
 
 
 def _why(agent: Agent) -> RenderableType:
@@ -69,5 +114,5 @@ _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
     "/rules": lambda agent: shown.rules(agent.base.rules()),
     "/why": _why,
     "/scene": lambda agent: Text(", ".join(agent.visible()) or "nothing on the table"),
-    "/help": lambda agent: Text(_help()),
+    "/help": lambda _: Text(_help()),
 }

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from collections.abc import Callable, Collection, Generator, Iterator
 from pathlib import Path
 
@@ -16,19 +17,23 @@ HISTORY_LENGTH = 1000  # lines
 _DELIMITERS = " \t\n,.;:!?\"'"
 
 
-def lines(prompt: str, words: Callable[[], Collection[str]]) -> Iterator[str]:
-    """What is typed, a line at a time, until the end of input.
+def lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
+    """What is typed, a line at a time, until the end of input; Ctrl-C drops a line.
 
     Args:
-        prompt: what stands before the cursor.
+        prompt: gives what stands before the cursor.
         words: gives the words that can be completed now.
     """
     with _editing(user_state_path("hilt") / "history", words):
         while True:
             try:
-                yield input(prompt)
+                line = input(prompt())
             except EOFError:
                 return
+            except KeyboardInterrupt:
+                sys.stdout.write("\n")
+                continue
+            yield line
 
 
 def completions(start: str, words: Collection[str]) -> list[str]:

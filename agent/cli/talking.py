@@ -192,7 +192,7 @@ def chat(
     settings: SettingsFile = None,
     choices: Choices = None,
 ) -> None:
-    """Talk: teach, ask and command, a line each; /rules, /why, /scene and /quit."""
+    """Talk: teach, ask and command, a line each; /rules, /why, /scene, /speaker and /quit."""
     from ..chat import run
 
     with open_agent(

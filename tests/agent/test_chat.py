@@ -5,9 +5,15 @@ import os
 import pty
 import sys
 import time
+from io import StringIO
 from pathlib import Path
 
-from hilt.agent.prompt import completions
+import pytest
+from rich.console import Console
+
+from hilt.agent import Agent
+from hilt.agent.chat import run
+from hilt.agent.prompt import completions, lines
 
 
 def test_words_are_completed_by_their_beginning():
@@ -53,6 +59,22 @@ def _rest(terminal: int) -> bytes:
         shown += more
 
 
+def test_ctrl_c_drops_the_line_and_nothing_else(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    """The next line is heard; only the end of input ends it."""
+    typed = iter([KeyboardInterrupt(), "hello", EOFError()])
+
+    def answer(_: str) -> str:
+        key = next(typed)
+        if isinstance(key, BaseException):
+            raise key
+        return key
+
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setattr("builtins.input", answer)
+
+    assert list(lines(lambda: "> ", set)) == ["hello"]
+
+
 def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
     """Tab completes a known word; what was typed is there in the next session."""
     taught = conversation([b"A screwd\t is used for cutting\r", b"/rules\r", b"/quit\r"], tmp_path)
@@ -60,3 +82,32 @@ def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
     assert "I learned: a screwdriver is used for cutting (0.95, from Sam)." in taught
     assert "usedFor" in taught
     assert "A screwdriver is used for cutting" in (tmp_path / "hilt" / "history").read_text()
+
+
+def piped(lines: list[str]) -> str:
+    """What is shown when these lines come down a pipe."""
+    shown = StringIO()
+    with Agent.open("memory:", simulate=False) as agent:
+        run(agent, Console(file=shown, width=200), StringIO("\n".join(lines)), "sam")
+    return shown.getvalue()
+
+
+def test_several_people_speak_in_one_conversation():
+    """Each is trusted as far as the base says."""
+    lesson = "A mug is used for containing"
+
+    shown = piped(["/speaker kim", lesson, "/speaker sam", lesson, "/rules"])
+
+    assert "kim is speaking now, whom I do not trust yet." in shown
+    assert "I do not take that from Kim" in shown
+    assert "I learned: a mug is used for containing (0.95, from Sam)." in shown
+
+
+def test_what_cannot_be_said_ends_no_conversation():
+    """It is told, and the next line is heard."""
+    shown = piped(["/nothing", "/speaker !", "hello \udcff", "", "hello"])
+
+    assert "There is no /nothing." in shown
+    assert "is no speaker's name" in shown
+    assert "The text is no Unicode" in shown
+    assert "Hello." in shown
