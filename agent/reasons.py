@@ -23,7 +23,8 @@ def why(question: Question, known: Knowledge) -> Answered:
     wrong = _not_so(question, known.decision)
     if wrong:
         return say(wrong, object=question.object, part=question.part), ()
-    if question.object or question.part:
+    if question.object or question.part or (known.decision and known.decision.object.best):
+        # What the command itself names needs no rule.
         last = known.last
         return say("because_told", done=True, speakers=(last.speaker,), texts=(last.text,)), ()
     reason = _reason(known.decision, None)

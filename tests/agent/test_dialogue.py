@@ -199,6 +199,13 @@ def test_reasons_are_those_of_what_is_asked_about(taught: Agent, question: str, 
     assert taught.hear(question).said == answer
 
 
+def test_the_reason_of_what_was_named_is_the_command(agent: Agent):
+    """No rule is needed for it."""
+    agent.hear("could I have the spoon, please?")
+
+    assert agent.hear("why?").said == 'Because Sam said: "could I have the spoon, please?".'
+
+
 @pytest.mark.parametrize("question", ["who told you that?", "why?"])
 def test_bare_questions_are_about_what_was_last_spoken_of(taught: Agent, question: str):
     """Not about the last sentence that was told, nor the last thing that was done."""
