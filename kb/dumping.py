@@ -3,22 +3,22 @@
 
 A store on disk has the statements of a node together, so it is gone through once, in its own
 order: equal bases still give equal files. What stands elsewhere is gathered rule by rule
-(`exchange`).
+(`exchange`). Tables are made of the rows of a query (`columns`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from typing import BinaryIO, Protocol, runtime_checkable
 
 from ..ontology.errors import StoreError
-from ..ontology.vocabulary import Iri, split
+from ..ontology.vocabulary import Iri
 from . import stars
 from .files import Progress
 from .formats import Format
 from .history import HISTORY
-from .nquads import Group, Reader
-from .rule import Rule
+from .nquads import Group
 from .stars import BELIEFS
 from .store import Store
 
@@ -40,6 +40,10 @@ class Dumping(Protocol):
 
     def dump(self, stream: Sink, *, format: str, graph: Iri | None = None) -> None:  # noqa: A002
         """Write all statements, or those of a graph."""
+        ...
+
+    def dump_rows(self, query: str, stream: Sink) -> None:
+        """Write the rows of a SELECT query as CSV."""
         ...
 
 
@@ -84,7 +88,7 @@ def is_large(store: Store, most: int) -> bool:
     if not isinstance(store, Dumping) or not store.is_sorted:
         return False
     some = f"SELECT (COUNT(*) AS ?count) {{ SELECT ?node {{ {_ANY} }} LIMIT {most + 1} }}"
-    return _count(store, some) > most
+    return count(store, some) > most
 
 
 def dump_statements(
@@ -96,64 +100,34 @@ def dump_statements(
         OSError: the stream cannot be written to.
         StoreError: the store cannot be read.
     """
-    _dump(store, Sink(stream.write, progress), chosen.name, BELIEFS if rules_only else None)
+    sink = Sink(stream.write, progress)
+    with _told(store, sink) as dumping:
+        dumping.dump(sink, format=chosen.name, graph=BELIEFS if rules_only else None)
     if not rules_only:
-        return _count(store, _COUNT)
+        return count(store, _COUNT)
     from .oxigraph import write_rdf_to
 
     sources = list(_sources(store))
     quads = (quad for group in sources for quad in group.quads())
     write_rdf_to(quads, stream, format=chosen.name)
-    return _count(store, _COUNT.replace("?graph", f"<{BELIEFS}>")) + sum(
+    return count(store, _COUNT.replace("?graph", f"<{BELIEFS}>")) + sum(
         len(group.pairs) for group in sources
     )
 
 
-def dump_rules(store: Store, take: Callable[[Rule], object], progress: Progress | None) -> int:
-    """Give every rule of a store, whatever its status, to `take`; how many that are.
-
-    Raises:
-        OSError: `take` raised it.
-        StoreError: the store cannot be read.
-    """
-    from .oxigraph import line_reader
-
-    rules = _Rules(line_reader("ntriples", source="the base", default=BELIEFS), take, progress)
-    _dump(store, Sink(rules.feed), "ntriples", BELIEFS)
-    rules.finish()
-    return rules.count
+def dump_rows(store: Store, query: str, sink: Sink) -> None:
+    """Write the rows of a SELECT query as CSV; errors as for `dump_statements`."""
+    with _told(store, sink) as dumping:
+        dumping.dump_rows(query, sink)
 
 
-class _Rules:
-    """Reads rules from lines."""
-
-    def __init__(
-        self, reader: Reader, take: Callable[[Rule], object], progress: Progress | None
-    ) -> None:
-        self.count = 0
-        self._reader, self._rule, self._progress = reader, take, progress
-
-    def feed(self, chunk: bytes) -> None:
-        for group in self._reader.feed(chunk):
-            self._take(group)
-        if self._progress:
-            self._progress(self.count)
-
-    def finish(self) -> None:
-        for group in self._reader.finish():
-            self._take(group)
-
-    def _take(self, group: object) -> None:
-        if isinstance(group, Group) and split(group.node)[0] == "rule":
-            self.count += 1
-            self._rule(stars.read_rule(group.pairs))
-
-
-def _dump(store: Store, sink: Sink, name: str, graph: Iri | None) -> None:
+@contextmanager
+def _told(store: Store, sink: Sink) -> Generator[Dumping]:
+    """Tell what failed, the store or the file."""
     if not isinstance(store, Dumping):
-        raise TypeError(f"{store.location} writes no {name}.")
+        raise TypeError(f"{store.location} writes no text.")
     try:
-        store.dump(sink, format=name, graph=graph)
+        yield store
     except StoreError as error:
         raise (sink.failure or error) from error
 
@@ -167,6 +141,7 @@ def _sources(store: Store) -> list[Group]:
     return [Group(node, HISTORY, store.properties(node, HISTORY)) for node in told]
 
 
-def _count(store: Store, query: str) -> int:
-    ((count,),) = store.select(query)
-    return count if isinstance(count, int) else 0
+def count(store: Store, query: str) -> int:
+    """The number that a query gives."""
+    ((found,),) = store.select(query)
+    return found if isinstance(found, int) else 0

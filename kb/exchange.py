@@ -20,7 +20,7 @@ from ..ontology.vocabulary import split, term
 from . import stars
 from .annotated import Reified, settled, write_annotated
 from .beliefs import KnowledgeBase
-from .dumping import dump_rules, dump_statements, is_dumped, is_large
+from .dumping import dump_statements, is_dumped, is_large
 from .files import Progress, Source, reading, writing
 from .formats import FORMATS, RULE_FORMATS, Format, format_of
 from .history import HISTORY
@@ -352,15 +352,15 @@ def _write_rules(
 
 def _write_table(base: KnowledgeBase, stream: BinaryIO, progress: Progress | None) -> int:
     """A small table in the order of the ids, a large one as the rules come."""
-    from .tables import table_writer
-
     with _as_text(stream) as text:
-        write = table_writer(text)
         if is_large(base.store, MAX_SORTED):
-            return dump_rules(base.store, write, progress)
+            from .columns import write_columns
+
+            return write_columns(base.store, text, progress)
+        from .tables import write_table
+
         count = _Count(progress)
-        for rule in count.over(all_rules(base)):
-            write(rule)
+        write_table(count.over(all_rules(base)), text)
         return count.total
 
 

@@ -23,6 +23,7 @@ Parse: TypeAlias = "Callable[[str], Sequence[Quad | Reified]]"
 T = TypeVar("T", bound="Term")
 
 MAX_KNOWN = 200_000  # terms that are remembered
+_MAX_TOLD = 4  # characters of a bound as people say it: 0.95
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 _RULE = re.compile(f"<({re.escape(PREFIXES['rule'])}[0-9a-f]{{16}})>")
 _NUMBER = re.compile(rf'"([0-9]{{1,9}}(?:\.[0-9]{{1,9}})?)"\^\^<{re.escape(DECIMAL)}>', re.ASCII)
@@ -88,9 +89,9 @@ class Reader:
         self._parse, self._has_graphs = parse, has_graphs
         self._nodes = _Nodes({f"<{one}>": one for one in (*_KEYS, default)})
         self._values = _Values()
-        self._in_default = f"<{default}>"
+        self._tails = _Tails(self._nodes, self._values, None if has_graphs else default)
         self._rest = b""
-        self._at = ("", "")  # node and graph, as they are written, of the statements at hand
+        self._at: tuple[str, Iri | None] = ("", None)  # node, as it is written, and graph at hand
         self._group: Group | None = None
 
     @property
@@ -120,33 +121,28 @@ class Reader:
         self._group = None
 
     def _read(self, lines: Sequence[str]) -> Iterator[Group | Reified]:
-        nodes, values, graph, has_graphs = (
-            *(self._nodes, self._values, self._in_default, self._has_graphs),
-        )
+        tails, nodes = self._tails, self._nodes
         pairs = self._group.pairs if self._group else []
+        node, place = self._at
         for line in lines:
             self.line += 1
             try:
-                subject, key, rest = line.split(" ", 2)
-                if has_graphs:
-                    value, graph, end = rest.rsplit(" ", 2)
-                else:
-                    value, end = rest.rsplit(" ", 1)
-                pair = nodes[key], values[value]
-                at = subject, graph
-                if end != ".":
-                    raise ValueError
-                if at == self._at and len(pairs) < MAX_GROUP:
+                subject, tail = line.split(" ", 1)
+                pair, graph = tails[tail]
+                is_same = subject == node and (graph is place or graph == place)
+                if is_same and len(pairs) < MAX_GROUP:
                     pairs.append(pair)
                     continue
-                group = Group(nodes[subject], nodes[graph], [pair])
+                group = Group(nodes[subject], graph, [pair])
             except (KeyError, ValueError):
                 yield from self._learnt(line)
                 pairs = self._group.pairs if self._group else []
+                node, place = self._at
                 continue
             if self._group is not None:
                 yield self._group
-            self._at, self._group, pairs = at, group, group.pairs
+            node, place = self._at = subject, graph
+            self._group, pairs = group, group.pairs
 
     def _learnt(self, line: str) -> Iterator[Group | Reified]:
         """What a line says that is not plain; how its terms are written is remembered."""
@@ -157,11 +153,12 @@ class Reader:
             if isinstance(one, Reified):
                 yield one
                 continue
-            at = f"<{one.subject}>", f"<{one.graph}>"
-            if at != self._at or self._group is None:
+            if self._group is None or _is_over(self._group, one.subject, one.graph):
                 if self._group is not None:
                     yield self._group
-                self._at, self._group = at, Group(one.subject, one.graph or BELIEFS, [])
+                graph = self._nodes.get(f"<{one.graph}>") or one.graph or BELIEFS
+                self._at = f"<{one.subject}>", graph
+                self._group = Group(one.subject, graph, [])
             self._group.pairs.append((one.predicate, one.object))
 
     def _remember(self, line: str, quad: Quad) -> None:
@@ -186,6 +183,39 @@ class _Known(dict[str, T]):
         return term
 
 
+class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
+    """What follows the subject of a line: property and object, and the graph.
+
+    Most lines of a large base differ from others in their subject alone, so their rest is found
+    at once.
+    """
+
+    def __init__(self, nodes: _Nodes, values: _Values, graph: Iri | None) -> None:
+        super().__init__()
+        self._nodes, self._values, self._graph = nodes, values, graph
+
+    def __missing__(self, text: str) -> tuple[tuple[Iri, Term], Iri]:
+        key, rest = text.split(" ", 1)
+        value, graph = self._ended(rest)
+        found = (self._nodes[key], self._values[value]), graph
+        if value in self._values:  # others hardly come again
+            if len(self) > MAX_KNOWN:
+                self.clear()
+            self[text] = found
+        return found
+
+    def _ended(self, text: str) -> tuple[str, Iri]:
+        if self._graph is None:
+            value, graph, end = text.rsplit(" ", 2)
+            place = self._nodes[graph]
+        else:
+            value, end = text.rsplit(" ", 1)
+            place = self._graph
+        if end != ".":
+            raise ValueError(text)
+        return value, place
+
+
 class _Nodes(_Known[Iri]):
     """IRIs; those of rules are read as they come."""
 
@@ -197,11 +227,13 @@ class _Nodes(_Known[Iri]):
 
 
 class _Values(_Known["Term"]):
-    """Objects of statements; rules and bounds are read as they come."""
+    """Objects of statements; bounds and rules are read as they come."""
 
     def __missing__(self, text: str) -> Term:
         if number := _NUMBER.fullmatch(text):
-            return self.add(text, Decimal(number[1]))
+            value = Decimal(number[1])
+            # Nobody says more digits; what is computed hardly comes again.
+            return self.add(text, value) if len(number[1]) <= _MAX_TOLD else value
         if rule := _RULE.fullmatch(text):
             return Iri(rule[1])
         raise KeyError(text)

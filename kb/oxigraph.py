@@ -216,6 +216,13 @@ class OxigraphStore:
                 prefixes=_PREFIXES,
             )
 
+    def dump_rows(self, query: str, stream: Sink) -> None:
+        """Write the rows of a SELECT query as CSV, one after the other as they are found."""
+        found = self._run(query)
+        with _reported(self.location, query):
+            rows = cast("engine.QuerySolutions", found)
+            rows.serialize(cast(BinaryIO, stream), format=engine.QueryResultsFormat.CSV)
+
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
         return self._lock

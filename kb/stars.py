@@ -37,7 +37,7 @@ RULE, FEATURE, CONTEXT, STATUS = (term(n) for n in ("rule", "feature", "context"
 FUNCTOR, LOWER, UPPER = (term(n) for n in ("functor", "lower", "upper"))
 PART, AFFORDANCE, ARGUMENT = (term(n) for n in ("part", "affordance", "argument"))
 
-_CLASSES = {
+CLASSES = {
     "functional": term("FunctionalRule"),
     "action": term("ActionRule"),
     "general": term("Rule"),
@@ -76,6 +76,11 @@ def atom_of(node: Iri) -> Atom:
     if kind not in ATOM_KINDS:
         raise ValidationError([f"<{node}> is no object, part, property, action, place or role."])
     return Atom(kind, name)
+
+
+def functor_of(node: Iri) -> str:
+    """The functor of a node."""
+    return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
 
 
 def status_iri(status: Status) -> Iri:
@@ -151,7 +156,7 @@ def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
 
 
 def _properties(rule: Rule) -> Iterator[tuple[Iri, Term]]:
-    yield TYPE, _CLASSES[rule.kind]
+    yield TYPE, CLASSES[rule.kind]
     for feature in sorted(rule.features):
         yield FEATURE, atom_iri(feature)
     for context in sorted(rule.contexts):
@@ -175,7 +180,7 @@ def _read(found: dict[Iri, list[Term]]) -> Rule:
     return Rule(
         _atoms_of(tuple(found.get(FEATURE, ()))),
         _atoms_of(tuple(found.get(CONTEXT, ()))),
-        _functor_of(cast(Iri, _one(found, FUNCTOR))),
+        functor_of(cast(Iri, _one(found, FUNCTOR))),
         atom_of(cast(Iri, arguments[0])) if arguments else None,
         Interval(cast(float, _one(found, LOWER)), cast(float, _one(found, UPPER))),
         split(cast(Iri, _one(found, ATTRIBUTED_TO)))[1],
@@ -201,10 +206,6 @@ def _one(found: dict[Iri, list[Term]], predicate: Iri) -> Term:
 
 def _functor_iri(functor: str) -> Iri:
     return term(functor) if functor in _KNOWN_FUNCTORS else iri("functor", functor)
-
-
-def _functor_of(node: Iri) -> str:
-    return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
 
 
 def _status_of(node: Iri) -> Status:

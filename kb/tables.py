@@ -8,12 +8,13 @@ in one cell are separated by a semicolon.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import Protocol
 
 from ..ontology.errors import DataError, HiltError, ValidationError
 from . import notation
+from .interval import DIGITS
 from .rule import Atom, Rule
 from .terms import write_time
 
@@ -25,8 +26,24 @@ REQUIRED = ("features", "functor", "lower")
 _BETWEEN = "; "
 
 
-class _Writable(Protocol):
-    def write(self, text: str, /) -> object: ...
+class Writable(Protocol):
+    """What a table is written to."""
+
+    def write(self, text: str, /) -> object:
+        """Take some text."""
+        ...
+
+
+class Writer(Protocol):
+    """What writes the lines of a table."""
+
+    def writerow(self, row: Sequence[str], /) -> object:
+        """Write a line with these cells."""
+        ...
+
+    def writerows(self, rows: Iterable[Sequence[str]], /) -> object:
+        """Write several lines."""
+        ...
 
 
 class _Reader(Protocol):
@@ -52,18 +69,28 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     yield from notation.read_all(rows, lambda row: _rule_of(row, names, source))
 
 
-def table_writer(target: _Writable) -> Callable[[Rule], object]:
-    """Begin a table; what is returned adds a rule to it."""
+def begin_table(target: Writable) -> Writer:
+    """Begin a table; what is returned adds lines to it."""
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
-    return lambda rule: writer.writerow(_cells(rule))
+    return writer
 
 
-def write_table(rules: Iterable[Rule], target: _Writable) -> None:
+def write_table(rules: Iterable[Rule], target: Writable) -> None:
     """Write a table with these rules."""
-    write = table_writer(target)
-    for rule in rules:
-        write(rule)
+    begin_table(target).writerows(map(_cells, rules))
+
+
+@lru_cache(maxsize=2**16)
+def write_atoms(atoms: frozenset[Atom], kind: str) -> str:
+    """The cell of the features or contexts of a rule."""
+    text = _BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
+    return text or (notation.ANY if kind == notation.FEATURE_KIND else "")
+
+
+def write_bound(bound: float) -> str:
+    """The cell of a bound."""
+    return f"{bound:.{DIGITS}f}".rstrip("0").rstrip(".")
 
 
 def _rows(reader: _Reader, source: str) -> Iterator[tuple[int, list[str]]]:
@@ -134,18 +161,13 @@ def _atoms(cell: str, kind: str) -> frozenset[Atom]:
 def _cells(rule: Rule) -> tuple[str, ...]:
     argument_kind = notation.ARGUMENT_KINDS.get(rule.functor)
     return (
-        _joined(rule.features, notation.FEATURE_KIND) or notation.ANY,
-        _joined(rule.contexts, notation.CONTEXT_KIND),
+        write_atoms(rule.features, notation.FEATURE_KIND),
+        write_atoms(rule.contexts, notation.CONTEXT_KIND),
         rule.functor,
         notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
-        f"{rule.interval.lower:.6f}".rstrip("0").rstrip("."),
-        f"{rule.interval.upper:.6f}".rstrip("0").rstrip("."),
+        write_bound(rule.interval.lower),
+        write_bound(rule.interval.upper),
         rule.speaker,
         rule.status,
         write_time(rule.time) if rule.time else "",
     )
-
-
-@lru_cache(maxsize=2**16)
-def _joined(atoms: frozenset[Atom], kind: str) -> str:
-    return _BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
