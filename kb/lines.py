@@ -89,6 +89,10 @@ class Lines:
             self._is_new = False
         self._write("".join(said))
 
+    def text(self, lines: str) -> None:
+        """Lines as they are."""
+        self._write(lines)
+
     def told(self, rule_id: str, utterance: int, *, asserted: bool) -> None:
         """From which utterance a rule comes; with `asserted` also that this one asserts it."""
         start, said = _name(rule_id), f"<{_UTTERANCES}{utterance}>"

@@ -167,14 +167,15 @@ class Rule:
     @cached_property
     def id(self) -> str:
         """Its name, made from its content: the same thing told twice by one speaker is one rule."""
-        content = (
-            self.speaker,
-            _spelled(self.features),
-            _spelled(self.contexts),
-            f"{self.functor}({self.argument or ''})",
-            f"{self.interval.lower:.6f} {self.interval.upper:.6f}",
+        bounds = f"{self.interval.lower:.{DIGITS}f} {self.interval.upper:.{DIGITS}f}"
+        return name_of(
+            self.speaker, spelled(self.features), spelled(self.contexts), self.conclusion, bounds
         )
-        return "rule/" + hashlib.sha256("\n".join(content).encode()).hexdigest()[:16]
+
+    @property
+    def conclusion(self) -> str:
+        """What is concluded, as it stands in the content that gives the rule its name."""
+        return f"{self.functor}({self.argument or ''})"
 
     @property
     def node(self) -> str:
@@ -290,8 +291,15 @@ def _seen(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
 
 
+def name_of(speaker: str, features: str, contexts: str, conclusion: str, bounds: str) -> str:
+    """The id of a rule, from its content as `Rule.id` spells it."""
+    content = f"{speaker}\n{features}\n{contexts}\n{conclusion}\n{bounds}"
+    return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
 @lru_cache(maxsize=2**16)
-def _spelled(atoms: frozenset[Atom]) -> str:
+def spelled(atoms: frozenset[Atom]) -> str:
+    """Atoms as they stand in the content that gives a rule its name."""
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 
 

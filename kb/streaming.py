@@ -18,13 +18,14 @@ from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
+from typing import BinaryIO, Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from ..ontology.errors import DataError, ValidationError
 from ..ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
 from . import stars
 from .annotated import Reified
 from .beliefs import KnowledgeBase
+from .copying import Copier, Star
 from .history import ASSERTS, HISTORY, SEQUENCE, Utterance
 from .lines import Lines
 from .merging import (
@@ -58,6 +59,7 @@ _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 T = TypeVar("T")
+Told: TypeAlias = Rule | Star  # a rule made of what was read, or one that can be copied
 
 
 @runtime_checkable
@@ -87,6 +89,7 @@ class _Read:
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
+    copier: Copier = field(default_factory=Copier)
 
 
 class _Held:
@@ -127,7 +130,7 @@ def import_rules(
 
 
 def _import(
-    base: KnowledgeBase, rules: Iterable[Rule], read: _Read, *, source: str, dry_run: bool
+    base: KnowledgeBase, rules: Iterable[Told], read: _Read, *, source: str, dry_run: bool
 ) -> Summary:
     """Load the lines of all that is new while they are made; a mistake in any loads none."""
     store = base.store
@@ -151,13 +154,16 @@ def _import(
 
 
 def _lines(
-    base: KnowledgeBase, rules: Iterable[Rule], read: _Read, plan: Plan, source: str
+    base: KnowledgeBase, rules: Iterable[Told], read: _Read, plan: Plan, source: str
 ) -> Iterator[bytes]:
     """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
     held = _Held()
     write, before = Lines(held), plan.last
     for rule in _new(base, rules, read):
-        write.rule(rule)
+        if isinstance(rule, Star):
+            write.text(read.copier.lines(rule))
+        else:
+            write.rule(rule)
         yield from held.taken()
     staging = stage(read.rest, source=source)
     read.rest.clear()
@@ -189,11 +195,12 @@ def _placed(groups: Iterable[Group | Reified], source: str) -> Iterator[Group]:
         yield group
 
 
-def _rules(groups: Iterable[Group], read: _Read, source: str) -> Iterator[Rule]:
+def _rules(groups: Iterable[Group], read: _Read, source: str) -> Iterator[Told]:
     """The rules among statements; what belongs to none is put aside."""
     for group in groups:
         if group.node.startswith(_RULES):
-            yield _rule(group.node, group.pairs)
+            star = read.copier.star(group.node, group.pairs)
+            yield star or _rule(group.node, group.pairs)
             continue
         read.rest += _beside_rules(group, read)
         if len(read.rest) > MAX_REST:
@@ -225,7 +232,7 @@ def _rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 
 
-def _new(base: KnowledgeBase, rules: Iterable[Rule], read: _Read) -> Iterator[Rule]:
+def _new(base: KnowledgeBase, rules: Iterable[Told], read: _Read) -> Iterator[Told]:
     """The rules that the base does not have; what has to be known of them is kept in `read`."""
     contradicts = _Believed(base)
     there = _ids_of(base.store) if base.sequence else frozenset[int]()
@@ -243,7 +250,7 @@ def _new(base: KnowledgeBase, rules: Iterable[Rule], read: _Read) -> Iterator[Ru
         if rule.time is None:
             read.timeless.add(number)
         if there and rule.status == "active":
-            found = contradicts.by(rule)
+            found = contradicts.by(rule.rule if isinstance(rule, Star) else rule)
             read.conflicting += len(found)
             read.conflicts += found[: MAX_LISTED - len(read.conflicts)]
         yield rule
@@ -311,7 +318,7 @@ def _ids_of(store: Store) -> frozenset[int]:
     )
 
 
-def _number(rule: Rule) -> int:
+def _number(rule: Told) -> int:
     return int(rule.id[len("rule/") :], 16)
 
 

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about rules that are copied: they come out as those that are read and written in full."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from datetime import datetime, timezone
+from decimal import Decimal
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hilt.kb import stars
+from hilt.kb.copying import Copier, Pair
+from hilt.kb.lines import Lines
+from hilt.kb.rule import Rule
+from hilt.kb.terms import Literal
+from hilt.ontology.vocabulary import Iri, iri, term
+
+from .conftest import BLADE
+from .strategies import rules
+
+TIME = datetime(2026, 11, 21, 9, tzinfo=timezone.utc)
+STATUSES = st.sampled_from(["active", "retracted", "superseded", "induced"])
+TOLD = st.builds(
+    lambda rule, status, utterance, time: replace(
+        rule, status=status, utterance=utterance, time=time
+    ),
+    *(rules, STATUSES, st.none() | st.integers(1, 99), st.none() | st.just(TIME)),
+)
+NODE = stars.rule_iri(BLADE.id)
+
+
+def pairs(rule: Rule) -> list[Pair]:
+    """What stands at the node of a rule."""
+    return [(quad.predicate, quad.object) for quad in stars.star(rule)]
+
+
+def in_full(some: list[Rule]) -> set[str]:
+    """The lines of rules as they are written one by one."""
+    stream = io.BytesIO()
+    lines = Lines(stream)
+    for rule in some:
+        lines.rule(rule)
+    lines.flush()
+    return set(stream.getvalue().decode().splitlines())
+
+
+@given(st.lists(TOLD, max_size=6))
+@settings(deadline=None)
+def test_copies_are_the_lines_that_are_written_in_full(some: list[Rule]):
+    """Statement for statement, with everything that they mention."""
+    copier = Copier()
+
+    found = [copier.star(stars.rule_iri(rule.id), pairs(rule)) for rule in some]
+
+    assert [star and star.rule for star in found] == some
+    assert [star and star.id for star in found] == [rule.id for rule in some]
+    assert [star and star.utterance for star in found] == [rule.utterance for rule in some]
+    copied = {line for star in found if star for line in copier.lines(star).splitlines()}
+    assert copied == in_full(some)
+
+
+@pytest.mark.parametrize("lost", [key for key, _ in pairs(BLADE) if key != stars.CONTEXT])
+def test_what_is_not_whole_is_not_copied(lost: Iri):
+    """It is read in full, which says what is missing."""
+    assert Copier().star(NODE, [pair for pair in pairs(BLADE) if pair[0] != lost]) is None
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        (stars.FEATURE, iri("object", "mug")),
+        (stars.FEATURE, iri("object", "knife")),
+        (stars.LOWER, Decimal("0.5")),
+        (stars.STATUS, term("retracted")),
+        (stars.ARGUMENT, iri("place", "table")),
+        (stars.GENERATED_AT, "yesterday"),
+        (stars.GENERATED_AT, Literal("yesterday", "urn:t")),
+        (stars.DERIVED_FROM, iri("utterance", "first")),
+        (stars.LABEL, "a blade"),
+        (term("unknown"), 1),
+    ],
+)
+def test_what_says_more_is_not_copied(more: Pair):
+    """Neither under a name that is not that of its content, nor with what Hilt does not write."""
+    assert Copier().star(NODE, [*pairs(BLADE), more]) is None
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        (stars.TYPE, term("FunctionalRule")),
+        (stars.LOWER, Decimal("1.5")),
+        (stars.LOWER, Decimal("0.9500001")),
+        (stars.LOWER, 0.95),
+        (stars.LOWER, True),
+        (stars.UPPER, Decimal("0.1")),
+        (stars.UPPER, Decimal("NaN")),
+        (stars.STATUS, term("forgotten")),
+        (stars.ATTRIBUTED_TO, Iri("http://x/eve")),
+        (stars.FUNCTOR, term("usedFor")),
+        (stars.PART, iri("part", "handle")),
+        (stars.FEATURE, Iri("https://w3id.org/hilt/object/%6Bnife")),
+    ],
+)
+def test_what_stands_there_otherwise_is_not_copied(key: Iri, value: object):
+    """Other values, other types, and other spellings of the same."""
+    changed = [(one, value if one == key else old) for one, old in pairs(BLADE)]
+
+    assert Copier().star(NODE, changed) is None  # pyright: ignore[reportArgumentType]
+
+
+def test_name_of_another_rule_is_not_copied():
+    """Rules have their names from their content."""
+    other = replace(BLADE, speaker="eve")
+
+    assert Copier().star(stars.rule_iri(other.id), pairs(BLADE)) is None
