@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ..ontology.errors import UnknownNameError, ValidationError
 from ..ontology.vocabulary import Iri
 from . import stars
-from .history import Utterance
+from .history import IMPORT, Utterance
 from .interval import Interval
 from .recall import Recall
 from .rule import Rule
@@ -145,10 +145,13 @@ def last_told(base: Recall, speaker: str) -> list[Rule]:
         UnknownNameError: the speaker has told no rule that holds.
     """
     told = base.rules(speaker=speaker)
-    if not told:
-        raise UnknownNameError("rule told by", speaker, {rule.speaker for rule in base.rules()})
-    last = max(rule.utterance or 0 for rule in told)
-    return [rule for rule in told if (rule.utterance or 0) == last]
+    numbers = sorted({rule.utterance for rule in told if rule.utterance}, reverse=True)
+    # What a file said of a speaker is no sentence of that one.
+    last = next((one for one in numbers if base.utterance(one).kind != IMPORT), None)
+    if last is None:
+        others = {rule.speaker for rule in base.rules()} - {speaker}
+        raise UnknownNameError("rule told by", speaker, others)
+    return [rule for rule in told if rule.utterance == last]
 
 
 def _read(base: Recall, nodes: set[Iri]) -> list[Rule]:

@@ -18,8 +18,8 @@ from ..ontology.vocabulary import Iri, split
 from . import stars
 from .dumping import Sink, count, dump_rows
 from .files import Progress
-from .notation import ARGUMENT_KINDS, CONTEXT_KIND, FEATURE_KIND, write_atom
-from .rule import Status
+from .notation import CONTEXT_KIND, FEATURE_KIND, write_atom
+from .rule import ARGUMENT_KINDS, Status
 from .stars import BELIEFS
 from .store import Store
 from .tables import Writable, Writer, begin_table, write_atoms, write_bound

@@ -39,10 +39,10 @@ _PLACES = {
     )
 }
 _SHARED = len(_PLACES)
-# Stands for what a rule does not share; the rest of it does not depend on this.
+# Stands for what a rule does not share. It asserts, so that its edge is found.
 _ANY: tuple[Pair, ...] = (
     (stars.FEATURE, stars.atom_iri(Atom("object", "any"))),
-    (stars.LOWER, Decimal(0)),
+    (stars.LOWER, Decimal(1)),
     (stars.UPPER, Decimal(1)),
 )
 

@@ -8,22 +8,27 @@ can tell what it believed at any time.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from pathlib import PurePath
 from typing import TypeVar, cast
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, iri, shortened, split, term
-from .rule import check_speaker
+from .formats import STREAM
+from .rule import MAX_NAME, check_speaker
 from .stars import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
 from .terms import Quad, Term, lexical
 
 T = TypeVar("T", int, str, bool, Iri, datetime, Decimal)
 
 HISTORY = iri("graph", "history")
+IMPORT = "import"  # the kind of an utterance that stands for a file
+_UNFIT = re.compile(r"[^\w.@+-]+")
 MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
 
 SEQUENCE, TEXT, PREDICATE, KIND = (term(n) for n in ("sequence", "text", "predicate", "kind"))
@@ -86,6 +91,25 @@ class Utterance:
             "supersedes": list(self.supersedes),
             "heard": self.heard,
         }
+
+
+def import_of(
+    source: str, sequence: int, time: datetime, *, some: str = "", asserts: tuple[str, ...] = ()
+) -> Utterance:
+    """What stands for a file whose rules do not say where they come from: the file said them.
+
+    Args:
+        source: the name of the file; "-" is standard input.
+        sequence: the number of the utterance.
+        time: when it was read.
+        some: which of its rules, where it stands for some of them only.
+        asserts: ids of the rules.
+    """
+    name = "standard input" if source == STREAM else PurePath(source).name
+    speaker = f"file {_UNFIT.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")
+    return Utterance(
+        sequence, f"import of {source}{some}", "", speaker, time, IMPORT, asserts=asserts
+    )
 
 
 def utterance_iri(sequence: int) -> Iri:

@@ -16,10 +16,10 @@ from ..ontology.vocabulary import Iri, iri
 from . import stars
 from .domain import DOMAIN, DOMAIN_HASH
 from .episodes import EPISODES
-from .history import HISTORY, SEQUENCE, TEXT, Utterance, utterance_iri, utterance_quads
+from .history import HISTORY, SEQUENCE, TEXT, Utterance, import_of, utterance_iri, utterance_quads
 from .interval import Interval
 from .recall import BASE_GRAPH, BASE_NODE, Recall
-from .rule import DEFAULT_SPEAKER, Rule
+from .rule import Rule
 from .stars import BELIEFS
 from .telling import Telling, speaker_quads, to_milliseconds, trust_quads
 from .terms import Quad
@@ -229,8 +229,9 @@ def _plan_rules(plan: Plan, base: Telling, other: Recall, source: str) -> None:
         else:
             nameless.append(rule)
     if nameless:
-        utterance = _import_of(base, source, plan.last + 1, nameless)
-        plan.last = utterance.sequence
+        ids = tuple(sorted(rule.id for rule in nameless))
+        plan.last += 1
+        utterance = import_of(source, plan.last, to_milliseconds(base.clock()), asserts=ids)
         plan.numbers[-1] = utterance.sequence  # it stands for no number of the other's
         add_utterance(plan, utterance)
         plan.new += [
@@ -268,14 +269,6 @@ def _same_utterance(base: Recall, utterance: Utterance) -> int | None:
                 if replace(there, sequence=utterance.sequence) == utterance:
                     return there.sequence
     return None
-
-
-def _import_of(base: Telling, source: str, number: int, rules: list[Rule]) -> Utterance:
-    """The utterance that stands for a file whose rules do not say where they come from."""
-    ids = tuple(sorted(rule.id for rule in rules))
-    moment = to_milliseconds(base.clock())
-    said = f"import of {source}"
-    return Utterance(number, said, "", DEFAULT_SPEAKER, moment, "import", asserts=ids)
 
 
 def add_utterance(plan: Plan, utterance: Utterance) -> None:

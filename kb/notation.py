@@ -13,12 +13,11 @@ from typing import TypeVar, cast, get_args
 
 from ..ontology.errors import DataError, ValidationError
 from .interval import Interval
-from .rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR, Atom, Rule, Status
+from .rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 from .terms import read_time
 
 ANY = "*"  # any object
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
-ARGUMENT_KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
 MAX_MISTAKES = 20  # of a file that are told
 Thing = TypeVar("Thing")
 STATUSES: tuple[str, ...] = get_args(Status)

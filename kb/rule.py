@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import Literal
 
 from ..ontology.errors import ValidationError
@@ -26,6 +27,9 @@ from .interval import DIGITS, Interval
 USED_FOR = "usedFor"
 GRASP_OBJECT = "graspObject"
 FIND_OBJECT = "findObject"  # the node at which it matters what an object is used for
+# What the functors that Hilt knows are about; any other one takes what its user gives it.
+ARGUMENT_KINDS: Mapping[str, str] = MappingProxyType({USED_FOR: "affordance", GRASP_OBJECT: "part"})
+_EXAMPLES = {USED_FOR: "usedFor(affordance:cutting)", GRASP_OBJECT: "graspObject(part:blade)"}
 DEFAULT_SPEAKER = "sam"  # who speaks when nobody is named
 MAX_NAME = 100  # characters
 
@@ -121,6 +125,14 @@ class Rule:
             raise ValidationError(["A rule needs at least one feature or context."])
         if not _FUNCTOR.fullmatch(self.functor) or len(self.functor) > MAX_NAME:
             raise ValidationError([f'"{self.functor[:MAX_NAME]}" is no functor, as "graspObject".'])
+        wanted = ARGUMENT_KINDS.get(self.functor)
+        if wanted and (self.argument is None or self.argument.kind != wanted):
+            raise ValidationError(
+                [
+                    f"{self.functor} needs {_article(wanted)}, as {_EXAMPLES[self.functor]}; "
+                    f"found {self.argument or 'none'}."
+                ]
+            )
         check_speaker(self.speaker)
         object.__setattr__(self, "interval", self.interval.rounded())
 

@@ -26,7 +26,7 @@ from . import stars
 from .annotated import Reified
 from .beliefs import KnowledgeBase
 from .copying import Copier, Star
-from .history import ASSERTS, HISTORY, SEQUENCE, Utterance
+from .history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_of
 from .lines import Lines
 from .merging import (
     MAX_LISTED,
@@ -42,7 +42,7 @@ from .merging import (
 )
 from .nquads import Group
 from .recall import BASE_GRAPH, BASE_NODE, Recall
-from .rule import DEFAULT_SPEAKER, Rule
+from .rule import Rule
 from .staging import check_graph, findings, stage
 from .stars import BELIEFS, LABEL, RULE, STATUS, TYPE
 from .store import Store
@@ -261,10 +261,10 @@ def _finish(
 ) -> Iterator[None]:
     """Write where the rules come from, and everything else that is new; stop now and then."""
     moment = to_milliseconds(base.clock())
-    for some, said in _nameless(read, plan, source):
+    for some, which in _nameless(read, plan):
         plan.last += 1
         plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
-        add_utterance(plan, Utterance(plan.last, said, "", DEFAULT_SPEAKER, moment, "import"))
+        add_utterance(plan, import_of(source, plan.last, moment, some=which))
         for rule_id in sorted(map(_id, some)):
             write.told(rule_id, plan.last, asserted=True)
         yield
@@ -278,8 +278,8 @@ def _finish(
     write.quads(plan.insert)
 
 
-def _nameless(read: _Read, plan: Plan, source: str) -> Iterator[tuple[list[int], str]]:
-    """The rules that no utterance asserted, some at a time, with what stands for one."""
+def _nameless(read: _Read, plan: Plan) -> Iterator[tuple[list[int], str]]:
+    """The rules that no utterance asserted, some at a time, and which of all these they are."""
     numbers = [
         number
         for number, told in zip(read.ids, read.utterances, strict=True)
@@ -287,8 +287,8 @@ def _nameless(read: _Read, plan: Plan, source: str) -> Iterator[tuple[list[int],
     ]
     start = 1
     for some in _batched(numbers, PER_UTTERANCE):
-        where = f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
-        yield some, f"import of {source}{where}"
+        which = f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
+        yield some, which
         start += len(some)
 
 

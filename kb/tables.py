@@ -15,7 +15,7 @@ from typing import Protocol
 from ..ontology.errors import DataError, HiltError, ValidationError
 from . import notation
 from .interval import DIGITS
-from .rule import Atom, Rule
+from .rule import ARGUMENT_KINDS, Atom, Rule
 from .terms import write_time
 
 COLUMNS = (
@@ -159,7 +159,7 @@ def _atoms(cell: str, kind: str) -> frozenset[Atom]:
 
 
 def _cells(rule: Rule) -> tuple[str, ...]:
-    argument_kind = notation.ARGUMENT_KINDS.get(rule.functor)
+    argument_kind = ARGUMENT_KINDS.get(rule.functor)
     return (
         write_atoms(rule.features, notation.FEATURE_KIND),
         write_atoms(rule.contexts, notation.CONTEXT_KIND),

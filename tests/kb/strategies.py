@@ -28,7 +28,7 @@ general_rules = st.builds(
     st.frozensets(
         st.builds(Atom, st.just("action"), contexts) | st.builds(Atom, st.just("place"), words)
     ),
-    st.sampled_from(["moveTo", "usedFor", "graspObject"]),
+    st.sampled_from(["moveTo", "cutWith"]),
     st.none() | st.builds(Atom, st.sampled_from(["place", "part", "affordance"]), words),
     intervals,
     speakers,

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.changes import changes, difference, find_rule, last_told
+from hilt.kb.exchange import import_text
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.kb.store import open_store
@@ -126,3 +127,11 @@ def test_last_told_is_the_whole_last_sentence(kb: KnowledgeBase):
     assert {rule.id for rule in last_told(kb, "sam")} == {HANDLE.id, BLADE.id}
     with pytest.raises(UnknownNameError, match=r'told by "eve"'):
         last_told(kb, "eve")
+
+
+def test_what_a_file_said_is_not_the_last_sentence(kb: KnowledgeBase):
+    """To forget the last thing told never takes back a whole import."""
+    teach(kb, HANDLE)
+    import_text(kb, b"features,functor,argument,lower\nmug,usedFor,sipping,0.5\n", format="csv")
+
+    assert [rule.id for rule in last_told(kb, "sam")] == [HANDLE.id]

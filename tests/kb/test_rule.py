@@ -79,6 +79,28 @@ def test_other_functor_makes_a_general_rule():
     assert rule.as_json()["contexts"] == ["place:kitchen"]
 
 
+@pytest.mark.parametrize(
+    ("functor", "argument", "said"),
+    [
+        ("usedFor", None, r"usedFor needs an affordance, .*; found none\."),
+        ("usedFor", Atom("part", "blade"), r"an affordance, .*; found part:blade\."),
+        (
+            "graspObject",
+            None,
+            r"graspObject needs a part, as graspObject\(part:blade\); found none",
+        ),
+        ("graspObject", Atom("object", "knife"), r"a part, .*; found object:knife\."),
+    ],
+)
+def test_known_functors_need_what_they_are_about(functor: str, argument: Atom | None, said: str):
+    """They would never be found; functors of one's own take anything."""
+    knife = frozenset([Atom("object", "knife")])
+
+    with pytest.raises(ValidationError, match=said):
+        Rule(knife, frozenset(), functor, argument, HIGH)
+    assert Rule(knife, frozenset(), "holdStill", argument, HIGH).argument == argument
+
+
 def test_same_content_is_the_same_rule_whenever_it_was_told():
     """The id knows speaker, atoms and interval, not the utterance."""
     rule = grasping("knife", "blade", "pass", interval=HIGH)
