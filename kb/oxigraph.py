@@ -36,7 +36,7 @@ from .journal import Journal
 from .limits import Limits
 from .nquads import Group, Reader, grouped
 from .results import RDF_12, Found, Solutions
-from .sparql import delete_insert, syntax_problem
+from .sparql import delete_insert, syntax_problem, words
 from .store import MEMORY
 from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 
@@ -288,7 +288,11 @@ class OxigraphStore:
 
     def _run(self, query: str) -> object:
         with _reported(self.location, query):
-            return self._engine().query(query, prefixes=_PREFIXES, use_default_graph_as_union=True)
+            # The engine would not look at the graphs that a query itself chooses (FROM).
+            is_union = "from" not in query.lower() or "FROM" not in words(query)
+            return self._engine().query(
+                query, prefixes=_PREFIXES, use_default_graph_as_union=is_union
+            )
 
     def _engine(self) -> engine.Store:
         if self._inner is None:

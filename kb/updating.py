@@ -14,10 +14,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import GRAPH_NAMES, iri, shortened
+from ..ontology.vocabulary import GRAPH_NAMES, Iri, iri, shortened, split
 from .beliefs import KnowledgeBase
 from .bounded import Worker
-from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
+from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
 from .limits import Limits
 from .migration import FORMAT, format_of
 from .reach import refuse_chance, refuse_outside
@@ -27,7 +27,7 @@ from .sparql import declared, delete_insert, joined
 from .store import Store
 from .telling import speaker_quads, to_milliseconds
 from .terms import Quad
-from .validation import lawful
+from .validation import lawful, rule_nodes
 
 KIND = "update"  # of the utterance that keeps it in the history
 
@@ -92,9 +92,10 @@ def try_out(store: Store, updates: Sequence[str], sequence: int, limits: Limits)
 
 def tried(store: Store, updates: Iterable[str]) -> bytes:
     """What comes of updates to a copy, as JSON: the worker's side of `try_out`."""
+    told, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
     for update in updates:
         store.update(update)
-    findings = sorted(_findings(store))
+    findings = sorted({*_findings(store), *_rewritten(store, told), *_lost(store, rules)})
     return json.dumps({"sequence": Recall(store).sequence, "findings": findings}).encode()
 
 
@@ -107,6 +108,22 @@ def _findings(store: Store) -> Iterator[str]:
     if format_of(store) != FORMAT:
         yield "An update must leave the format of the base alone."
     yield from (str(finding) for finding in lawful(store))
+
+
+def _rewritten(store: Store, told: set[Quad]) -> Iterator[str]:
+    """What an update changed in the history, but for the line that says that it was done."""
+    number = Recall(store).sequence
+    said = utterance_iri(number)
+    for quad in told.symmetric_difference(store.quads(None, None, None, HISTORY)):
+        kind, _ = split(quad.subject)
+        if quad.subject != said and not (kind == "speaker" and quad not in told):
+            yield f"{shortened(quad.subject)}: An update must leave the history alone."
+
+
+def _lost(store: Store, rules: set[Iri]) -> Iterator[str]:
+    """The rules that are no more, although the history speaks of them."""
+    for node in rules.difference(rule_nodes(store)):
+        yield f"{shortened(node)}: An update must leave every rule; retracted ones have a status."
 
 
 def _recorded(said: Utterance) -> str:

@@ -181,8 +181,10 @@ def text_of(text_or_file: str) -> str:
     if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
         try:
             return Path(text_or_file).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise DataError(f"cannot be read: {error}.", source=text_or_file) from error
+        except OSError as error:
+            raise DataError(f"cannot be read: {error.strerror}.", source=text_or_file) from error
+        except UnicodeDecodeError as error:
+            raise DataError("expected UTF-8 text.", source=text_or_file) from error
     return text_or_file
 
 

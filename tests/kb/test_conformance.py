@@ -226,6 +226,14 @@ def test_triple_terms_are_refused(store: Store):
         store.select("SELECT (TRIPLE(<urn:a>, <urn:b>, 1) AS ?t) WHERE {}")
 
 
+def test_query_that_chooses_its_graphs_sees_those(store: Store):
+    """FROM is what the standard says: these graphs, and no others."""
+    store.apply(insert=[quad(1, G), quad(2, H)])
+
+    assert list(store.select("SELECT ?o FROM graph:history { ?s ?p ?o }")) == [(2,)]
+    assert not list(store.select("SELECT ?o FROM graph:lexicon { ?s ?p ?o }"))
+
+
 def test_query_sees_all_graphs_as_one(store: Store):
     """Who asks without naming graphs finds what is in any of them."""
     store.apply(insert=[quad(1), Quad(P, P, 2, H)])

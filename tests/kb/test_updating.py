@@ -45,6 +45,10 @@ def test_dry_run_changes_nothing(paper: KnowledgeBase):
         ("INSERT DATA { GRAPH <urn:g> { <urn:a> <urn:b> 1 } }", "none of a base's"),
         ("CLEAR GRAPH graph:base", "leave the (number|format)"),
         ("DROP ALL", "leave the (number|format)"),
+        ("DROP GRAPH graph:history", "utterance:1: An update must leave the history alone"),
+        ("DELETE WHERE { GRAPH graph:history { utterance:2 ?p ?o } }", "utterance:2: .* history"),
+        ("INSERT DATA { GRAPH graph:history { utterance:9 a hilt:Utterance } }", "utterance:9"),
+        ("DROP GRAPH graph:beliefs", "An update must leave every rule"),
         ("INSERT DATA { GRAPH graph:beliefs { rule:1 hilt:lower 2.0 } }", "rule:1"),
     ],
 )  # fmt: skip
