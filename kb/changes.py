@@ -149,8 +149,9 @@ def last_told(base: Recall, speaker: str) -> list[Rule]:
     # What a file said of a speaker is no sentence of that one.
     last = next((one for one in numbers if base.utterance(one).kind != IMPORT), None)
     if last is None:
-        others = {rule.speaker for rule in base.rules()} - {speaker}
-        raise UnknownNameError("rule told by", speaker, others)
+        saying = {rule.utterance: rule.speaker for rule in base.rules() if rule.utterance}
+        others = {name for one, name in saying.items() if base.utterance(one).kind != IMPORT}
+        raise UnknownNameError("sentence with a rule that holds by", speaker, others)
     return [rule for rule in told if rule.utterance == last]
 
 

@@ -21,6 +21,7 @@ from .store import MEMORY, Store, open_store
 
 LOCK = "LOCK"  # the file of a folder that its owner has locked
 ENDPOINT = ("http://", "https://")
+_OCCUPIED = '"{}" holds a knowledge base. Say that it is to be replaced (--replace).'
 
 
 def backup(base: KnowledgeBase, target: Path) -> int:
@@ -98,7 +99,7 @@ def _check_free(target: Path, *, replace: bool) -> None:
     holds_base = any(owner.quads())
     owner.close()  # it would go on tidying up under this name
     if holds_base and not replace:
-        raise StoreError(f'"{target}" holds a knowledge base. Say that it is to be replaced.')
+        raise StoreError(_OCCUPIED.format(target))
 
 
 @contextmanager
@@ -131,9 +132,7 @@ def _restore_endpoint(source: Path, location: str, *, replace: bool) -> None:
     try:
         before = list(store.quads())
         if before and not replace:
-            raise StoreError(
-                f'"{store.location}" holds a knowledge base. Say that it is to be replaced.'
-            )
+            raise StoreError(_OCCUPIED.format(store.location))
         with store.writing():
             store.apply(delete=before, insert=list(backup_store.quads()))
     finally:

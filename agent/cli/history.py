@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...ontology.errors import HiltError, StoreError
+from ...ontology.errors import DataError, HiltError
 from .options import AsJson, Kb, Speaker, app
 from .terminal import finish, open_base, open_for_reading, show, terminal
 
@@ -208,7 +208,7 @@ def _opened(name: str) -> KnowledgeBase:
     if name.startswith(ADDRESSES) or Path(name).is_dir():
         return KnowledgeBase.open(name, read_only=True)
     if not Path(name).exists():
-        raise StoreError(f'There is neither a knowledge base nor a file "{name}".')
+        raise DataError("is neither a knowledge base nor a file.", source=name)
     base = KnowledgeBase.open("memory:")
     try:
         import_file(base, name)

@@ -113,7 +113,7 @@ def test_forgetting_a_word(run: Run):
     [
         (("forget", "rule/0000000000000000"), "no rule"),
         (("forget", "a", "b", "c"), 'Expected RULE, "last"'),
-        (("forget", "last", "--speaker", "eve"), 'told by "eve"'),
+        (("forget", "last", "--speaker", "eve"), 'holds by "eve"'),
         (("rules", "--at", "yesterday"), "expected a date"),
         (("rules", "--at", "99"), "no utterance"),
         (("rules", "--according-to", "eve"), 'no speaker "eve"'),
@@ -215,7 +215,7 @@ def test_merging_what_is_not_there_is_an_error(run: Run, hilt: Run, tmp_path: Pa
     """Neither a base nor a file."""
     code, _, error = hilt("merge", tmp_path / "kb", tmp_path / "nothing")
 
-    assert code == 1
+    assert code == 2
     assert "neither a knowledge base nor a file" in error
 
 

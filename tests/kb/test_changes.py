@@ -125,7 +125,7 @@ def test_last_told_is_the_whole_last_sentence(kb: KnowledgeBase):
     teach(kb, CUTTING, speaker="anna")
 
     assert {rule.id for rule in last_told(kb, "sam")} == {HANDLE.id, BLADE.id}
-    with pytest.raises(UnknownNameError, match=r'told by "eve"'):
+    with pytest.raises(UnknownNameError, match=r'holds by "eve"'):
         last_told(kb, "eve")
 
 
