@@ -93,12 +93,15 @@ class Lines:
         """Lines as they are."""
         self._write(lines)
 
-    def told(self, rule_id: str, utterance: int, *, asserted: bool) -> None:
-        """From which utterance a rule comes; with `asserted` also that this one asserts it."""
-        start, said = _name(rule_id), f"<{_UTTERANCES}{utterance}>"
-        self._write(f"{start}{_SOURCE}{said}{_END}")
-        if asserted:
-            self._write(f"{said}{_ASSERTS}{start}{_HISTORY_END}")
+    def told(self, rule_id: str, utterance: int) -> None:
+        """From which utterance a rule comes."""
+        self._write(f"{_name(rule_id)}{_SOURCE}<{_UTTERANCES}{utterance}>{_END}")
+
+    def asserted(self, utterance: int, rule_ids: Iterable[str]) -> None:
+        """Which rules an utterance asserts."""
+        start = f"<{_UTTERANCES}{utterance}>{_ASSERTS}"
+        for rule_id in rule_ids:
+            self._write(f"{start}{_name(rule_id)}{_HISTORY_END}")
 
     def believed(self, rule_ids: Iterable[str], moment: datetime) -> None:
         """Since when rules are believed."""

@@ -131,6 +131,11 @@ class Plan:
     new: list[Rule] = field(default_factory=list[Rule])
     known: list[Rule] = field(default_factory=list[Rule])
 
+    def add(self, utterance: Utterance) -> None:
+        """Add one utterance under the number that it has."""
+        self.insert += utterance_quads(utterance)
+        self.insert += speaker_quads(utterance.speaker, HISTORY)
+
 
 def merge(base: Telling, other: Recall, *, source: str, dry_run: bool = False) -> Merged:
     """Take over what another base knows, as one unit.
@@ -215,7 +220,7 @@ def plan_history(plan: Plan, base: Telling, other: Recall) -> None:
             continue
         plan.last = max(utterance.sequence, plan.last + 1)
         plan.numbers[utterance.sequence] = plan.last
-        add_utterance(plan, replace(utterance, sequence=plan.last))
+        plan.add(replace(utterance, sequence=plan.last))
 
 
 def _plan_rules(plan: Plan, base: Telling, other: Recall, source: str) -> None:
@@ -233,7 +238,7 @@ def _plan_rules(plan: Plan, base: Telling, other: Recall, source: str) -> None:
         plan.last += 1
         utterance = import_of(source, plan.last, to_milliseconds(base.clock()), asserts=ids)
         plan.numbers[-1] = utterance.sequence  # it stands for no number of the other's
-        add_utterance(plan, utterance)
+        plan.add(utterance)
         plan.new += [
             replace(rule, utterance=utterance.sequence, time=rule.time or utterance.time)
             for rule in nameless
@@ -269,12 +274,6 @@ def _same_utterance(base: Recall, utterance: Utterance) -> int | None:
                 if replace(there, sequence=utterance.sequence) == utterance:
                     return there.sequence
     return None
-
-
-def add_utterance(plan: Plan, utterance: Utterance) -> None:
-    """Add one utterance under the number that it has."""
-    plan.insert += utterance_quads(utterance)
-    plan.insert += speaker_quads(utterance.speaker, HISTORY)
 
 
 def _renumbered(quad: Quad, renumbered: dict[Iri, Iri]) -> Quad:

@@ -33,7 +33,6 @@ from .merging import (
     Conflict,
     Plan,
     Summary,
-    add_utterance,
     are_apart,
     claim,
     plan_history,
@@ -92,6 +91,20 @@ class _Read:
     copier: Copier = field(default_factory=Copier)
 
 
+@dataclass
+class _Plan(Plan):
+    """A plan that keeps apart what utterances assert: that is as much as there are rules."""
+
+    asserted: list[tuple[int, tuple[str, ...]]] = field(
+        default_factory=list[tuple[int, tuple[str, ...]]]
+    )
+
+    def add(self, utterance: Utterance) -> None:
+        """As `Plan.add`, without what it asserts."""
+        self.asserted.append((utterance.sequence, utterance.asserts))
+        super().add(replace(utterance, asserts=()))
+
+
 class _Held:
     """What was written and is not taken yet."""
 
@@ -135,7 +148,7 @@ def _import(
     """Load the lines of all that is new while they are made; a mistake in any loads none."""
     store = base.store
     with store.writing():
-        plan = Plan(base.sequence)
+        plan = _Plan(base.sequence)
         lines = _lines(base, rules, read, plan, source)
         if dry_run:
             deque(lines, maxlen=0)
@@ -154,7 +167,7 @@ def _import(
 
 
 def _lines(
-    base: KnowledgeBase, rules: Iterable[Told], read: _Read, plan: Plan, source: str
+    base: KnowledgeBase, rules: Iterable[Told], read: _Read, plan: _Plan, source: str
 ) -> Iterator[bytes]:
     """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
     held = _Held()
@@ -257,20 +270,25 @@ def _new(base: KnowledgeBase, rules: Iterable[Told], read: _Read) -> Iterator[To
 
 
 def _finish(
-    base: KnowledgeBase, plan: Plan, read: _Read, write: Lines, source: str
+    base: KnowledgeBase, plan: _Plan, read: _Read, write: Lines, source: str
 ) -> Iterator[None]:
     """Write where the rules come from, and everything else that is new; stop now and then."""
     moment = to_milliseconds(base.clock())
     for some, which in _nameless(read, plan):
         plan.last += 1
         plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
-        add_utterance(plan, import_of(source, plan.last, moment, some=which))
-        for rule_id in sorted(map(_id, some)):
-            write.told(rule_id, plan.last, asserted=True)
+        plan.add(import_of(source, plan.last, moment, some=which))
+        ids = sorted(map(_id, some))
+        write.asserted(plan.last, ids)
+        for rule_id in ids:
+            write.told(rule_id, plan.last)
+        yield
+    for said, ids in plan.asserted:
+        write.asserted(said, ids)
         yield
     for number, told in zip(read.ids, read.utterances, strict=True):
         if told in plan.numbers:
-            write.told(_id(number), plan.numbers[told], asserted=False)
+            write.told(_id(number), plan.numbers[told])
     write.believed(map(_id, read.timeless), moment)
     # The new number comes with what it counts; the old one goes after that, and never counts.
     if plan.last:
