@@ -14,41 +14,36 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import re
 import shutil
 import tempfile
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 import pyoxigraph as engine
 
-from ..ontology.errors import DataError, HiltError, InUseError, QueryError, StoreError
-from ..ontology.vocabulary import PREFIXES, Iri, shortened
+from ..ontology.errors import QueryError, StoreError
+from ..ontology.vocabulary import PREFIXES, Iri
 from . import snapshots, worker
 from .annotated import Edge, Reified
 from .bounded import Worker
 from .dumping import Sink
+from .failures import line_of, open_error, reading_text, reported, syntax_error
+from .folders import is_base, remove_reports, undo_replacement
 from .journal import Journal
 from .limits import Limits
 from .nquads import Group, Reader, grouped
 from .results import RDF_12, Found, Solutions
-from .sparql import delete_insert, syntax_problem, words
+from .sparql import delete_insert, words
 from .store import MEMORY
 from .terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
+from .texts import fit_for_xml, with_sorted_prefixes
 
-# A folder that has this file is one the engine made.
-_MARK = "CURRENT"
 _MAX_KNOWN = 100_000  # terms that are remembered
-_MAX_LINE = 2**20  # bytes of a line that are looked at
 _MAX_TERM = 2**24  # bytes of a line with one statement, as the engine has it
 _CHUNK = 2**18  # bytes that are read at once
-_REMOTE_CONTEXT = "LoadDocumentCallback"  # what the engine says of one
-_NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-_NO_SPACE = "No space left"
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
 _OF_LINES = frozenset({"nquads", "ntriples"})  # formats with one statement a line
@@ -104,7 +99,7 @@ class OxigraphStore:
         if not isinstance(found, engine.QuerySolutions):
             raise QueryError("Expected a SELECT query.")
         names = tuple(variable.value for variable in found.variables)
-        with _reported(self.location):
+        with reported(self.location):
             rows = tuple(tuple(None if t is None else _term(t) for t in row) for row in found)
         return Solutions(names, rows)
 
@@ -120,7 +115,7 @@ class OxigraphStore:
         found = self._run(query)
         if not isinstance(found, engine.QueryTriples):
             raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
-        with _reported(self.location):
+        with reported(self.location):
             return [Quad(*(_term(part) for part in triple)) for triple in found]  # pyright: ignore[reportArgumentType]
 
     def run(self, query: str, limits: Limits) -> Found:
@@ -134,7 +129,7 @@ class OxigraphStore:
     def serialized(self, query: str) -> tuple[str, bytes]:
         """The answer of any query as a document, and which kind it is (see `worker`)."""
         found = self._run(query)
-        with _reported(self.location, query):
+        with reported(self.location, query):
             if isinstance(found, engine.QueryTriples):
                 written = found.serialize(format=engine.RdfFormat.N_TRIPLES)
                 return worker.TRIPLES, cast(bytes, written)
@@ -156,14 +151,14 @@ class OxigraphStore:
             None if object is None else _engine_term(object),
             None if graph is None else engine.NamedNode(graph),
         )
-        with _reported(self.location):
+        with reported(self.location):
             for quad in found:
                 yield _quad(quad)
 
     def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
         """Everything that stands at a node."""
         # The hot read: only what is wanted is turned into terms of ours.
-        with _reported(self.location):
+        with reported(self.location):
             found = self._engine().quads_for_pattern(
                 engine.NamedNode(subject), None, None, engine.NamedNode(graph)
             )
@@ -208,7 +203,7 @@ class OxigraphStore:
             format: one of `RDF_FORMATS`; one without graphs needs `graph`.
             graph: whose statements; None for all.
         """
-        with _reported(self.location):
+        with reported(self.location):
             self._engine().dump(
                 cast(BinaryIO, stream),
                 format=RDF_FORMATS[format],
@@ -219,7 +214,7 @@ class OxigraphStore:
     def dump_rows(self, query: str, stream: Sink) -> None:
         """Write the rows of a SELECT query as CSV, one after the other as they are found."""
         found = self._run(query)
-        with _reported(self.location, query):
+        with reported(self.location, query):
             rows = cast("engine.QuerySolutions", found)
             rows.serialize(cast(BinaryIO, stream), format=engine.QueryResultsFormat.CSV)
 
@@ -247,7 +242,7 @@ class OxigraphStore:
         Raises:
             StoreError: it cannot be written.
         """
-        with self._lock, _reported(self.location):
+        with self._lock, reported(self.location):
             store = self._engine()
             if self._snapshot:
                 shutil.copytree(self._snapshot, target)
@@ -262,7 +257,7 @@ class OxigraphStore:
         if self._snapshot:
             return self._snapshot
         if self._frozen is None:
-            with _reported(self.location):
+            with reported(self.location):
                 if self._folder:
                     # The engine wants to make the last folder itself.
                     self._frozen = snapshots.place(self._folder) / "base"
@@ -287,7 +282,7 @@ class OxigraphStore:
             snapshots.remove(self._discarded.pop())
 
     def _run(self, query: str) -> object:
-        with _reported(self.location, query):
+        with reported(self.location, query):
             # The engine would not look at the graphs that a query itself chooses (FROM).
             is_union = "from" not in query.lower() or "FROM" not in words(query)
             return self._engine().query(
@@ -306,7 +301,7 @@ class OxigraphStore:
 
     @contextmanager
     def _changing(self, update: str = "") -> Generator[engine.Store]:
-        with self._lock, _reported(self.location, update):
+        with self._lock, reported(self.location, update):
             store = self._engine()
             if self.read_only:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
@@ -347,25 +342,19 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         StoreError: the folder is in use, cannot be written, holds something else, or is damaged.
     """
     try:
-        _undo_replacement(folder)
-        is_base = _check_folder(folder)
+        undo_replacement(folder)
+        is_there = is_base(folder)
         if read_only:
-            if not is_base:
+            if not is_there:
                 raise StoreError(f'There is no knowledge base "{folder}" to read.')
             return _open_snapshot(snapshots.take(folder), str(folder))
         folder.mkdir(parents=True, exist_ok=True)
         snapshots.remove_stale(folder)
         opened = engine.Store(str(folder))
-        _remove_reports(folder)
+        remove_reports(folder)
         return OxigraphStore(opened, str(folder), read_only=False, folder=folder)
     except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
-        raise _open_error(folder, error) from error
-
-
-def _remove_reports(folder: Path) -> None:
-    """Remove what the engine reported of earlier openings, which it would keep a thousand of."""
-    for report in folder.glob("LOG.old.*"):
-        report.unlink(missing_ok=True)
+        raise open_error(folder, error) from error
 
 
 def open_snapshot(snapshot: Path) -> OxigraphStore:
@@ -377,7 +366,7 @@ def open_snapshot(snapshot: Path) -> OxigraphStore:
     try:
         return OxigraphStore(engine.Store.read_only(str(snapshot)), str(snapshot), read_only=True)
     except (OSError, RuntimeError) as error:
-        raise _open_error(snapshot, error) from error
+        raise open_error(snapshot, error) from error
 
 
 def load_file(file: Path) -> OxigraphStore:
@@ -387,7 +376,7 @@ def load_file(file: Path) -> OxigraphStore:
         StoreError: it cannot be read.
     """
     store = engine.Store()
-    with _reported(str(file)):
+    with reported(str(file)):
         store.bulk_load(path=file, format=engine.RdfFormat.N_QUADS)
     return OxigraphStore(store, str(file), read_only=True)
 
@@ -411,12 +400,12 @@ def read_rdf(
         DataError: it is wrong; says where.
     """
     terms = _Terms()
-    with _read_errors(source):
+    with reading_text(source):
         try:
             for quad in engine.parse(stream, format=RDF_FORMATS[format]):
                 yield _placed(quad, terms, default)
         except SyntaxError as error:
-            raise _syntax_error(error, source, _line(stream, error.lineno or 0)) from error
+            raise syntax_error(error, source, line_of(stream, error.lineno or 0)) from error
 
 
 def read_groups(
@@ -428,7 +417,7 @@ def read_groups(
 ) -> Iterator[Group | Reified]:
     """As `read_rdf`, the statements of one node together where they stand so."""
     if format in _OF_LINES:
-        with _read_errors(source):
+        with reading_text(source):
             yield from _read_lines(stream, format=format, source=source, default=default)
     else:
         yield from grouped(read_rdf(stream, format=format, source=source, default=default))
@@ -461,25 +450,10 @@ def line_reader(format: str, *, source: str, default: Iri) -> Reader:  # noqa: A
         try:
             return [_placed(quad, terms, default) for quad in engine.parse(line, format=chosen)]
         except SyntaxError as error:
-            raise _syntax_error(error, source, line, reader.line) from error
+            raise syntax_error(error, source, line, reader.line) from error
 
     reader = Reader(parse, default=default, has_graphs=chosen.supports_datasets)
     return reader
-
-
-@contextmanager
-def _read_errors(source: str) -> Generator[None]:
-    """What goes wrong while a text is read, told as ours."""
-    try:
-        yield
-    except MemoryError as error:
-        raise DataError("has a text or name of more than 16 MB.", source=source) from error
-    except UnicodeDecodeError as error:
-        raise DataError("expected UTF-8 text.", source=source) from error
-    except (ValueError, OSError) as error:
-        if isinstance(error, HiltError):
-            raise
-        raise DataError(_short(error), source=source) from error
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:
@@ -488,7 +462,7 @@ def read_triples(data: bytes, *, source: str) -> list[Quad]:
     Raises:
         QueryError: it is wrong or holds what RDF 1.1 has not; `source` sent it.
     """
-    with _reported(source):
+    with reported(source):
         return [_quad(quad) for quad in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
 
 
@@ -498,7 +472,7 @@ def save_quads(quads: Iterable[Quad], target: Path) -> None:
     Raises:
         StoreError: it cannot be written.
     """
-    with _reported(str(target)):
+    with reported(str(target)):
         _write_folder((_engine_quad(quad) for quad in quads), target)
 
 
@@ -512,7 +486,7 @@ def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
     stream = io.BytesIO()
     write_rdf_to(quads, stream, format=format)
     written = stream.getvalue()
-    return _with_sorted_prefixes(written) if format in _ABBREVIATED else written
+    return with_sorted_prefixes(written) if format in _ABBREVIATED else written
 
 
 def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> None:  # noqa: A002
@@ -523,40 +497,13 @@ def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> Non
     """
     chosen = RDF_FORMATS[format]
     if chosen == engine.RdfFormat.RDF_XML:
-        quads = map(_fit_for_xml, quads)
+        quads = map(fit_for_xml, quads)
     terms = _EngineTerms()
     if chosen.supports_datasets:
         statements = (terms.quad(quad) for quad in quads)
     else:
         statements = (terms.triple(quad) for quad in quads)
     engine.serialize(statements, stream, format=chosen, prefixes=_PREFIXES)
-
-
-def _fit_for_xml(quad: Quad) -> Quad:
-    """The statement itself; the engine would write what no parser reads."""
-    value = quad.object
-    found = _NOT_IN_XML.search(value) if isinstance(value, str) else None
-    if found:
-        raise DataError(
-            f"XML cannot hold the character U+{ord(found[0]):04X} of {shortened(quad.subject)}. "
-            "Take Turtle, N-Quads or another format.",
-            source="RDF/XML",
-        )
-    return quad
-
-
-def _with_sorted_prefixes(written: bytes) -> bytes:
-    """The text with the prefixes it uses, in our order; the engine's order is a random one."""
-    lines = written.split(b"\n")
-    count = next((i for i, line in enumerate(lines) if not line.startswith(b"@prefix")), len(lines))
-    body = b"\n".join(lines[count:])
-    used = set(re.findall(rb"(?<![\w<])([a-z]+):", body))
-    head = [
-        f"@prefix {prefix}: <{namespace}> .\n"
-        for prefix, namespace in PREFIXES.items()
-        if prefix.encode() in used
-    ]
-    return "".join([*head, "\n"]).encode() + body
 
 
 def _open_snapshot(snapshot: Path, location: str) -> OxigraphStore:
@@ -569,94 +516,10 @@ def _open_snapshot(snapshot: Path, location: str) -> OxigraphStore:
     return OxigraphStore(inner, location, read_only=True, snapshot=snapshot)
 
 
-def replaced_place(folder: Path) -> Path:
-    """Where a folder stands while another one takes its place."""
-    return folder.with_name(f".{folder.name}.replaced")
-
-
 def _write_folder(quads: Iterable[engine.Quad], target: Path) -> None:
     store = engine.Store(str(target))
     store.bulk_extend(quads)
     store.flush()
-
-
-def _undo_replacement(folder: Path) -> None:
-    """Take back the old folder, when a crash came before the new one was in its place."""
-    if not folder.exists() and replaced_place(folder).exists():
-        replaced_place(folder).rename(folder)
-
-
-def _check_folder(folder: Path) -> bool:
-    if not folder.exists():
-        return False
-    if not folder.is_dir():
-        raise StoreError(f'"{folder}" is a file. A knowledge base is a folder.')
-    if (folder / _MARK).exists():
-        return True
-    if any(folder.iterdir()):
-        raise StoreError(
-            f'"{folder}" holds other files and no knowledge base. Name another folder.'
-        )
-    return False
-
-
-def _open_error(folder: Path, error: Exception) -> StoreError:
-    if isinstance(error, StoreError):
-        return error
-    if "lock" in str(error).lower():
-        return InUseError(str(folder))
-    if (folder / _MARK).exists():
-        return StoreError(
-            f'The knowledge base "{folder}" is damaged or cannot be read: {_short(error)} '
-            "Restore it from a backup or an export."
-        )
-    return StoreError(f'The knowledge base "{folder}" cannot be created: {_short(error)}')
-
-
-def _short(error: Exception) -> str:
-    text = getattr(error, "strerror", None) or str(error)
-    return text.strip().rstrip(".").splitlines()[0] + "."
-
-
-@contextmanager
-def _reported(location: str, text: str = "") -> Generator[None]:
-    """Turn the engine's errors into ours; `text` is the SPARQL that it was given."""
-    try:
-        yield
-    except HiltError:
-        raise
-    except (OSError, RuntimeError) as error:
-        if _NO_SPACE in str(error):
-            raise StoreError(
-                f'The disk of the knowledge base "{location}" is full. This was not written; all '
-                "that was acknowledged is safe. Make room, and open the base again."
-            ) from error
-        raise StoreError(f'The knowledge base "{location}" failed: {_short(error)}') from error
-    except (SyntaxError, ValueError) as error:
-        raise QueryError(syntax_problem(str(error), text)) from error
-
-
-def _syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> DataError:
-    """What is wrong with a text; `line` where the engine was given that one only."""
-    problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
-    if _REMOTE_CONTEXT in problem:
-        problem = "a context from elsewhere is refused; write it into the file"
-    return DataError(
-        problem.rstrip(".") + ".",
-        source=source,
-        line=line or error.lineno or 0,
-        column=error.offset or 0,
-        text=text.rstrip()[:500],
-    )
-
-
-def _line(stream: BinaryIO, number: int) -> str:
-    """A line of what was read, where the stream can go back to it."""
-    if not number or not stream.seekable():
-        return ""
-    stream.seek(0)
-    text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
-    return text.decode("utf-8", "replace")
 
 
 def _term(term: Any) -> Term:

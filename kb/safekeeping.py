@@ -16,7 +16,8 @@ from pathlib import Path
 
 from ..ontology.errors import InUseError, StoreError
 from .beliefs import KnowledgeBase
-from .oxigraph import open_folder, replaced_place
+from .folders import replaced_place
+from .oxigraph import open_folder
 from .store import MEMORY, Store, open_store
 
 LOCK = "LOCK"  # the file of a folder that its owner has locked

@@ -13,7 +13,7 @@ import pytest
 
 from hilt.kb import snapshots
 from hilt.kb.beliefs import KnowledgeBase
-from hilt.kb.oxigraph import replaced_place
+from hilt.kb.folders import replaced_place
 from hilt.kb.rule import functional
 from hilt.kb.safekeeping import backup, restore
 from hilt.kb.store import open_store
