@@ -60,11 +60,13 @@ def write_columns(store: Store, target: Writable, progress: Progress | None = No
         ValidationError: a rule of it lacks something.
     """
     table = _Table(begin_table(target), progress)
-    for status in get_args(Status):
-        table.begin(status)
-        dump_rows(store, _ROWS % stars.status_iri(status), table.sink)
-        table.finish()
-    if table.count != (there := count(store, _COUNT)):
+    with store.writing():  # so that all of it is of one moment
+        for status in get_args(Status):
+            table.begin(status)
+            dump_rows(store, _ROWS % stars.status_iri(status), table.sink)
+            table.finish()
+        there = count(store, _COUNT)
+    if table.count != there:
         raise ValidationError(
             [f"{abs(there - table.count)} rules of the base are not whole, or stand there twice."]
         )
@@ -78,24 +80,24 @@ class _Table:
         self.count = 0
         self.sink = Sink(self._feed)
         self._writer, self._progress = writer, progress
-        self._status = ""
+        self._status, self._is_head = "", False
         self._rest = b""
         self._rows: list[list[str]] = []  # of the rule at hand
 
     def begin(self, status: str) -> None:
         """What comes now are rules of a status, behind a line with the names of the columns."""
-        self._status, self._rest = status, b""
-        self._is_head = True
+        self._status, self._is_head, self._rest = status, True, b""
 
     def _feed(self, chunk: bytes) -> None:
         whole, end, rest = chunk.rpartition(b"\n")
         if not end:
             self._rest += rest
             return
-        lines = (self._rest + whole).decode().splitlines()
+        lines = (self._rest + whole).decode().split("\n")
         self._rest = rest
         if self._is_head:
-            self._is_head = not lines.pop(0)
+            self._is_head = False
+            del lines[0]
         for row in csv.reader(lines):
             if self._rows and self._rows[0][0] != row[0]:
                 self._write()
