@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ..ontology.source import Field
-from .patterns import Steps, checked, spellings
+from .patterns import Steps, checked, matches, spellings
 from .tokens import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]
@@ -58,8 +58,7 @@ class Asides:
         for place in sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}):
             tag = tokens.words[place:]
             if tag in self.asking or tag in self.telling:
-                rest = tokens.part(0, place)
-                return replace(rest, asks=tag in self.asking, pauses=_below(tokens, place))
+                return replace(tokens.part(0, place), asks=tag in self.asking)
         return tokens
 
     def removed(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
@@ -96,7 +95,7 @@ class Asides:
     def _clause_ends(self, words: Phrase, start: int) -> Iterator[int]:
         if words[start] in self._beginnings:
             for steps in self.clauses:
-                yield from _ends(steps, words, start)
+                yield from (end for _, end in matches(steps, words, start))
 
     @cached_property
     def _beginnings(self) -> frozenset[str]:
@@ -108,22 +107,6 @@ class Asides:
 
 _LONGEST = 8
 """No aside but a clause is longer [words]."""
-
-_ANY = "*"
-_NEVER_ANY = frozenset({BREAK, "not", "never", "no"})
-
-
-def _ends(steps: Steps, words: Phrase, start: int) -> Iterator[int]:
-    """Where a pattern that begins at a place may end."""
-    for step in steps:
-        if isinstance(step, int):
-            yield start
-        elif start < len(words) and _fits(step[0], words[start]):
-            yield from _ends(step[1], words, start + 1)
-
-
-def _fits(wanted: str, word: str) -> bool:
-    return wanted == word or (wanted == _ANY and word not in _NEVER_ANY)
 
 
 def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
@@ -150,7 +133,13 @@ def fronted(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
     if any(later[0] >= end or later[1] <= start for later in found[1:]):
         return None
     items = tokens.items
-    return Tokens(tokens.text, (*items[start:end], *items[:start], *items[end:]), tokens.asks)
+    pauses = (p + end - start if p <= start else p for p in tokens.pauses if not start < p <= end)
+    return Tokens(
+        tokens.text,
+        (*items[start:end], *items[:start], *items[end:]),
+        tokens.asks,
+        tuple(sorted({*pauses})),
+    )
 
 
 def _only(tokens: Tokens, kept: list[tuple[int, Token]]) -> Tokens:
@@ -160,10 +149,6 @@ def _only(tokens: Tokens, kept: list[tuple[int, Token]]) -> Tokens:
     }
     items = tuple(token for _, token in kept)
     return Tokens(tokens.text, items, tokens.asks, tuple(sorted(pauses - {len(kept)})))
-
-
-def _below(tokens: Tokens, end: int) -> tuple[int, ...]:
-    return tuple(pause for pause in tokens.pauses if pause < end)
 
 
 def _after_breaks(tokens: Tokens) -> Iterator[int]:

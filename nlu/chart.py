@@ -30,7 +30,7 @@ class Derivation(NamedTuple):
         start: its first token.
         end: one past its last token.
         rule: how it came about: a word, a change of category, or a combination.
-        parts: none for a word, one for a change, two for a combination.
+        parts: none for a word, one for a change, two for a combination, all of a frame.
     """
 
     category: Category
@@ -91,10 +91,12 @@ class Chart:
 
     def derivations(self, category: Category) -> list[Derivation]:
         """How the whole utterance is this category, the cheapest first."""
-        if not self.length:
-            return []
+        return self.spanning(0, self.length, category) if self.length else []
+
+    def spanning(self, start: int, end: int, category: Category) -> list[Derivation]:
+        """How a span is this category, the cheapest first."""
         sign = self._combinator.sign(category)
-        return self._derivations(0, self.length, sign) if sign in self.signs(0, self.length) else []
+        return self._derivations(start, end, sign) if sign in self.signs(start, end) else []
 
     def longest_span(self) -> tuple[int, int]:
         """The longest span that is anything at all, the leftmost among equals; (0, 0) for none."""

@@ -80,21 +80,27 @@ class Interpreter:
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
             rules = self.rules(form.arguments[0])
             return Statement(tuple(replace(rule, revises=True) for rule in rules))
-        if form.name == "correctDegree":
-            return Statement((self._other_degree(form, discourse),))
+        if form.name in {"correctDegree", "correctObject", "correctUse"}:
+            return Statement((self._corrected(form, discourse),))
         return Statement((_other_part(form, discourse),))
 
     def likewise(self, form: Form, discourse: Discourse) -> Statement:
-        """The last rule, of another object or use: "the same goes for spoons"."""
+        """The last rule, of another object, use or part: "the same goes for spoons"."""
         rule = discourse.rule
         if rule is None:
             raise RefusedError("nothing_to_correct", asks=True)
-        if form.name == "alsoFor":
+        one, *degree = form.arguments
+        if form.name == "alsoBy":
+            rule = _other_part(Form("alsoBy", (one,)), discourse)
+        elif form.name == "alsoFor":
             if not isinstance(rule, FunctionalRule):
                 raise RefusedError("not_a_rule")
-            return Statement((replace(rule, affordance=self.affordance(form.arguments[0])),))
-        name, props = object_of(form.arguments[0])
-        return Statement((replace(rule, object=name, props=props, revises=False),))
+            rule = replace(rule, affordance=self.affordance(one))
+        else:
+            name, props = object_of(one)
+            rule = replace(rule, object=name, props=props)
+        sure = self.intervals[degree[0].name] if degree else rule.confidence
+        return Statement((replace(rule, confidence=sure, revises=False),))
 
     def command(self, form: Form) -> Command | ToolCommand:
         """The act that a form asks for, or forbids."""
@@ -172,12 +178,19 @@ class Interpreter:
             return ToolCommand(form.name, patient, Target(used_for=self.tool_acts[form.name]))
         return ToolCommand(form.name, patient, self.target(form.arguments[2]))
 
-    def _other_degree(self, form: Form, discourse: Discourse) -> Rule:
-        """The last rule with another confidence: "no, only sometimes"."""
-        if discourse.rule is None:
+    def _corrected(self, form: Form, discourse: Discourse) -> Rule:
+        """The last rule with another confidence, object or use: "no, only sometimes"."""
+        rule, said = discourse.rule, form.arguments[0]
+        if rule is None:
             raise RefusedError("nothing_to_correct", asks=True)
-        degree = self.intervals[form.arguments[0].name]
-        return replace(discourse.rule, confidence=degree, revises=True)
+        if form.name == "correctDegree":
+            return replace(rule, confidence=self.intervals[said.name], revises=True)
+        if form.name == "correctObject":
+            name, props = object_of(said)
+            return replace(rule, object=name, props=props, revises=True)
+        if not isinstance(rule, FunctionalRule):
+            raise RefusedError("nothing_to_correct", asks=True)
+        return replace(rule, affordance=self.affordance(said), revises=True)
 
     def _one_rule(self, form: Form) -> Rule:
         rules = list(self.rules(form))

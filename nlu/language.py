@@ -5,7 +5,7 @@
     >>> language.understand("To pass a knife grab it by the blade").semantics
     'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same eight files.
+A second language is a second folder beside `ontology/english`, with the same nine files.
 """
 
 from __future__ import annotations
@@ -24,25 +24,45 @@ from .building import building, without_collecting
 from .chart import Chart
 from .combinators import Combinator
 from .expression import Expression, load_expression
+from .framing import load_frames
 from .generation import Slot, Speech, load_speech
 from .grammar import load_grammar
 from .inflection import Inflection, load_inflection
 from .interpretation import Interpreter
 from .lexicon import Entry, Lexicon
 from .listening import Listener, Situation, after, decide
-from .meaning import AskBack, Meaning, Misunderstanding, NewWord, Rule, Statement
+from .meaning import (
+    AskBack,
+    Command,
+    Meaning,
+    Misunderstanding,
+    NewWord,
+    Question,
+    Rule,
+    Statement,
+)
 from .moves import Moves
 from .pragmatics import load_pragmatics
 from .predicates import Form
 from .reference import Discourse, RefusedError
 from .tokens import BREAK, MAX_CHARACTERS, MAX_TOKENS, Token, Tokens, tokenize
 from .understanding import Reading, Understanding
-from .unknown import MAX_NEW_WORDS, NOUNS, compounds, guesses, is_word, names_like, nearest
+from .unknown import (
+    MAX_NEW_WORDS,
+    NOUNS,
+    compounds,
+    guesses,
+    is_word,
+    misspelt,
+    names_like,
+    nearest,
+)
 from .vocabulary import Vocabulary, household_vocabulary
 from .words import WordBook
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
+_KNOWN_COST = 1.0  # a word of a turn of phrase hardly ever names something, too
 _WORD_FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 
 
@@ -110,6 +130,7 @@ class Language:
             interpreter,
             load_pragmatics(),
             _examples(folder / "examples.yaml", book.contractions),
+            load_frames(folder / "frames.yaml", grammar),
         )
         speech = load_speech(
             folder / "answers.yaml", inflection, book.act_names(), book.tool_phrases()
@@ -165,6 +186,8 @@ class Language:
         """
         situation = Situation(speaker, addressee, discourse or Discourse(), (heard, 1.0))
         tokens = tokenize(text, self.book.contractions)
+        untagged = self.book.asides.untagged(tokens)
+        tokens = tokens if untagged.asks else untagged
         problem = self._problem(text, tokens)
         if problem is not None:
             return _without_reading(tokens, situation, problem)
@@ -184,6 +207,14 @@ class Language:
         if _is_open(found.meaning):
             again = self._in_turn(tokens, situation, insist)
             again = again or self._without_asides(tokens, situation, insist)
+            if not again and not (found.readings and _is_slip(found.meaning)):
+                again = self._in_frames(tokens, situation, insist)
+                if (
+                    again
+                    and again.reading is None
+                    and not isinstance(found.meaning, Misunderstanding)
+                ):
+                    again = None
             return replace(again, text=tokens.text) if again else found
         return found
 
@@ -219,7 +250,7 @@ class Language:
     @cached_property
     def _unnamed_words(self) -> frozenset[str]:
         """Words of turns of phrase that name nothing yet, and may be taught as names."""
-        return self.book.only_in_turns - self.named_words
+        return self.book.names_too - self.named_words
 
     def _problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""
@@ -253,6 +284,22 @@ class Language:
                 return again
         return None
 
+    def _in_frames(
+        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+    ) -> Understanding | None:
+        """An utterance by the things that it names; None when that is nothing either."""
+        asks: Understanding | None = None
+        for each in filter(_says_something, dict.fromkeys(self._versions(tokens))):
+            found = self._taken(each, situation, insist, in_frames=True)
+            again = found
+            if found.reading is None:
+                again = self._in_turn(each, situation, insist, in_frames=True) or found
+            if again.reading is not None:
+                return again
+            if asks is None and isinstance(found.meaning, AskBack):
+                asks = found
+        return asks
+
     def _versions(self, tokens: Tokens) -> Iterator[Tokens]:
         """The utterance in other words that mean the same, those closest to it first."""
         asides, degrees = self.book.asides, self.book.degree_phrases
@@ -264,12 +311,20 @@ class Language:
             yield fronted(bare, degrees) or bare
 
     def _in_turn(
-        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+        self,
+        tokens: Tokens,
+        situation: Situation,
+        insist: Collection[str],
+        *,
+        in_frames: bool = False,
     ) -> Understanding | None:
         """An utterance as several moves that come to one meaning; None when they do not."""
 
         def take(move: Tokens, situation: Situation) -> Understanding:
-            return self._taken(move, situation, insist)
+            found = self._taken(move, situation, insist)
+            if in_frames and found.reading is None:
+                return self._taken(move, situation, insist, in_frames=True)
+            return found
 
         def topic(move: Tokens, situation: Situation) -> Form | None:
             return self.listener.topic(self.listener.chart(move, {}), situation)
@@ -282,8 +337,9 @@ class Language:
     def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
         """The question back when a new word is close to a known one of its kind."""
         lexicon = self.listener.lexicon
+        framed = self.listener.frames.words
         for word in words:
-            if word.said in insist:
+            if word.said in insist or word.said in framed:
                 continue
             close = nearest(word.said, names_like(word.role, lexicon))
             if close is not None:
@@ -297,8 +353,9 @@ class Language:
     def _slip_anywhere(self, unknown: list[Token], insist: Collection[str]) -> AskBack | None:
         """The question back when an unknown word of an unknown kind is close to a known one."""
         for token in unknown:
-            known = self.known_words - self._unnamed_words
-            close = None if token.word in insist else nearest(token.word, known)
+            if token.word in insist:
+                continue
+            close = nearest(token.word, self.named_words) or misspelt(token.word, self.known_words)
             if close is not None:
                 return self._did_you_mean(token.word, close)
         return None
@@ -307,7 +364,7 @@ class Language:
         return AskBack(self.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _unknown(self, tokens: Tokens) -> list[Token]:
-        lexicon, closed = self.listener.lexicon, self.book.closed
+        lexicon, closed = self.listener.lexicon, self.book.closed | self.listener.frames.words
         return [
             token
             for token in tokens.items
@@ -315,34 +372,47 @@ class Language:
         ]
 
     def _taken(
-        self, tokens: Tokens, situation: Situation, insist: Collection[str]
+        self,
+        tokens: Tokens,
+        situation: Situation,
+        insist: Collection[str],
+        *,
+        in_frames: bool = False,
     ) -> Understanding:
         unknown = self._unknown(tokens)
         chart = self.listener.chart(tokens, self._guesses(tokens, unknown))
-        readings, refusal = self.listener.readings(chart, tokens, situation)
+        readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
         clear = [reading for reading in readings if _may_teach(reading)]
         chosen = decide(clear)
         if chosen is not None:
             slip = self._slip(chosen.new_words, insist)
             if slip is None:
                 return _with_reading(tokens, situation, chosen, len(clear))
-            return _without_reading(tokens, situation, slip)
+            return replace(_without_reading(tokens, situation, slip), readings=len(clear))
         meaning: Meaning
         if clear:
             words = (word for reading in clear for word in reading.new_words)
             meaning = self._slip(words, insist) or self._several(clear)
         elif readings:
             slip = self._slip(readings[0].new_words, insist)
-            meaning = slip or self._not_known(tokens, unknown)
+            meaning = slip or self._which_thing(readings[0]) or self._not_known(tokens, unknown)
         elif unknown:
             meaning = self._slip_anywhere(unknown, insist) or self._not_known(tokens, unknown)
         else:
             meaning = self._unclear(chart, tokens, refusal)
         return replace(_without_reading(tokens, situation, meaning), readings=len(clear))
 
+    def _which_thing(self, reading: Reading) -> AskBack | None:
+        """The question back when an act is asked for on things of an unknown name."""
+        if not isinstance(reading.meaning, Command) or not all(map(_is_name, reading.new_words)):
+            return None
+        return AskBack(self.say("unknown_thing", words=[each.said for each in reading.new_words]))
+
     def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
         found = {
-            place: guesses(token, self.book, self.inflection)
+            place: guesses(
+                token, self.book, self.inflection, cost=0.0 if token in unknown else _KNOWN_COST
+            )
             for place, token in enumerate(tokens.items)
             if token in unknown or token.word in self._unnamed_words
         }
@@ -401,9 +471,22 @@ def _is_open(meaning: Meaning) -> bool:
     )
 
 
+def _is_slip(meaning: Meaning) -> bool:
+    """Whether the question back is if another word was meant."""
+    return isinstance(meaning, AskBack) and bool(meaning.choices)
+
+
 def _may_teach(reading: Reading) -> bool:
-    """New words come in with what is taught, never with a command or a question."""
-    return not reading.new_words or isinstance(reading.meaning, Statement)
+    """New words come in with what is taught; a question may ask about unknown things and uses."""
+    if not reading.new_words or isinstance(reading.meaning, Statement):
+        return True
+    asks = isinstance(reading.meaning, Question) and len(reading.new_words) <= 2
+    return asks and all(map(_is_name, reading.new_words))
+
+
+def _is_name(word: NewWord) -> bool:
+    """Whether a word names a thing or a use, alone."""
+    return word.role in {"object", "affordance"} and " " not in word.said
 
 
 def _with_reading(
@@ -416,7 +499,7 @@ def _with_reading(
         reading.meaning,
         reading,
         readings,
-        reading.new_words,
+        reading.new_words if isinstance(reading.meaning, Statement) else (),
         tokens.words,
         after(reading.meaning, reading.act.arguments[-1], situation.discourse),
     )

@@ -13,7 +13,9 @@ from dataclasses import dataclass, replace
 from .categories import Category, Functor
 from .chart import Chart, Derivation
 from .combinators import Combinator
+from .covering import wholes
 from .derivation import categories_of, entries_of
+from .frames import Frames
 from .grammar import Grammar
 from .interpretation import Interpreter, reply
 from .lexicon import Entry, Lexicon
@@ -58,6 +60,7 @@ class Listener:
         interpreter: what forms mean.
         pragmatics: what speech acts are meant for.
         examples: sentences that are understood, with their words.
+        frames: what is meant by the things named, in any order.
     """
 
     grammar: Grammar
@@ -66,22 +69,30 @@ class Listener:
     interpreter: Interpreter
     pragmatics: Pragmatics
     examples: Mapping[str, frozenset[str]]
+    frames: Frames
 
     def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
         """All that the tokens can be."""
         return Chart(tokens.words, self.lexicon, self.combinator, guesses)
 
     def readings(
-        self, chart: Chart, tokens: Tokens, situation: Situation
+        self, chart: Chart, tokens: Tokens, situation: Situation, *, in_frames: bool = False
     ) -> tuple[list[Reading], RefusedError | None]:
         """Every different meaning of the whole utterance, the likeliest first.
+
+        Args:
+            chart: all that the tokens can be.
+            tokens: the utterance.
+            situation: who speaks to whom, and after what.
+            in_frames: whether to go by the things it names, in any order, and not by the grammar.
 
         Returns:
             The readings, and why the likeliest of the others has no meaning.
         """
         best: dict[Meaning, Reading] = {}
         refusal: RefusedError | None = None
-        for act, derivation in self._derivations(chart):
+        found = self._in_frames(chart, tokens) if in_frames else self._derivations(chart)
+        for act, derivation in found:
             form = form_of(derivation.value)
             try:
                 reading = self._reading(act, form, derivation, tokens, situation)
@@ -148,6 +159,10 @@ class Listener:
         ]
         return sorted(found, key=lambda each: each[1].cost)
 
+    def _in_frames(self, chart: Chart, tokens: Tokens) -> list[tuple[str, Derivation]]:
+        found = sorted(wholes(self.frames, tokens, chart), key=lambda each: each.cost)
+        return [(self.grammar.roots[whole.category], whole) for whole in found]
+
     def _reading(
         self, act: str, form: Form, derivation: Derivation, tokens: Tokens, situation: Situation
     ) -> Reading:
@@ -203,7 +218,7 @@ def after(meaning: Meaning, act: Form, before: Discourse) -> Discourse:
 def _meaning(intention: Form, interpreter: Interpreter, discourse: Discourse) -> Meaning:
     content = intention.arguments[-1]
     match intention.name:
-        case "wantBelieve" if content.name in {"alsoOf", "alsoFor"}:
+        case "wantBelieve" if content.name in {"alsoOf", "alsoFor", "alsoBy"}:
             return interpreter.likewise(content, discourse)
         case "wantBelieve":
             return interpreter.statement(content)

@@ -14,6 +14,10 @@ from itertools import chain
 from typing import TypeAlias
 
 from ..ontology.source import Field
+from .tokens import BREAK
+
+_ANY = "*"
+_NEVER_ANY = frozenset({BREAK, "not", "never", "no"})
 
 MAX_SPELLINGS = 4000
 MAX_DEPTH = 20
@@ -85,6 +89,22 @@ def spelt(steps: Steps) -> Iterator[tuple[str, ...]]:
         else:
             for rest in spelt(step[1]):
                 yield step[0], *rest
+
+
+def matches(steps: Steps, words: Sequence[str], start: int) -> Iterator[tuple[int, int]]:
+    """Where a pattern that begins at a place may end: the number of the end, and its place.
+
+    `*` in a pattern is any one word, but none that denies.
+    """
+    for step in steps:
+        if isinstance(step, int):
+            yield step, start
+        elif start < len(words) and _fits(step[0], words[start]):
+            yield from matches(step[1], words, start + 1)
+
+
+def _fits(wanted: str, word: str) -> bool:
+    return wanted == word or (wanted == _ANY and word not in _NEVER_ANY)
 
 
 def may_be_left_out(text: str) -> bool:

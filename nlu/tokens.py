@@ -83,7 +83,8 @@ class Tokens:
         while end > start and self.items[end - 1].word == BREAK:
             end -= 1
             asks = "?" in self.span(end, end + 1)
-        return Tokens(self.text, self.items[start:end], asks)
+        pauses = tuple(pause - start for pause in self.pauses if start < pause < end)
+        return Tokens(self.text, self.items[start:end], asks, pauses)
 
 
 def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:

@@ -49,6 +49,16 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     return best
 
 
+def misspelt(word: str, known: Iterable[str]) -> str | None:
+    """The word of grammar that `word` is one letter away from, by one too many, too few or swapped.
+
+    A word with one letter changed is too often another word: "fork" is no slip of "work".
+    """
+    letters = sorted(word)
+    near = (each for each in known if len(each) != len(word) or sorted(each) == letters)
+    return nearest(word, near)
+
+
 def names_like(role: str, lexicon: Lexicon) -> Iterator[str]:
     """The words, in all forms, that name what a role may be taken for."""
     for kind in _LIKE[role]:
@@ -80,8 +90,17 @@ def slips(one: str, other: str, limit: int) -> int:
     return min(row[-1], limit + 1)
 
 
-def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]:
-    """All that an unknown word may be, each entry marked with its role and dictionary form."""
+def guesses(
+    token: Token, book: WordBook, inflection: Inflection, *, cost: float = 0.0
+) -> list[Entry]:
+    """All that an unknown word may be, each entry marked with its role and dictionary form.
+
+    Args:
+        token: the word.
+        book: how entries are made.
+        inflection: forms of words.
+        cost: how unlikely it is that it names anything at all.
+    """
     word = token.word
     found: list[Filled] = []
     singulars = inflection.origins(word, "plural")
@@ -93,10 +112,13 @@ def guesses(token: Token, book: WordBook, inflection: Inflection) -> list[Entry]
         found += book.noun("person", word, role="person", cost=_PERSON_COST)
     for bare in _bare_forms(word, inflection):
         verb = Verb(bare, ("new_act",), bare)
-        found += book.verb_forms(verb, role="context", cost=_VERB_COST)
+        looks_inflected = bare == word and inflection.origins(word, "ing")
+        unlikely = _VERB_COST + (_SINGULAR_COST if looks_inflected else 0.0)
+        found += book.verb_forms(verb, role="context", cost=unlikely)
         verb = Verb(bare, ("new_affordance",), None)
         found += book.verb_forms(verb, role="affordance")
-    return [each.entry() for each in found if each.says == word]
+    entries = (each.entry() for each in found if each.says == word)
+    return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
 
 def compounds(

@@ -39,7 +39,7 @@ _BINDER = Functor(Atom("WITH"), Atom("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "asides", "endings"),
+    *("constructions", "asides", "endings", "names_too"),
 )
 
 
@@ -77,6 +77,7 @@ class WordBook:
         self.nouns: dict[str, tuple[str, ...]] = {}
         self.asides = Asides()
         self.endings: dict[str, str] = {}
+        self.names_too: frozenset[str] = frozenset()
         self.turns = Lexicon()
         self.lexicon = Lexicon(base=self.turns)
 
@@ -93,6 +94,8 @@ class WordBook:
             self.endings[short] = field.text()
         if "closed" in parts:
             self.closed |= set(parts["closed"].texts())
+        if "names_too" in parts:
+            self.names_too |= set(parts["names_too"].texts())
         for name, field in _entries(parts, "templates"):
             self.templates[name] = self._template(name, field)
         for field in _items(parts, "verbs"):
@@ -146,11 +149,11 @@ class WordBook:
 
     def tool_acts(self) -> dict[str, str]:
         """The acts that need a tool, each with the affordance that the tool must have."""
-        return {
-            verb.means: self._inflection.form(verb.verb, "ing")
-            for verb in self.verbs
-            if verb.means and "tool" in verb.templates
-        }
+        acts: dict[str, str] = {}
+        for verb in self.verbs:
+            if verb.means and "tool" in verb.templates:
+                acts.setdefault(verb.means, self._inflection.form(verb.verb, "ing"))
+        return acts
 
     def act_names(self) -> dict[str, str]:
         """What each act is called: the first verb that means it."""
@@ -165,11 +168,6 @@ class WordBook:
         senses = self.lexicon.senses()
         binder = next((sense.says for sense in senses if sense.category == _BINDER), "")
         return {act: f"{self.act_names()[act]} {binder}" for act in self.tool_acts()}
-
-    @cached_property
-    def only_in_turns(self) -> frozenset[str]:
-        """Words that only occur in turns of phrase; they may name something new as well."""
-        return self.turns.own_words - self.closed - self.lexicon.own_words
 
     @cached_property
     def degree_phrases(self) -> frozenset[tuple[str, ...]]:

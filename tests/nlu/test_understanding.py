@@ -112,7 +112,7 @@ def test_a_failure_says_how_far_it_got(language: Language) -> None:
         ("", "I heard nothing."),
         ("x" * 10_000, "That is too long for me: I listen to at most 2000 characters at a time."),
         ("the " * 41, "That is too long for me: I listen to at most 40 words at a time."),
-        ("pass me the zorp", 'I do not know the word "zorp".'),
+        ("zorp me the knife", 'I do not know the word "zorp".'),
         (
             "to pass a knife grab the mug by the handle",
             "You speak of a knife and a mug at once. Say it of one of them.",

@@ -22,22 +22,14 @@ SKIPPED = {
     "always hold the mug by the handle when picking it up, usually": "two degrees at once",
     "use a knife for cutting but never for pounding": "a denial joined to an imperative",
     "use something sharp for cutting": "asks back: a rule or a command",
-    "pass me over the knife": "a particle before the object",
     "it would be nice if you passed me the knife": "the past tense of a wish",
-    "pound in the nail": "a particle that changes nothing",
     "find something to pound the nail with": "two acts, the second with a gap",
     "If I were you I'd use a knife for cutting": "too far off",
     "What a knife does is cut": "too far off",
-    "Cutting? Use a knife.": "too far off",
-    "Take the blade end when you hand over a knife": "too far off",
-    "Knife passing is done by the blade": "too far off",
-    "A knife goes blade first when you pass it": "too far off",
     "Is there anything here to cut with? Pass it to me.": "too far off",
     "I have something to cut": "too far off",
     "I need a hand with cutting, pass me something for it": "too far off",
     "give me something to do some cutting with": "too far off",
-    "What's a knife do?": "too far off",
-    "The best thing for cutting is what?": "too far off",
 }
 
 
@@ -104,7 +96,6 @@ BLIND = [
 NOT_YET = {
     "A spoon? Nah, you never cut with that.": "a no that answers oneself",
     "A hammer you pick up by its handle and pass by its head.": "two acts on a fronted object",
-    "The rim is where you ought to grab any mug you're passing.": "a relative clause on the object",
     "No matter what the thing is, you hand it over by the handle.": "any object, named as a thing",
     "Mugs are for containing and knives, well, knives are for cutting.": "a second beginning",
     "The red mug, not the blue one, is the one I'd like you to pass me.": "one thing, not another",
