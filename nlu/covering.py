@@ -17,6 +17,7 @@ from .combinators import Combination
 from .frames import Frame, Frames, Kind, Phrase, Said
 from .grammar import Unary
 from .lexicon import Entry
+from .predicates import form_of
 from .terms import Constant, evaluate
 from .tokens import BREAK, Tokens
 
@@ -137,8 +138,11 @@ class _Search:
                     yield kind, _words(phrase, place, Atom(name), _NOTHING), _PART_COST
         if self._needs_degree(cover):
             for kind, end in self.frames.denials.at(self.tokens.words, place):
-                yield kind, _words(self.tokens.words[place:end], place, _DEGREE, _NEVER), _PART_COST
-            for part in self._fragments(place, _DEGREE):
+                phrase = self.tokens.words[place:end]
+                yield kind, _words(phrase, place, _DEGREE, _NEVER), _PART_COST
+        for part in self._fragments(place, _DEGREE) if self.frame.result == _RULE else ():
+            # A degree may be said twice: "always, without exception".
+            if cover.degree is None or _is_same(part, cover.degree):
                 yield str(_DEGREE), part, part.cost + _PART_COST
         for slot, filled in zip(self.frame.slots, cover.slots, strict=True):
             for kind in slot if filled is None else ():
@@ -197,6 +201,10 @@ def _is_changed(part: Derivation, slot: Sequence[Kind]) -> bool:
     """Whether a thing was something else first that goes into the slot as well."""
     rule = part.rule
     return isinstance(rule, Unary) and any(rule.source == kind.category for kind in slot)
+
+
+def _is_same(one: Derivation, other: Derivation) -> bool:
+    return form_of(one.value) == form_of(other.value)
 
 
 def _is_bare_guess(part: Derivation) -> bool:

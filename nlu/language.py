@@ -417,7 +417,8 @@ class Language:
             if token in unknown or token.word in self._unnamed_words
         }
         for place, pair in enumerate(pairwise(tokens.items)):
-            if all(token.word not in self.book.closed for token in pair):
+            is_cut = place + 1 in tokens.pauses
+            if not is_cut and all(token.word not in self.book.closed for token in pair):
                 first, second = (token.word for token in pair)
                 names = compounds(first, second, self.book, self.inflection, self.listener.lexicon)
                 if names:
