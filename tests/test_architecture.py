@@ -87,7 +87,7 @@ def test_modules_import_each_other_relatively():
 
 @pytest.mark.parametrize(
     ("foreign", "package"),
-    [("pybullet", "sim"), ("pyoxigraph", "kb")],
+    [("pybullet", "sim"), ("pyoxigraph", "kb"), ("lark", "nlu")],
 )
 def test_foreign_engine_is_imported_in_one_module(foreign: str, package: str):
     """What may be exchanged one day is known to one module only."""
@@ -129,6 +129,8 @@ def test_wheel_holds_only_hilt(tmp_path: Path):
     assert {name.split("/")[0] for name in names} == {"hilt", "hilt-0.1.0.dist-info"}
     for package in PACKAGES:
         data = (
-            p for p in (ROOT / package).rglob("*") if p.suffix in {".yaml", ".ttl", ".rq", ".typed"}
+            p
+            for p in (ROOT / package).rglob("*")
+            if p.suffix in {".yaml", ".ttl", ".rq", ".lark", ".typed"}
         )
         assert {f"hilt/{p.relative_to(ROOT).as_posix()}" for p in data} <= set(names)

@@ -5,7 +5,16 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.notation import read_category, read_entry, read_rule, read_type, read_unary
+from hilt.nlu.notation import (
+    MAX_CHARACTERS,
+    parse_term,
+    read_category,
+    read_entry,
+    read_rule,
+    read_type,
+    read_unary,
+)
+from hilt.nlu.terms import Apply, Bound, Constant, Lambda, normal_form
 from hilt.ontology.errors import DataError
 from hilt.ontology.source import Field
 
@@ -70,6 +79,39 @@ def test_a_mistake_is_told_with_its_place(text: str, column: int, expected: str)
     assert (caught.value.source, caught.value.line) == ("words.yaml", 3)
     assert caught.value.column == column
     assert expected in caught.value.problem
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("NP % x", 'expected "/" or ":" or "\\", found "% x" in '),
+        ("NP : f(x", 'expected "(" or ")" or "," or a name, found the end in '),
+        ("NP : x @y", 'expected a number, found "y" in '),
+    ],
+)
+def test_a_mistake_says_all_that_may_stand_there(text: str, expected: str) -> None:
+    """What was expected is what may follow after the right part of the line."""
+    with pytest.raises(DataError) as caught:
+        read_entry(line(text))
+
+    assert caught.value.problem == f"{expected}{text!r}."
+
+
+def test_an_inner_variable_hides_an_outer_one() -> None:
+    """A name means the nearest function that has it."""
+    assert parse_term("λx.λx.f(x)") == Lambda(Lambda(Apply(Constant("f"), Bound(0))))
+    assert parse_term("λx.(λx.x)(x)") == Lambda(Apply(Lambda(Bound(0)), Bound(0)))
+
+
+def test_no_line_nests_too_deeply() -> None:
+    """What nests as deeply as its length allows can be used, and a longer line is refused."""
+    depth = (MAX_CHARACTERS - 1) // 3
+    functions, calls = "λx." * depth + "x", "f(" * depth + "x" + ")" * depth
+
+    assert normal_form(parse_term(functions)) == parse_term(functions)
+    assert str(normal_form(parse_term(calls))) == calls
+    with pytest.raises(DataError, match=f"at most {MAX_CHARACTERS} characters, found"):
+        parse_term(f"f({calls})")
 
 
 def test_only_known_basic_types_are_read() -> None:
