@@ -13,12 +13,10 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
-
-from platformdirs import user_data_path
 
 from ..inference.affordance import Affordances
 from ..inference.induction import Inducing
@@ -28,16 +26,15 @@ from ..kb.beliefs import KnowledgeBase
 from ..kb.interval import Interval
 from ..kb.rule import Atom
 from ..nlu.language import Language
-from ..nlu.vocabulary import household_vocabulary
-from ..ontology.action_sheet import load_actions
 from ..ontology.actions import Actions
-from ..ontology.objects import Household, ObjectType
+from ..ontology.objects import ObjectType
 from . import protocols
 from .dialogue import Dialogue
-from .embodiment import EYES, ROBOT, Embodiment, household
+from .embodiment import EYES, ROBOT, Embodiment
 from .episodes import Diary
 from .goals import GoalManager, Request
 from .keeping import file_as_json, settings_as_choices
+from .opening import actions_with, language_of, open_base
 from .outcome import Achievement, Json
 from .protocols import Motion, Vision
 from .reply import Reply
@@ -47,54 +44,6 @@ if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene import Scene
     from .filming import Film
-
-
-def default_location() -> Path:
-    """The folder of the user's own knowledge base."""
-    return user_data_path("hilt") / "kb"
-
-
-_actions = cache(load_actions)  # what comes with the program is read once: it never changes
-
-
-@cache
-def _language() -> Language:
-    """The language, which takes a quarter of a second to load."""
-    return Language.load()
-
-
-def language_of(kinds: Household) -> Language:
-    """The language, with the names of the objects there are."""
-    if kinds is household():
-        return _language()
-    return Language.load(vocabulary=household_vocabulary(kinds.objects))
-
-
-def actions_with(path: Path | None) -> Actions:
-    """The actions that Hilt comes with, and those of a file.
-
-    Raises:
-        DataError: the file is wrong; says where and what was expected.
-    """
-    return load_actions(path, added_to=_actions()) if path else _actions()
-
-
-def open_base(
-    location: str | None, kinds: Household | None = None, actions: Actions | None = None
-) -> KnowledgeBase:
-    """Open a knowledge base.
-
-    Args:
-        location: `memory:`, a folder, or an endpoint; None is the user's own base.
-        kinds: the objects there are; Hilt's own when None.
-        actions: what the robot can do, for the domain graph; what Hilt comes with when None.
-
-    Raises:
-        StoreError: it cannot be opened.
-    """
-    base = KnowledgeBase.open(location or default_location())
-    base.load_domain((kinds or household()).objects, actions or _actions())
-    return base
 
 
 class Agent:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.objects import Household, load_household
 from ..sim.scene import Placement, Scene, parse_scene
 from .keeping import file_as_json, file_from_json
+from .opening import household
 from .outcome import Json
 from .perception import PerfectVision
 from .protocols import Vision
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from ..sim.noise import Noise
 
 ROBOT, EYES = "panda", "mask"  # what there is when nobody says
-
-household = cache(load_household)  # what comes with the program is read once: it never changes
 
 
 @dataclass(frozen=True)

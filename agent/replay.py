@@ -23,10 +23,11 @@ from ..kb.episodes import Episode
 from ..kb.views import View, view
 from ..kb.words import Word
 from ..ontology.errors import HiltError, UnknownNameError
-from .agent import Agent, actions_with, language_of, open_base
+from .agent import Agent
 from .embodiment import Embodiment
 from .episodes import AGAIN
 from .keeping import file_from_json, request_from_json
+from .opening import actions_with, language_of, open_base
 from .outcome import Achievement, Json
 from .teaching import known
 

@@ -172,7 +172,7 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
 
 
 def _location(kb: str | None) -> str:
-    from ..agent import default_location
+    from ..opening import default_location
 
     return kb or str(default_location())
 

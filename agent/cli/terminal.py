@@ -88,9 +88,9 @@ def _held(text: str) -> tuple[Atom, Interval]:
 
 def open_base(kb: str | None) -> KnowledgeBase:
     """Open a knowledge base; None is the user's own."""
-    from .. import agent
+    from .. import opening
 
-    return agent.open_base(kb)
+    return opening.open_base(kb)
 
 
 def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
@@ -101,20 +101,20 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
         must_exist: whether a folder without one is an error; else it is read as an empty base.
     """
     from ...kb.beliefs import KnowledgeBase
-    from .. import agent
+    from .. import opening
 
-    location = kb or str(agent.default_location())
+    location = kb or str(opening.default_location())
     if location == "memory:" or location.startswith(("http://", "https://")):
-        return agent.open_base(location)
+        return opening.open_base(location)
     try:
         return KnowledgeBase.open(location, read_only=True)
     except StoreError:
         if _holds_something(Path(location).expanduser()):
-            return agent.open_base(location)  # of an older format, perhaps; or it says what it is
+            return opening.open_base(location)  # of an older format, perhaps; or it says what it is
         if must_exist or "://" in location:
             raise
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
-    return agent.open_base("memory:")
+    return opening.open_base("memory:")
 
 
 def _holds_something(folder: Path) -> bool:

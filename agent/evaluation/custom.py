@@ -12,8 +12,9 @@ from typing import ClassVar
 from ...ontology.action_sheet import load_actions
 from ...ontology.errors import DataError
 from ...sim.scene import scene_of
-from ..agent import Agent, language_of, open_base
+from ..agent import Agent
 from ..embodiment import Embodiment
+from ..opening import language_of, open_base
 from .case import Case
 from .custom_file import CustomFile, load_custom
 from .decisions import Decisions

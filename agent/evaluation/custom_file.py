@@ -25,8 +25,7 @@ from ...nlu.language import Language
 from ...ontology.objects import Household, read_household
 from ...ontology.source import Field, read_yaml
 from ...sim.scene import graspable
-from ..agent import language_of
-from ..embodiment import household
+from ..opening import household, language_of
 from .scenarios import (
     ACTIONS,
     LEVELS,

@@ -23,8 +23,8 @@ from ...kb.stars import BELIEFS, DERIVED_FROM, GENERATED_AT
 from ...ontology.action_sheet import load_actions
 from ...ontology.objects import load_household
 from ...sim.scene import Placement, Scene
-from ..agent import open_base
 from ..goals import GoalManager, Request
+from ..opening import open_base
 from ..outcome import Decision
 from ..perception import PerfectVision
 from .space import Cell

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a program opens first: objects, actions, language and knowledge base.
+
+What comes with Hilt never changes, so it is read once. Who only opens a base does not pay for the
+language, nor for eyes and hands.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from platformdirs import user_data_path
+
+from ..kb.beliefs import KnowledgeBase
+from ..ontology.action_sheet import load_actions
+from ..ontology.actions import Actions
+from ..ontology.objects import Household, load_household
+
+if TYPE_CHECKING:
+    from ..nlu.language import Language
+
+household = cache(load_household)
+_actions = cache(load_actions)
+
+
+def default_location() -> Path:
+    """The folder of the user's own knowledge base."""
+    return user_data_path("hilt") / "kb"
+
+
+def language_of(kinds: Household) -> Language:
+    """The language, with the names of the objects there are."""
+    return _language() if kinds is household() else _loaded(kinds)
+
+
+@cache
+def _language() -> Language:
+    return _loaded(household())
+
+
+def _loaded(kinds: Household) -> Language:
+    from ..nlu.language import Language
+    from ..nlu.vocabulary import household_vocabulary
+
+    return Language.load(vocabulary=household_vocabulary(kinds.objects))
+
+
+def actions_with(path: Path | None) -> Actions:
+    """The actions that Hilt comes with, and those of a file.
+
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    return load_actions(path, added_to=_actions()) if path else _actions()
+
+
+def open_base(
+    location: str | None, kinds: Household | None = None, actions: Actions | None = None
+) -> KnowledgeBase:
+    """Open a knowledge base.
+
+    Args:
+        location: `memory:`, a folder, or an endpoint; None is the user's own base.
+        kinds: the objects there are; Hilt's own when None.
+        actions: what the robot can do, for the domain graph; what Hilt comes with when None.
+
+    Raises:
+        StoreError: it cannot be opened.
+    """
+    base = KnowledgeBase.open(location or default_location())
+    base.load_domain((kinds or household()).objects, actions or _actions())
+    return base
