@@ -8,7 +8,7 @@ part of it. For each category of a span the `MAX_DERIVATIONS` cheapest derivatio
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 from .categories import Category
@@ -97,6 +97,14 @@ class Chart:
         """How a span is this category, the cheapest first."""
         sign = self._combinator.sign(category)
         return self._derivations(start, end, sign) if sign in self.signs(start, end) else []
+
+    def fragments(self, categories: Collection[Category]) -> Iterator[Derivation]:
+        """The two cheapest derivations of each span that is one of some categories."""
+        wanted = {self._combinator.sign(category) for category in categories}
+        for start, row in enumerate(self._signs):
+            for end, signs in enumerate(row):
+                for sign in wanted.intersection(signs):
+                    yield from self._derivations(start, end, sign)[:2]
 
     def longest_span(self) -> tuple[int, int]:
         """The longest span that is anything at all, the leftmost among equals; (0, 0) for none."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from .categories import Atom, Category
 from .chart import Chart, Derivation
 from .combinators import Combination
-from .frames import Frame, Frames, Kind, Phrase, Said
+from .frames import Fillers, Frame, Frames, Kind, Phrase
 from .grammar import Unary
 from .lexicon import Entry
 from .predicates import form_of
@@ -57,9 +57,9 @@ class _Cover(NamedTuple):
         filled = tuple(part is not None for part in self.slots)
         return filled, self.degree is not None, self.cues, self.seen, self.last
 
-    def and_part(self, part: Derivation, cost: float) -> _Cover:
+    def and_part(self, part: Derivation) -> _Cover:
         """The same with one more part."""
-        return self._replace(cost=self.cost + cost, parts=(*self.parts, part))
+        return self._replace(cost=self.cost + part.cost + _PART_COST, parts=(*self.parts, part))
 
 
 def wholes(frames: Frames, tokens: Tokens, chart: Chart) -> Iterator[Derivation]:
@@ -72,27 +72,76 @@ def wholes(frames: Frames, tokens: Tokens, chart: Chart) -> Iterator[Derivation]
     """
     if frames.is_barred(tokens):
         return
-    places = range(len(tokens.items))
-    said = {
-        name: [group.at(tokens.words, place) for place in places]
-        for name, group in frames.fillers.items()
-    }
-    for frame in frames.frames:
-        for cover in _Search(frames, frame, tokens, chart, said).covers():
+    heard = _heard(frames, tokens, chart)
+    for frame in filter(heard.may_be, frames.frames):
+        for cover in _Search(frames, frame, heard).covers():
             yield _whole(frame, cover, frames.degree)
+
+
+@dataclass(frozen=True)
+class _Heard:
+    """What there is in an utterance for any frame.
+
+    Attributes:
+        tokens: the utterance.
+        words: its words.
+        fillers: of each group the fillers from each place on, with their kinds.
+        denials: the denials from each place on, with their kinds.
+        things: what is each category from a place on.
+        categories: all that something is.
+    """
+
+    tokens: Tokens
+    words: Phrase
+    fillers: Mapping[str, Sequence[Sequence[tuple[str, Derivation]]]]
+    denials: Sequence[Sequence[tuple[str, Derivation]]]
+    things: Mapping[tuple[Category, int], Sequence[Derivation]]
+    categories: frozenset[Category]
+
+    def may_be(self, frame: Frame) -> bool:
+        """Whether there is something for each slot, and each cue, of a frame."""
+        fills = (any(kind.category in self.categories for kind in slot) for slot in frame.slots)
+        return all(fills) and all(any(self.fillers[name]) for name in frame.cues)
+
+
+def _heard(frames: Frames, tokens: Tokens, chart: Chart) -> _Heard:
+    words, places = tokens.words, range(len(tokens.items))
+    things: dict[tuple[Category, int], list[Derivation]] = {}
+    for part in chart.fragments(frames.categories | {_DEGREE}):
+        if not _is_bare_guess(part) and not _is_cut(part, tokens):
+            things.setdefault((part.category, part.start), []).append(part)
+    return _Heard(
+        tokens,
+        words,
+        {
+            name: [_said(group, Atom(name), _NOTHING, words, place) for place in places]
+            for name, group in frames.fillers.items()
+        },
+        [_said(frames.denials, _DEGREE, _NEVER, words, place) for place in places],
+        things,
+        frozenset(category for category, _ in things),
+    )
+
+
+def _said(
+    group: Fillers, category: Category, term: Constant, words: Phrase, place: int
+) -> list[tuple[str, Derivation]]:
+    """The phrases of a group from a place on, with the kind of word that each is."""
+    return [
+        (kind, _words(words[place:end], place, category, term))
+        for kind, end in group.at(words, place)
+    ]
 
 
 @dataclass(frozen=True)
 class _Search:
     frames: Frames
     frame: Frame
-    tokens: Tokens
-    chart: Chart
-    said: Mapping[str, Sequence[frozenset[Said]]]
+    heard: _Heard
 
     def covers(self) -> list[_Cover]:
         """The cheapest covers of the utterance that fill all slots and have all cues."""
-        length = len(self.tokens.items)
+        length = len(self.heard.words)
         reached: list[dict[object, list[_Cover]]] = [{} for _ in range(length + 1)]
         start = _Cover(self.frame.cost, (), (None,) * len(self.frame.slots))
         reached[0][start.key] = [start]
@@ -109,49 +158,50 @@ class _Search:
 
     def _is_asked(self, cover: _Cover) -> bool:
         """Whether a question is one: by its mark, or because it begins as one."""
-        if self.frame.result != _QUESTION or self.tokens.asks:
+        if self.frame.result != _QUESTION or self.heard.tokens.asks:
             return True
         first = str(cover.parts[0].category)
         return first in self.frame.cues or first in self.frames.openers
 
     def _longer(self, cover: _Cover, place: int) -> Iterator[_Cover]:
         """The cover with each part that may come next."""
-        if self.tokens.words[place] == BREAK and self._may_end(cover):
+        if self.heard.words[place] == BREAK and self._may_end(cover):
             part = _words((BREAK,), place, Atom(BREAK), _NOTHING)
             seen = cover.seen | {_PAUSE}
-            yield cover.and_part(part, _PART_COST)._replace(last=_START, seen=seen)
-        for kind, part, cost in self._next(cover, place):
-            is_pause = place in self.tokens.pauses and self._may_end(cover)
+            yield cover.and_part(part)._replace(last=_START, seen=seen)
+        for kind, part in self._next(cover, place):
+            is_pause = place in self.heard.tokens.pauses and self._may_end(cover)
             fits = self.frames.may_follow(kind, cover.last)
             fits = fits or (is_pause and self.frames.may_follow(kind, _START))
             if fits and self._has_needs(cover, kind):
                 heard = {kind, _PAUSE} if is_pause else {kind}
                 seen = cover.seen | (self.frames.needed & heard)
-                yield self._with(cover, part, cost)._replace(last=kind, seen=seen)
+                yield self._with(cover, part)._replace(last=kind, seen=seen)
 
-    def _next(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation, float]]:
-        """What may come next by itself: its kind, and what it costs."""
+    def _next(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation]]:
+        """What may come next by itself, and its kind."""
         for name in self.frame.fillers:
-            for kind, end in self.said[name][place]:
-                phrase = self.tokens.words[place:end]
-                if not self._asks(phrase, place):
-                    yield kind, _words(phrase, place, Atom(name), _NOTHING), _PART_COST
-        if self._needs_degree(cover):
-            for kind, end in self.frames.denials.at(self.tokens.words, place):
-                phrase = self.tokens.words[place:end]
-                yield kind, _words(phrase, place, _DEGREE, _NEVER), _PART_COST
-        for part in self._fragments(place, _DEGREE) if self.frame.result == _RULE else ():
-            # A degree may be said twice: "always, without exception".
-            if cover.degree is None or _is_same(part, cover.degree):
-                yield str(_DEGREE), part, part.cost + _PART_COST
+            for kind, filler in self.heard.fillers[name][place]:
+                if not self._asks(filler):
+                    yield kind, filler
+        if self.frame.result == _RULE:
+            yield from self._degrees(cover, place)
         for slot, filled in zip(self.frame.slots, cover.slots, strict=True):
             for kind in slot if filled is None else ():
-                for part in self._fragments(place, kind.category):
+                for part in self.heard.things.get((kind.category, place), ()):
                     if not _is_changed(part, slot):
-                        yield kind.name, part, part.cost + _PART_COST
+                        yield kind.name, part
 
-    def _with(self, cover: _Cover, part: Derivation, cost: float) -> _Cover:
-        longer = cover.and_part(part, cost)
+    def _degrees(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation]]:
+        if cover.degree is None:
+            yield from self.heard.denials[place]
+        for part in self.heard.things.get((_DEGREE, place), ()):
+            # A degree may be said twice: "always, without exception".
+            if cover.degree is None or _is_same(part, cover.degree):
+                yield str(_DEGREE), part
+
+    def _with(self, cover: _Cover, part: Derivation) -> _Cover:
+        longer = cover.and_part(part)
         if str(part.category) in self.frame.fillers:
             heard = self.frame.cues & {str(part.category)}
             return longer._replace(cues=cover.cues | heard)
@@ -164,30 +214,17 @@ class _Search:
         )
         return longer._replace(slots=(*cover.slots[:index], part, *cover.slots[index + 1 :]))
 
-    def _asks(self, phrase: Phrase, place: int) -> bool:
+    def _asks(self, filler: Derivation) -> bool:
         """Whether a filler makes a question of a rule, or of a question another one."""
         if self.frame.result not in _STATED:
             return False
-        if self.tokens.asks:
+        phrase = self.heard.words[filler.start : filler.end]
+        if self.heard.tokens.asks:
             # A question within a question is none about a rule.
-            return BREAK in self.tokens.words or any(
-                (word,) in self.frames.asking for word in phrase
-            )
-        return not place and (phrase[:1] in self.frames.asking or phrase in self.frames.inverted)
-
-    def _needs_degree(self, cover: _Cover) -> bool:
-        return cover.degree is None and self.frame.result == _RULE
-
-    def _fragments(self, place: int, category: Category) -> Iterator[Derivation]:
-        for end in range(place + 1, len(self.tokens.items) + 1):
-            for part in self.chart.spanning(place, end, category)[:2]:
-                if not _is_bare_guess(part) and not self._pauses_within(part):
-                    yield part
-
-    def _pauses_within(self, part: Derivation) -> bool:
-        """Whether a pause cuts a thing in two; only a list of objects may have some."""
-        cut = any(part.start < pause < part.end for pause in self.tokens.pauses)
-        return cut and part.category != _OBJECT
+            within = any((word,) in self.frames.asking for word in phrase)
+            return within or BREAK in self.heard.words
+        first = phrase[:1] in self.frames.asking or phrase in self.frames.inverted
+        return filler.start == 0 and first
 
     def _has_needs(self, cover: _Cover, kind: str) -> bool:
         needed = self.frames.needs.get(kind)
@@ -195,6 +232,12 @@ class _Search:
 
     def _may_end(self, cover: _Cover) -> bool:
         return self.frames.may_follow(_END, cover.last)
+
+
+def _is_cut(part: Derivation, tokens: Tokens) -> bool:
+    """Whether a pause cuts a thing in two; only a list of objects may have some."""
+    within = any(part.start < pause < part.end for pause in tokens.pauses)
+    return within and part.category != _OBJECT
 
 
 def _is_changed(part: Derivation, slot: Sequence[Kind]) -> bool:

@@ -114,6 +114,12 @@ class Frames:
         return frozenset[str]().union(*self.needs.values())
 
     @cached_property
+    def categories(self) -> frozenset[Category]:
+        """All that may fill a slot."""
+        slots = (slot for frame in self.frames for slot in frame.slots)
+        return frozenset(kind.category for slot in slots for kind in slot)
+
+    @cached_property
     def words(self) -> frozenset[str]:
         """All words of all fillers and denials."""
         groups = (self.denials, *self.fillers.values())
