@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Taking in one whole: an utterance, or one move of it, with its new words or the question back.
+
+A word that the lexicon does not have is given all that it may be. What is taught may bring new
+words, a question may ask about them; of an act on them Hilt asks what they are, and of a word one
+slip away from a known one whether that was meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+from ..ontology.errors import UnknownNameError
+from .chart import Chart
+from .expression import Expression
+from .generation import Speech
+from .inflection import Inflection
+from .lexicon import Entry
+from .listening import Listener, Situation, after, decide
+from .meaning import AskBack, Command, Meaning, Misunderstanding, NewWord, Question, Statement
+from .predicates import Form
+from .reference import RefusedError
+from .tokens import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
+from .understanding import Reading, Understanding
+from .unknown import (
+    MAX_NEW_WORDS,
+    NOUNS,
+    compounds,
+    guesses,
+    is_word,
+    misspelt,
+    names_like,
+    nearest,
+)
+from .words import WordBook
+
+_KNOWN_COST = 1.0  # a word of a turn of phrase hardly ever names something, too
+
+
+@dataclass(frozen=True, repr=False)
+class Hearing:
+    """What takes one whole in.
+
+    Attributes:
+        listener: what reads it.
+        book: how entries are made for new words.
+        inflection: forms of words.
+        speech: what asks back.
+        expression: what puts meanings into sentences.
+    """
+
+    listener: Listener
+    book: WordBook
+    inflection: Inflection
+    speech: Speech
+    expression: Expression
+
+    def problem(self, text: str, tokens: Tokens) -> Meaning | None:
+        """Why a text is not even tried, None when it is."""
+        if len(text) > MAX_CHARACTERS:
+            return Misunderstanding(
+                self.speech.say("too_long", limit=f"{MAX_CHARACTERS} characters")
+            )
+        if len(tokens.items) > MAX_TOKENS:
+            return Misunderstanding(self.speech.say("too_long", limit=f"{MAX_TOKENS} words"))
+        if not tokens.items:
+            return Misunderstanding(self.speech.say("empty"), nearest=())
+        unknown = self._unknown(tokens)
+        strange = [token for token in unknown if not is_word(token)]
+        if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
+            return self._not_known(tokens, strange or unknown)
+        return None
+
+    def taken(
+        self,
+        tokens: Tokens,
+        situation: Situation,
+        insist: Collection[str],
+        *,
+        in_frames: bool = False,
+    ) -> Understanding:
+        """What tokens mean as one whole.
+
+        Args:
+            tokens: an utterance, or one move of it.
+            situation: who speaks to whom, and after what.
+            insist: words that are new although they are close to known ones.
+            in_frames: whether to go by the things named, in any order, and not by the grammar.
+        """
+        unknown = self._unknown(tokens)
+        chart = self.listener.chart(tokens, self._guesses(tokens, unknown))
+        readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
+        clear = [reading for reading in readings if _may_teach(reading)]
+        chosen = decide(clear)
+        if chosen is not None:
+            slip = self._slip(chosen.new_words, insist)
+            if slip is None:
+                return _with_reading(tokens, situation, chosen, len(clear))
+            return replace(without_reading(tokens, situation, slip), readings=len(clear))
+        meaning: Meaning
+        if clear:
+            words = (word for reading in clear for word in reading.new_words)
+            meaning = self._slip(words, insist) or self._several(clear)
+        elif readings:
+            slip = self._slip(readings[0].new_words, insist)
+            meaning = slip or self._which_thing(readings[0]) or self._not_known(tokens, unknown)
+        elif unknown:
+            meaning = self._slip_anywhere(unknown, insist) or self._not_known(tokens, unknown)
+        else:
+            meaning = self._unclear(chart, tokens, refusal)
+        return replace(without_reading(tokens, situation, meaning), readings=len(clear))
+
+    def topic(self, tokens: Tokens, situation: Situation) -> Form | None:
+        """The thing that tokens only name, None when they do not."""
+        return self.listener.topic(self.listener.chart(tokens, {}), situation)
+
+    def is_general(self, tokens: Tokens) -> bool:
+        """Whether what tokens name is any object of a kind."""
+        return self.listener.is_general(self.listener.chart(tokens, {}))
+
+    @cached_property
+    def known_words(self) -> frozenset[str]:
+        """Every single word that the lexicon has."""
+        return frozenset(self.listener.lexicon.words())
+
+    @cached_property
+    def named_words(self) -> frozenset[str]:
+        """Every single word that is part of a name: of an object, a use, a property, ..."""
+        names = self.listener.lexicon.names
+        return frozenset(
+            word for kind in NOUNS for name in names.get(kind, ()) for word in name.split(" ")
+        )
+
+    @cached_property
+    def _unnamed_words(self) -> frozenset[str]:
+        """Words of turns of phrase that name nothing yet, and may be taught as names."""
+        return self.book.names_too - self.named_words
+
+    def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
+        """The question back when a new word is close to a known one of its kind."""
+        lexicon = self.listener.lexicon
+        framed = self.listener.frames.words
+        for word in words:
+            if word.said in insist or word.said in framed:
+                continue
+            close = nearest(word.said, names_like(word.role, lexicon))
+            if close is not None:
+                return self._did_you_mean(word.said, close)
+            for part in word.said.split(" ") if " " in word.said else ():
+                close = None if part in self.known_words else nearest(part, self.named_words)
+                if close is not None:
+                    return self._did_you_mean(part, close)
+        return None
+
+    def _slip_anywhere(self, unknown: list[Token], insist: Collection[str]) -> AskBack | None:
+        """The question back when an unknown word of an unknown kind is close to a known one."""
+        for token in unknown:
+            if token.word in insist:
+                continue
+            close = nearest(token.word, self.named_words) or misspelt(token.word, self.known_words)
+            if close is not None:
+                return self._did_you_mean(token.word, close)
+        return None
+
+    def _did_you_mean(self, word: str, close: str) -> AskBack:
+        return AskBack(self.speech.say("did_you_mean", word=word, suggestion=close), (close,))
+
+    def _unknown(self, tokens: Tokens) -> list[Token]:
+        lexicon, closed = self.listener.lexicon, self.book.closed | self.listener.frames.words
+        return [
+            token
+            for token in tokens.items
+            if token.word not in lexicon and token.word not in closed
+        ]
+
+    def _which_thing(self, reading: Reading) -> AskBack | None:
+        """The question back when an act is asked for on things of an unknown name."""
+        if not isinstance(reading.meaning, Command) or not all(map(_is_name, reading.new_words)):
+            return None
+        return AskBack(
+            self.speech.say("unknown_thing", words=[each.said for each in reading.new_words])
+        )
+
+    def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
+        found = {
+            place: guesses(
+                token, self.book, self.inflection, cost=0.0 if token in unknown else _KNOWN_COST
+            )
+            for place, token in enumerate(tokens.items)
+            if token in unknown or token.word in self._unnamed_words
+        }
+        for place, pair in enumerate(pairwise(tokens.items)):
+            is_cut = place + 1 in tokens.pauses
+            if not is_cut and all(token.word not in self.book.closed for token in pair):
+                first, second = (token.word for token in pair)
+                names = compounds(first, second, self.book, self.inflection, self.listener.lexicon)
+                if names:
+                    found[place] = [*found.get(place, ()), *names]
+        return found
+
+    def _several(self, readings: Sequence[Reading]) -> AskBack:
+        choices = tuple(self._choice(reading.meaning) for reading in readings)
+        return AskBack(self.speech.say("which_meaning", choices=choices), choices)
+
+    def _unclear(self, chart: Chart, tokens: Tokens, refusal: RefusedError | None) -> Meaning:
+        """What to answer when all words are known, but the whole has no meaning."""
+        if refusal is not None:
+            said = self.speech.say(refusal.key, **refusal.slots)
+            if refusal.asks:
+                return AskBack(said)
+            return Misunderstanding(said, nearest=self.listener.nearest(tokens.words))
+        where, expected = self.listener.failure(chart, tokens)
+        if expected:
+            message = self.speech.say(
+                "not_understood_after", where=where, expected=" or ".join(expected)
+            )
+        else:
+            message = self.speech.say("not_understood", text=tokens.text)
+        return Misunderstanding(message, where, expected, self.listener.nearest(tokens.words))
+
+    def _choice(self, meaning: Meaning) -> str:
+        if isinstance(meaning, Statement):
+            return self.speech.listed([self.speech.rule(rule) for rule in meaning.rules])
+        try:
+            return f'"{self.expression.sentence(meaning)}"'
+        except UnknownNameError:
+            return str(meaning.as_json())
+
+    def _not_known(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
+        words = list(dict.fromkeys(token.word for token in unknown))
+        if len(words) == 1:
+            message = self.speech.say("unknown_word", word=words[0])
+        else:
+            message = self.speech.say("unknown_words", words=words[:MAX_NEW_WORDS])
+        known = [token.word for token in tokens.items if token not in unknown]
+        return Misunderstanding(message, nearest=self.listener.nearest(known))
+
+
+def _may_teach(reading: Reading) -> bool:
+    """New words come in with what is taught; a question may ask about unknown things and uses."""
+    if not reading.new_words or isinstance(reading.meaning, Statement):
+        return True
+    asks = isinstance(reading.meaning, Question) and len(reading.new_words) <= 2
+    return asks and all(map(_is_name, reading.new_words))
+
+
+def _is_name(word: NewWord) -> bool:
+    """Whether a word names a thing or a use, alone."""
+    return word.role in {"object", "affordance"} and " " not in word.said
+
+
+def _with_reading(
+    tokens: Tokens, situation: Situation, reading: Reading, readings: int
+) -> Understanding:
+    return Understanding(
+        tokens.text,
+        situation.speaker,
+        situation.addressee,
+        reading.meaning,
+        reading,
+        readings,
+        reading.new_words if isinstance(reading.meaning, Statement) else (),
+        tokens.words,
+        after(reading.meaning, reading.act.arguments[-1], situation.discourse),
+    )
+
+
+def without_reading(tokens: Tokens, situation: Situation, meaning: Meaning) -> Understanding:
+    """What came of an utterance that has no reading: an answer that says why."""
+    return Understanding(
+        tokens.text,
+        situation.speaker,
+        situation.addressee,
+        meaning,
+        words=tokens.words,
+        discourse=situation.discourse,
+    )
