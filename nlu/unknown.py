@@ -9,6 +9,7 @@ one fits (Scheutz et al. 2017). A word one slip away from a known one is not new
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon
@@ -34,13 +35,14 @@ def is_word(token: Token) -> bool:
     return token.word.isalpha() and MIN_LETTERS <= len(token.word) <= MAX_LETTERS
 
 
-def nearest(word: str, known: Iterable[str]) -> str | None:
+@lru_cache(maxsize=1024)
+def nearest(word: str, known: frozenset[str]) -> str | None:
     """The known word that `word` is most likely a slip of, None when there is none."""
     if len(word) <= MIN_LETTERS:
         return None
     allowed = 2 if len(word) >= TWO_SLIPS else 1
     best: str | None = None
-    for other in sorted(set(known)):
+    for other in sorted(known):
         if len(other) <= MIN_LETTERS or abs(len(other) - len(word)) > allowed:
             continue
         found = slips(word, other, allowed)
@@ -49,20 +51,20 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     return best
 
 
-def misspelt(word: str, known: Iterable[str]) -> str | None:
+@lru_cache(maxsize=1024)
+def misspelt(word: str, known: frozenset[str]) -> str | None:
     """The word of grammar that `word` is one letter away from, by one too many, too few or swapped.
 
     A word with one letter changed is too often another word: "fork" is no slip of "work".
     """
     letters = sorted(word)
     near = (each for each in known if len(each) != len(word) or sorted(each) == letters)
-    return nearest(word, near)
+    return nearest(word, frozenset(near))
 
 
-def names_like(role: str, lexicon: Lexicon) -> Iterator[str]:
+def names_like(role: str, lexicon: Lexicon) -> frozenset[str]:
     """The words, in all forms, that name what a role may be taken for."""
-    for kind in _LIKE[role]:
-        yield from lexicon.names.get(kind, ())
+    return frozenset[str]().union(*(lexicon.names.get(kind, ()) for kind in _LIKE[role]))
 
 
 NOUNS = frozenset({"N", "NS", "P", "MS"})

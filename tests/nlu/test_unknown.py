@@ -130,5 +130,5 @@ def test_a_limit_only_cuts_off(one: str, other: str, limit: int) -> None:
 
 def test_the_nearest_word_is_found() -> None:
     """Among several, the one with fewest slips; swapped letters are one."""
-    assert nearest("hnadle", ["handle", "candle", "hand"]) == "handle"
-    assert nearest("mop", ["mug", "map"]) is None
+    assert nearest("hnadle", frozenset({"handle", "candle", "hand"})) == "handle"
+    assert nearest("mop", frozenset({"mug", "map"})) is None
