@@ -22,7 +22,7 @@ from .scene import Placement, Scene
 
 DROP = 0.0005  # [m], how far above the table an object is let go
 AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], x and y that the middle of an object may have
-REACH = 0.74  # [m] from the robot's base, at the origin, to the middle of an object
+REACH = 0.80  # [m] from the robot at the origin; 1 cm nearer a hand that looks down can still lift
 LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], x and y that every point of it must have
 TRIES = 60
 ROUNDS = 60
@@ -170,9 +170,8 @@ def _are_clear(first: Array, second: Array, gap: float) -> bool:
 
 def _is_within(footprint: Array) -> bool:
     low, high = np.array(LIMITS).T
-    middle = (footprint.min(axis=0) + footprint.max(axis=0)) / 2
     inside = bool((footprint >= low).all() and (footprint <= high).all())
-    return inside and float(np.linalg.norm(middle)) <= REACH
+    return inside and float(np.linalg.norm(footprint, axis=1).max()) <= REACH
 
 
 def outline(points: Array) -> Array:

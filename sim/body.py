@@ -44,8 +44,9 @@ LEAST_LIFT = 0.10  # [m], less is not lifted
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_ATTEMPTS = 3  # how often the hand closes for one thing
-EFFORTS = (1, 2, 4)  # of plans: where little effort finds no way, more may
-GOOD = 0.5  # a grasp with a lower score is a reason to look once more for a better one
+# Efforts of plans, and the scores from which on a grasp is good enough not to make the next one:
+# where little effort finds no way, or only to a poor grasp, more may find a better one.
+EFFORTS = {1: 0.5, 2: 0.3, 4: 0.0}
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons that mean: the thing is not in the hand any more
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
@@ -317,7 +318,7 @@ class Body:
         """The way to the best grasp that can be reached and has not failed before; or why not."""
         reason, best = "", None
         surroundings = sight.surroundings(TABLE_HEIGHT)
-        for effort in EFFORTS:
+        for effort, enough in EFFORTS.items():
             plan = plan_grasps(surroundings, self.robot.gripper, rng=self._rng, effort=effort)
             fresh = [grasp for grasp in plan.grasps if not self._has_failed(grasp)]
             reach = next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
@@ -325,7 +326,7 @@ class Body:
                 best = reach
             if self.onlooker:
                 self.onlooker(self._aim.name, self._aim.part, plan, best.grasp if best else None)
-            if best is not None and (best.grasp.score >= GOOD or effort > EFFORTS[0]):
+            if best is not None and best.grasp.score >= enough:
                 return "", best
             reason = _why_not(plan)
         return (reason if self._reacher(sight).reaches(sight.wanted) else "unreachable"), None

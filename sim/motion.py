@@ -43,9 +43,9 @@ HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
 POISE = 0.07  # [m] above what is struck, a blow begins
 THROUGH = (0.05, 0.02, 0.005)  # [m] below it, where a blow aims, to be fast when it strikes
-BLOW_PACE, POISE_PACE = 0.7, 0.4
+BLOW_PACE, POISE_PACE = 0.9, 0.4
 FELT_BLOW = 2.0  # [N]
-FOLLOW_STEPS = 2  # for so long the hand goes on after it has struck
+FOLLOW_STEPS = 5  # for so long the hand goes on after it has struck
 SAME_FACE = 0.6  # [rad]
 AROUND = 8  # strikes for which a way round is sought
 REACH_ALONG = (0.0, -0.06, 0.06, -0.12)  # [m] nearer to or farther from the receiver
@@ -302,10 +302,12 @@ class Motion:
         ]
         here, above_it = self._strike_as_it_is(held, cloud), np.array([0.0, 0.0, POISE])
         goals = [strike.world_from_grip(target + above_it) for strike in [*near, here]]
-        straight = (reacher.straight_to(goal) for goal in goals)
+        ways = ((goal, reacher.straight_to(goal)) for goal in goals)
+        straight = [(goal, way) for goal, way in ways if way is not None]
+        best = (way for goal, way in straight if self._can_strike(way[-1], goal, reacher))
         # Where the arm comes to its limits on the straight way, it goes round by free space.
         around = (self._carry_to(held, goal, reacher) for goal in goals[:AROUND])
-        for path in chain(straight, around):
+        for path in chain(best, around, (way for _, way in straight)):
             if path is not None:
                 free = self.robot.follow(path, pace=POISE_PACE, stop=self._loses(held.name))
                 return "" if free else "dropped"
@@ -346,12 +348,13 @@ class Motion:
     def _poised(self, above: Array, reacher: Reacher) -> Array | None:
         """The posture above a blow from which the way down is free to go; None if there is none."""
         answer = reacher.postures(above[None])
-        if not answer.found[0]:
-            return None
-        down = reacher.way_from(
-            answer.joints[0], above, poses.translation(0, 0, -POISE - THROUGH[0]) @ above
-        )
-        return None if down is None else answer.joints[0]
+        is_good = answer.found[0] and self._can_strike(answer.joints[0], above, reacher)
+        return answer.joints[0] if is_good else None
+
+    def _can_strike(self, joints: Array, above: Array, reacher: Reacher) -> bool:
+        """Whether a posture above a blow leaves the arm room to strike with all its speed."""
+        below = poses.translation(0, 0, -POISE - THROUGH[0]) @ above
+        return reacher.way_from(joints, above, below) is not None
 
     def _carry_to(self, held: Held, goal: Array, reacher: Reacher) -> Array | None:
         """A way to a pose from which a blow can go down; None if there is none."""

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
-from hilt.sim.arrange import LIMITS, Spot, arrange, distance, outline
+from hilt.sim.arrange import LIMITS, REACH, Spot, arrange, distance, outline
 from hilt.sim.models import model_of
 from hilt.sim.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 
@@ -118,6 +118,7 @@ def test_no_two_objects_are_near_each_other(seed: int):
     low, high = np.array(LIMITS).T
     for i, spot in enumerate(spots):
         assert ((spot.footprint >= low) & (spot.footprint <= high)).all()
+        assert (np.linalg.norm(spot.footprint, axis=1) <= REACH).all()
         assert all(distance(spot.footprint, other.footprint) >= GAP for other in spots[:i])
 
 
