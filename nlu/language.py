@@ -36,6 +36,7 @@ from .meaning import (
     NewWord,
     Rule,
 )
+from .notation import keep_lines
 from .pragmatics import load_pragmatics
 from .reference import Discourse
 from .tokens import tokenize
@@ -125,6 +126,7 @@ class Language:
             {**words, degrees.intervals[degrees.default]: ""},
             book.tool_acts(),
         )
+        keep_lines()
         return cls(language, listener, speech, expression, book, inflection, degrees)
 
     def __repr__(self) -> str:

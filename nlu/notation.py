@@ -7,11 +7,12 @@ A mistake becomes a `DataError` with file, line, column and what was expected.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, cast
 
 from ..ontology.errors import DataError
 from .predicates import Form, form_of_term
+from .remembered import Lines
 from .typecheck import BASIC_TYPES, Basic
 
 if TYPE_CHECKING:
@@ -28,6 +29,19 @@ MAX_CHARACTERS = 400
 
 MAX_REMEMBERED = 4096
 """Many lines of a language are the same, and are read once."""
+
+
+class MistakeError(Exception):
+    """A text is not written as the grammar says.
+
+    Attributes:
+        problem: what was expected, and what is there.
+        offset: at which of its characters.
+    """
+
+    def __init__(self, problem: str, offset: int) -> None:
+        super().__init__(problem, offset)
+        self.problem, self.offset = problem, offset
 
 
 def read_entry(field: Field) -> Entry:
@@ -71,8 +85,6 @@ def parse_term(text: str) -> Term:
 
 
 def _read(field: Field, start: Start) -> Value:
-    from .reader import MistakeError  # here, with lark: who reads nothing should not pay for it
-
     text = field.text()
     if len(text) > MAX_CHARACTERS:
         raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")
@@ -88,11 +100,25 @@ def _read(field: Field, start: Start) -> Value:
         ) from error
 
 
+@cache
+def _lines() -> Lines:
+    return Lines()
+
+
+def keep_lines() -> None:
+    """Keep what was read, so that the next program need not read it again."""
+    _lines().keep()
+
+
 @lru_cache(MAX_REMEMBERED)
 def _value(text: str, start: Start) -> Value:
-    from .reader import read
+    found = _lines().recall(text, start)
+    if found is None:
+        from .reader import read  # here, with lark: who reads nothing new should not pay for it
 
-    return read(text, start)
+        found = read(text, start)
+        _lines().add(text, start, found)
+    return found
 
 
 def _names(found: Type) -> Iterator[str]:

@@ -14,6 +14,7 @@ from typing import Literal, cast
 from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
 from .categories import Atom, Category, Functor
+from .notation import MistakeError
 from .terms import Apply, Constant, Term, bind
 from .typecheck import Arrow, Basic, Type
 
@@ -32,19 +33,6 @@ _SHOWN = {
     "$END": "the end",
 }
 """How a message calls each terminal that is not one certain sign."""
-
-
-class MistakeError(Exception):
-    """A text is not written as the grammar says.
-
-    Attributes:
-        problem: what was expected, and what is there.
-        offset: at which of its characters.
-    """
-
-    def __init__(self, problem: str, offset: int) -> None:
-        super().__init__(problem, offset)
-        self.problem, self.offset = problem, offset
 
 
 def read(text: str, start: Start) -> Value:
