@@ -58,7 +58,7 @@ class Asides:
         for place in sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}):
             tag = tokens.words[place:]
             if tag in self.asking or tag in self.telling:
-                return replace(tokens.part(0, place), asks=tag in self.asking)
+                return replace(tokens.part(0, place), asks=tag not in self.telling)
         return tokens
 
     def removed(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:

@@ -29,6 +29,7 @@ from .understanding import Reading
 from .unknown import new_words
 
 MAX_EXPECTED = 5
+_WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is likelier
 MAX_NEAREST = 3
 
 
@@ -179,7 +180,7 @@ class Listener:
             intention.form,
             intention.interval,
             _meaning(intention.form, interpreter, situation.discourse),
-            derivation.cost,
+            derivation.cost + _WORD_COST * sum(1 for _ in entries_of(derivation)),
             derivation,
             words,
         )

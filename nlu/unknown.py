@@ -55,11 +55,12 @@ def nearest(word: str, known: frozenset[str]) -> str | None:
 def misspelt(word: str, known: frozenset[str]) -> str | None:
     """The word of grammar that `word` is one letter away from, by one too many, too few or swapped.
 
-    A word with one letter changed is too often another word: "fork" is no slip of "work".
+    A word with one letter changed, or another first one, is too often another word: "fork" is no
+    slip of "work".
     """
     letters = sorted(word)
     near = (each for each in known if len(each) != len(word) or sorted(each) == letters)
-    return nearest(word, frozenset(near))
+    return nearest(word, frozenset(each for each in near if each[0] == word[0]))
 
 
 def names_like(role: str, lexicon: Lexicon) -> frozenset[str]:
