@@ -91,7 +91,7 @@ class Hearing:
             in_frames: whether to go by the things named, in any order, and not by the grammar.
         """
         unknown = self._unknown(tokens)
-        chart = self.listener.chart(tokens, self._guesses(tokens, unknown))
+        chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
         clear = [reading for reading in readings if _may_teach(reading)]
         chosen = decide(clear)
@@ -112,6 +112,15 @@ class Hearing:
         else:
             meaning = self._unclear(chart, tokens, refusal)
         return replace(without_reading(tokens, situation, meaning), readings=len(clear))
+
+    def _chart(self, tokens: Tokens, unknown: list[Token], situation: Situation) -> Chart:
+        """All that the tokens can be, with guesses for new words."""
+        key = tuple((token.word, token.capital) for token in tokens.items)
+        found = situation.charts.get(key)
+        if found is None:
+            found = self.listener.chart(tokens, self._guesses(tokens, unknown))
+            situation.charts[key] = found
+        return found
 
     def topic(self, tokens: Tokens, situation: Situation) -> Form | None:
         """The thing that tokens only name, None when they do not."""

@@ -8,7 +8,7 @@ several meanings the cheapest is taken; when two different ones are equally like
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from .categories import Category, Functor
 from .chart import Chart, Derivation
@@ -42,12 +42,15 @@ class Situation:
         addressee: who is spoken to.
         discourse: what was spoken of before.
         heard: how sure it is that this was said, (lower, upper) in [0, 1].
+        charts: what the tokens of this utterance can be, by their words and capitals; for what is
+            tried in several ways.
     """
 
     speaker: str
     addressee: str
     discourse: Discourse
     heard: Confidence = (1.0, 1.0)
+    charts: dict[object, Chart] = field(default_factory=dict[object, Chart], compare=False)
 
 
 @dataclass(frozen=True)
