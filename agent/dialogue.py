@@ -173,7 +173,7 @@ class Dialogue:
     def _believe(self, turn: Turn, said: meaning.Statement) -> Reply:
         if not self._trusts(turn.speaker):
             return self._answered(turn, Answer("not_trusted", {"speaker": turn.speaker}, "refused"))
-        taught = lesson(self.base, said, turn.speaker, turn.heard)
+        taught = lesson(self.base, said, turn.speaker, turn.heard, self._topic)
         spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
         self.base.believe(
             turn.understood.text,

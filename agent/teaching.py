@@ -39,7 +39,13 @@ class Lesson:
     is_known: bool
 
 
-def lesson(base: KnowledgeBase, said: Statement, speaker: str, heard: float) -> Lesson:
+def lesson(
+    base: KnowledgeBase,
+    said: Statement,
+    speaker: str,
+    heard: float,
+    topic: Sequence[Rule] = (),
+) -> Lesson:
     """What a statement teaches to a base.
 
     Args:
@@ -47,6 +53,7 @@ def lesson(base: KnowledgeBase, said: Statement, speaker: str, heard: float) -> 
         said: the statement.
         speaker: who said it.
         heard: how surely it was heard, in [0, 1].
+        topic: the rules that were last spoken of.
     """
     as_said = tuple(rule_of(each, speaker) for each in said.rules)
     rules = tuple(rule_of(each, speaker, heard) for each in said.rules)
@@ -54,9 +61,7 @@ def lesson(base: KnowledgeBase, said: Statement, speaker: str, heard: float) -> 
     known = {rule.id for rule in before}
     corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
     supersedes = tuple(
-        old
-        for old in before
-        if any(is_same_matter(old, new) and old.id != new.id for new in corrected)
+        dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic))
     )
     return Lesson(
         rules,
@@ -64,6 +69,16 @@ def lesson(base: KnowledgeBase, said: Statement, speaker: str, heard: float) -> 
         supersedes,
         not supersedes and all(rule.id in known for rule in rules),
     )
+
+
+def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
+    """What a correction takes the place of; "no, I meant the knife" is about another thing."""
+    same = [old for old in before if is_same_matter(old, new) and old.id != new.id]
+    last = topic[-1] if topic else None
+    if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
+        return same
+    changed = (last.features != new.features) + (last.argument != new.argument)
+    return [last] if changed == 1 and last.contexts == new.contexts else []
 
 
 def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:

@@ -438,6 +438,27 @@ def test_correction_is_about_what_was_last_spoken_of(taught: Agent, turn: str):
     assert taught.hear("no, by the handle").said.startswith("I changed my mind: to pass a knife")
 
 
+@pytest.mark.parametrize(
+    ("told", "correction", "left"),
+    [
+        ("A spoon is used for cutting.", "No, I meant the knife.", "knife"),
+        ("A knife is used for rolling.", "Oops, make that cutting.", "knife"),
+    ],
+)
+def test_a_correction_may_change_the_object_or_the_use(
+    agent: Agent, told: str, correction: str, left: str
+) -> None:
+    """The rule that was just told goes, and the corrected one stays."""
+    agent.hear(told)
+
+    said = agent.hear(correction).said
+
+    rules = agent.base.rules(speaker="sam")
+    assert said.startswith("I changed my mind")
+    assert [str(rule.argument) for rule in rules] == ["affordance:cutting"]
+    assert all(left in str(rule) for rule in rules)
+
+
 def test_what_is_forgotten_is_what_was_last_spoken_of(taught: Agent):
     """An answer in between makes its rule "that"."""
     taught.hear("A hammer is used for pounding")
