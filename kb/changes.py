@@ -144,15 +144,20 @@ def last_told(base: Recall, speaker: str) -> list[Rule]:
     Raises:
         UnknownNameError: the speaker has told no rule that holds.
     """
-    told = base.rules(speaker=speaker)
-    numbers = sorted({rule.utterance for rule in told if rule.utterance}, reverse=True)
-    # What a file said of a speaker is no sentence of that one.
-    last = next((one for one in numbers if base.utterance(one).kind != IMPORT), None)
-    if last is None:
-        saying = {rule.utterance: rule.speaker for rule in base.rules() if rule.utterance}
-        others = {name for one, name in saying.items() if base.utterance(one).kind != IMPORT}
-        raise UnknownNameError("sentence with a rule that holds by", speaker, others)
-    return [rule for rule in told if rule.utterance == last]
+    others = set[str]()
+    for said in base.history(newest_first=True):
+        if said.kind == IMPORT:  # what a file says of a speaker is no sentence of that one
+            continue
+        rules = [base.rule(one) for one in said.asserts]
+        told = [rule for rule in rules if _still_holds(rule, said)]
+        if found := [rule for rule in told if rule.speaker == speaker]:
+            return found
+        others |= {rule.speaker for rule in told}
+    raise UnknownNameError("sentence with a rule that holds by", speaker, others)
+
+
+def _still_holds(rule: Rule, said: Utterance) -> bool:
+    return rule.status == "active" and rule.utterance == said.sequence
 
 
 def _read(base: Recall, nodes: set[Iri]) -> list[Rule]:

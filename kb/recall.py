@@ -134,9 +134,10 @@ class Recall:
             raise UnknownNameError("utterance", str(sequence), [f"1 to {last}"] if last else [])
         return read_utterance(found)
 
-    def history(self, *, since: int = 0) -> Iterator[Utterance]:
-        """What was said after an utterance, in order."""
-        for number in range(since + 1, self.sequence + 1):
+    def history(self, *, since: int = 0, newest_first: bool = False) -> Iterator[Utterance]:
+        """What was said after an utterance, in order, or the last of it first."""
+        numbers = range(since + 1, self.sequence + 1)
+        for number in reversed(numbers) if newest_first else numbers:
             found = self.store.properties(utterance_iri(number), HISTORY)
             if found:
                 yield read_utterance(found)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -43,8 +44,8 @@ def history(
 
     with open_for_reading(kb) as base:
         rule = find_rule(base, about) if about else None
-        found = [one for one in base.history(since=since or 0) if _is_wanted(one, speaker, rule)]
-    shown = found[-last:] if last else found
+        said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
+        shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
     if as_json:
         show([utterance.as_json() for utterance in shown])
     else:
