@@ -55,6 +55,11 @@ def open_error(folder: Path, error: Exception) -> StoreError:
     """Why a folder cannot be opened, and what to do."""
     if isinstance(error, StoreError):
         return error
+    if _NO_SPACE in str(error):
+        return StoreError(
+            f'The disk of the knowledge base "{folder}" is full, so it cannot be opened. All that '
+            "was acknowledged is safe. Make room, and open it again."
+        )
     if "lock" in str(error).lower():
         return InUseError(str(folder))
     if (folder / MARK).exists():

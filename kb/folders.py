@@ -41,7 +41,11 @@ def replaced_place(folder: Path) -> Path:
     return folder.with_name(f".{folder.name}.replaced")
 
 
-def remove_reports(folder: Path) -> None:
-    """Remove what the engine reported of earlier openings, which it would keep a thousand of."""
-    for report in folder.glob("LOG.old.*"):
-        report.unlink(missing_ok=True)
+def remove_leftovers(folder: Path) -> None:
+    """Remove what nobody needs: reports of earlier openings, parts of a load that was not ended.
+
+    Only who owns the folder may do so, and not while something is loaded.
+    """
+    for pattern in ("LOG.old.*", "bulk-*.sst"):
+        for file in folder.glob(pattern):
+            file.unlink(missing_ok=True)

@@ -31,7 +31,7 @@ from .annotated import Edge, Reified
 from .bounded import Worker
 from .dumping import Sink
 from .failures import line_of, open_error, reading_text, reported, syntax_error
-from .folders import is_base, remove_reports, undo_replacement
+from .folders import is_base, remove_leftovers, undo_replacement
 from .journal import Journal
 from .limits import Limits
 from .nquads import Group, Reader, grouped
@@ -186,8 +186,13 @@ class OxigraphStore:
         """
         with self._changing() as store:
             stream = cast(BinaryIO, _Stream(lines))
-            # Lenient: Hilt has checked what it writes, and to check it again takes a tenth longer.
-            store.bulk_load(stream, format=engine.RdfFormat.N_QUADS, lenient=True)
+            try:
+                # Lenient: Hilt has checked what it writes; to do so again takes a tenth longer.
+                store.bulk_load(stream, format=engine.RdfFormat.N_QUADS, lenient=True)
+            except BaseException:
+                if self._folder:  # the parts that were written would stay
+                    remove_leftovers(self._folder)
+                raise
             store.flush()
 
     @property
@@ -351,7 +356,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         folder.mkdir(parents=True, exist_ok=True)
         snapshots.remove_stale(folder)
         opened = engine.Store(str(folder))
-        remove_reports(folder)
+        remove_leftovers(folder)
         return OxigraphStore(opened, str(folder), read_only=False, folder=folder)
     except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
         raise open_error(folder, error) from error

@@ -3,12 +3,13 @@
 
 The engine's data files never change once they are written, so a snapshot links them and copies
 only its journals: milliseconds, whatever the size of the base. Snapshots live inside the folder
-(or, where that cannot be written, among the temporary files) until their reader is done; what a
-killed reader left behind is removed when the owner opens the folder the next time.
+(or, where that cannot be written or its disk is full, among the temporary files) until their
+reader is done; what a killed reader left is removed when the owner opens the folder the next time.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
@@ -21,6 +22,7 @@ INSIDE = "snapshots"
 _TRIES, _PAUSE_S = 100, 0.02
 _LINKED = {".sst"}  # written once, then never changed
 _LEFT_OUT = {"LOCK", "LOG", INSIDE}
+_PASSING = ("LOG.", "bulk-")  # earlier reports, and what is being loaded
 
 
 def place(folder: Path) -> Path:
@@ -39,7 +41,15 @@ def take(folder: Path) -> Path:
     Raises:
         StoreError: the folder cannot be read, or is written to without a pause.
     """
-    target = place(folder)
+    try:
+        return _taken(folder, place(folder))
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+    return _taken(folder, Path(tempfile.mkdtemp(prefix="hilt-")))
+
+
+def _taken(folder: Path, target: Path) -> Path:
     try:
         for _ in range(_TRIES):
             if _copy(folder, target):
@@ -91,7 +101,7 @@ def _state(folder: Path) -> dict[str, int]:
     return {
         entry.name: entry.stat().st_size if entry.name.startswith("MANIFEST") else 0
         for entry in os.scandir(folder)
-        if entry.name not in _LEFT_OUT and not entry.name.startswith("LOG.") and entry.is_file()
+        if entry.name not in _LEFT_OUT and not entry.name.startswith(_PASSING) and entry.is_file()
     }
 
 

@@ -3,17 +3,22 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import multiprocessing
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from hilt.kb import snapshots
 from hilt.kb.oxigraph import read_rdf, write_rdf
 from hilt.kb.store import open_store
+from hilt.kb.streaming import Loading
 from hilt.kb.terms import Quad
 from hilt.ontology.errors import DataError, StoreError
 from hilt.ontology.vocabulary import Iri
@@ -168,3 +173,46 @@ def test_written_text_is_the_same_every_time():
 
     assert written == write_rdf([quad], format="turtle").decode()
     assert written.startswith("@prefix object: <https://w3id.org/hilt/object/> .\n")
+
+
+def test_what_was_not_loaded_to_its_end_leaves_no_files(tmp_path: Path):
+    """Neither when loading fails, nor when the process was killed before."""
+    store = open_store(tmp_path / "store")
+    left = tmp_path / "store" / "bulk-1.sst"
+    assert isinstance(store, Loading)
+
+    def failing() -> Iterator[bytes]:
+        left.write_bytes(b"as the engine would")
+        yield b"<urn:s> <urn:p> <urn:o> <urn:g> .\n"
+        raise DataError("is wrong.", source="x")
+
+    with pytest.raises(DataError, match="is wrong"):
+        store.load(failing())
+    assert not left.exists() and not list(store.quads())
+    store.close()
+
+    left.write_bytes(b"as a killed process would")
+    open_store(tmp_path / "store").close()
+    assert not left.exists()
+
+
+def test_folder_on_a_full_disk_is_read_from_elsewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The snapshot stands among the temporary files then, and goes with its reader."""
+    store = open_store(tmp_path / "store")
+    store.apply(insert=[ONE])
+    taken, places = snapshots._take_file, list[Path]()
+
+    def full(source: Path, target: Path) -> None:
+        places.append(target.parent)
+        if target.is_relative_to(tmp_path):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        taken(source, target)
+
+    monkeypatch.setattr(snapshots, "_take_file", full)
+    with closing(open_store(tmp_path / "store", read_only=True)) as reader:
+        assert list(reader.quads()) == [ONE]
+
+    assert len({*places}) == 2 and not any(place.exists() for place in places)
+    store.close()
