@@ -230,9 +230,10 @@ def _beside_rules(group: Group, read: _Read) -> Iterator[Quad]:
     kind, name = split(node)
     # What a rule stands for besides its star is written again with the rule.
     written = _DERIVED if graph == BELIEFS and kind in _NAMED else frozenset[Iri]()
-    is_utterance = kind == "utterance" and name.isdecimal() and graph == HISTORY
+    # Formats without graphs have it among the beliefs.
+    is_told = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
     for key, value in pairs:
-        if is_utterance and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
+        if is_told and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
             read.asserted[int(name)].append(int(rule[1], 16))
         elif key not in written:
             yield Quad(node, key, value, graph)

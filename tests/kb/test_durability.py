@@ -178,6 +178,7 @@ def test_kill_leaves_streamed_imports_whole(tmp_path: Path, seed: int):
             assert [said.sequence for said in kb.history()] == list(range(1, kb.sequence + 1))
             assert sum(1 for _ in all_rules(kb)) == imports * RULES
             assert list(lawful(kb.store)) == []
+            assert not list((tmp_path / "kb").glob("bulk-*"))  # parts of a load that was killed
 
 
 def test_threads_teach_without_a_lost_sentence(tmp_path: Path):
