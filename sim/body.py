@@ -56,7 +56,6 @@ HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lo
 AFTER_BLOW = 0.15  # [s], until all is quiet
 IN = 0.003  # [m], what lacks less is in all the way
 TOP = 0.0015  # [m], what is so little below the highest point is the top
-_OBSTACLE_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
 Onlooker: TypeAlias = Callable[[str, str | None, GraspPlan, Grasp | None], None]
@@ -96,8 +95,8 @@ class Body:
         noise: of the cameras' depths; none when None.
 
     Attributes:
-        onlooker: called while it is not None with every plan of grasps: name of the thing, the part
-            it must be taken by, the plan, and the grasp that is taken.
+        onlooker: called while it is not None before each closing of the hand: name of the thing,
+            the part it must be taken by, the last plan of grasps, and the grasp that is taken.
     """
 
     def __init__(
@@ -316,7 +315,7 @@ class Body:
 
     def _choose(self, sight: Sight) -> tuple[str, Reach | None]:
         """The way to the best grasp that can be reached and has not failed before; or why not."""
-        reason, best = "", None
+        plan, reason, best = GraspPlan((), {}), "", None
         surroundings = sight.surroundings(TABLE_HEIGHT)
         for effort, enough in EFFORTS.items():
             plan = plan_grasps(surroundings, self.robot.gripper, rng=self._rng, effort=effort)
@@ -324,11 +323,13 @@ class Body:
             reach = next(self._reacher(sight).ways_to(fresh, lift=LIFT_HEIGHT), None)
             if best is None or (reach and reach.grasp.score > best.grasp.score):
                 best = reach
-            if self.onlooker:
-                self.onlooker(self._aim.name, self._aim.part, plan, best.grasp if best else None)
+            reason = "unreachable" if plan.grasps else plan.reason or "no_grasp"
             if best is not None and best.grasp.score >= enough:
-                return "", best
-            reason = _why_not(plan)
+                break
+        if self.onlooker:
+            self.onlooker(self._aim.name, self._aim.part, plan, best.grasp if best else None)
+        if best is not None:
+            return "", best
         return (reason if self._reacher(sight).reaches(sight.wanted) else "unreachable"), None
 
     def _has_failed(self, grasp: Grasp) -> bool:
@@ -474,10 +475,3 @@ def top_of(cloud: Array) -> Array:
     top = float(cloud[:, 2].max())
     face = cloud[cloud[:, 2] > top - TOP]
     return np.array([*(face[:, :2].min(axis=0) + face[:, :2].max(axis=0)) / 2, top])
-
-
-def _why_not(plan: GraspPlan) -> str:
-    """The reason to report when no grasp of a plan could be used."""
-    if plan.grasps:
-        return "unreachable"
-    return _OBSTACLE_REASONS.get(plan.reason, "no_grasp")

@@ -4,11 +4,12 @@
 `plan_grasps` proposes poses of the hand (`hand_poses`), judges each by its width profile (`hold`),
 turns the best ones a little to see whether that makes them better, and gives the good ones, best
 first. The part constraint is a filter: both contact bands must lie wholly on the wanted part. When
-nothing is left, `GraspPlan.reason` says what was in the way most often.
+nothing is left, `GraspPlan.reason` says why.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -39,6 +40,7 @@ SHOWN = 24  # of the poses that were ruled out
 LEAST_POINTS = 12  # of a part, else nothing can be said about it
 APART = 0.012  # [m], grasps nearer than this and turned alike are one
 APART_ANGLE = 0.35  # [rad]
+_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
 @dataclass(frozen=True)
@@ -79,10 +81,18 @@ class GraspPlan:
 
     @property
     def reason(self) -> str:
-        """The obstacle met most often; empty when there are grasps or there was nothing to try."""
+        """Why there is no grasp; empty when there are some, or there was nothing to try.
+
+        "too_wide" or "blocked" (by neighbours or other parts) where that ruled out most of the
+        poses, else "no_grasp": also of a knife some directions are too wide.
+        """
         if self.grasps or not any(self.rejected.values()):
             return ""
-        return max(self.rejected, key=lambda obstacle: self.rejected[obstacle])
+        counts = Counter[str]()
+        for obstacle, count in self.rejected.items():
+            counts[_REASONS.get(obstacle, "no_grasp")] += count
+        reason, count = counts.most_common(1)[0]
+        return reason if 2 * count > counts.total() else "no_grasp"
 
 
 def plan_grasps(
