@@ -9,6 +9,7 @@ vision    searches for the features it is asked for, in camera images only
 grasp     a pose of the hand from which its fingers close on one part, and how well they would hold
 reach     a way of the arm to a grasp that hits nothing
 motion    takes, lifts, carries, gives, puts back, points; nothing is ever fixed to the hand
+striking  brings a face of what is held above something, and down on it
 report    what came of a motion: whether it worked, why not, what was touched, how high
 body      eyes, arm and hand together, as the agent uses them
 

@@ -22,7 +22,7 @@ from . import poses
 from .camera import View
 from .eyes import open_eyes
 from .grasp import Grasp, GraspPlan, plan_grasps
-from .motion import Held, Motion, Touch
+from .motion import Held, Touch
 from .noise import Noise
 from .percept import Percept, visible_features
 from .poses import Array
@@ -33,6 +33,7 @@ from .robot import Robot
 from .robots import find_robot
 from .scene import Scene
 from .sight import Sight
+from .striking import StrikingMotion
 from .world import World
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ class Body:
         self._resting = Resting(self.world.engine, self._loose())
         self.robot = Robot(self.world.engine, kind, step=self._step)
         self.vision = open_eyes(self.world, source=eyes, noise=noise)
-        self.motion = Motion(
+        self.motion = StrikingMotion(
             self.robot,
             table=TABLE_HEIGHT,
             receiver=np.array(RECEIVER),
