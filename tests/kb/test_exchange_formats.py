@@ -24,7 +24,7 @@ from hilt.kb.graph import graph_of, rules_of_graph
 from hilt.kb.interval import Interval
 from hilt.kb.lines import Lines
 from hilt.kb.oxigraph import read_rdf
-from hilt.kb.rule import Rule, grasping
+from hilt.kb.rule import Rule, functional, grasping
 from hilt.kb.sheet import read_sheet, write_sheet
 from hilt.kb.stars import BELIEFS, statements
 from hilt.kb.store import open_store
@@ -255,6 +255,22 @@ def test_large_table_is_told_in_parts(
     assert [len(one.asserts) for one in kb.history()] == [2, 2, 1]
     assert kb.utterance(2).text == f"import of {tmp_path / 'x.csv'}, rules 3 to 4"
     assert all(rule.time and rule.utterance for rule in kb.rules())
+
+
+@pytest.mark.parametrize("suffix", ["nq", "nt", "ttl"])
+@pytest.mark.usefixtures("streamed")
+def test_what_told_the_rules_is_not_held(
+    kb: KnowledgeBase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+):
+    """As many rules as a sentence asserts, nothing of it but numbers is in memory."""
+    some = [functional("knife", "cutting", interval=Interval(n / 100, 1)) for n in range(60)]
+    kb.believe("Many.", "x", "sam", some)
+    export_file(kb, tmp_path / f"x.{suffix}", rules_only=True)
+    monkeypatch.setattr(streaming, "MAX_REST", 50)
+    again = fresh()
+
+    assert import_file(again, tmp_path / f"x.{suffix}").new == 60
+    assert len(again.utterance(1).asserts) == 60
 
 
 # --- What is refused
