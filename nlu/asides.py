@@ -53,13 +53,20 @@ class Asides:
 
     def untagged(self, tokens: Tokens) -> Tokens:
         """The utterance without the tag at its end: "..., isn't it?", "..., okay?"."""
-        if not tokens.asks:
+        place = self._tag(tokens, self.asking | self.telling)
+        if place is None:
             return tokens
-        for place in sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}):
-            tag = tokens.words[place:]
-            if tag in self.asking or tag in self.telling:
-                return replace(tokens.part(0, place), asks=tag not in self.telling)
-        return tokens
+        return replace(tokens.part(0, place), asks=tokens.words[place:] in self.asking)
+
+    def requested(self, tokens: Tokens) -> Tokens | None:
+        """The utterance without a tag that may only urge: "..., will you?"; None without one."""
+        place = self._tag(tokens, self.telling)
+        return None if place is None else replace(tokens.part(0, place), asks=False)
+
+    def _tag(self, tokens: Tokens, tags: Collection[Phrase]) -> int | None:
+        """Where one of some tags begins, None where there is none."""
+        places = sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}) if tokens.asks else ()
+        return next((place for place in places if tokens.words[place:] in tags), None)
 
     def removed(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
         """The utterance without all that adds nothing.

@@ -14,7 +14,7 @@ from typing import TypeGuard
 from .asides import fronted
 from .hearing import Hearing
 from .listening import Situation
-from .meaning import AskBack, Meaning, Misunderstanding
+from .meaning import AskBack, Command, Meaning, Misunderstanding, ToolCommand
 from .moves import Moves
 from .predicates import Form
 from .tokens import BREAK, Tokens
@@ -36,6 +36,13 @@ class Attempts:
 
     def understood(self, tokens: Tokens, situation: Situation) -> Understanding:
         """What it means, in the first way that gives it a meaning."""
+        request = self._hearing.book.asides.requested(tokens)
+        found = self._tried(request, situation) if request else None
+        if found and isinstance(found.meaning, (Command, ToolCommand)):
+            return replace(found, text=tokens.text)
+        return self._tried(tokens, situation)
+
+    def _tried(self, tokens: Tokens, situation: Situation) -> Understanding:
         found = self._taken(tokens, situation)
         if found.reading is None and BREAK in tokens.words:
             again = self._taken(tokens.without_breaks(), situation)

@@ -133,7 +133,8 @@ def _one_reply(
     decisive = {reply for reply in replies if reply.ack in _DECISIVE}
     if len(decisive) > 1:
         return None
-    chosen = next(iter(decisive), replies[-1])
+    thanked = next((reply for reply in replies if reply.ack == "thanks"), replies[-1])
+    chosen = next(iter(decisive), thanked)
     return meanings.index(chosen), chosen
 
 
