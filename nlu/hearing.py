@@ -178,11 +178,13 @@ class Hearing:
         return AskBack(self.speech.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _unknown(self, tokens: Tokens) -> list[Token]:
-        lexicon, closed = self.listener.lexicon, self.book.closed | self.listener.frames.words
+        lexicon, closed, framed = self.listener.lexicon, self.book.closed, self.listener.frames
         return [
             token
             for token in tokens.items
-            if token.word not in lexicon and token.word not in closed
+            if token.word not in lexicon
+            and token.word not in closed
+            and token.word not in framed.words
         ]
 
     def _which_thing(self, reading: Reading) -> AskBack | None:

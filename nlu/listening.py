@@ -20,7 +20,7 @@ from .grammar import Grammar
 from .interpretation import Interpreter, reply
 from .lexicon import Entry, Lexicon
 from .meaning import AskBack, Confidence, Meaning, Misunderstanding, Statement
-from .pragmatics import Intention, Pragmatics
+from .pragmatics import CERTAIN, Intention, Pragmatics
 from .predicates import Form, form_of
 from .questions import question
 from .reference import IT, Discourse, RefusedError, resolved
@@ -49,7 +49,7 @@ class Situation:
     speaker: str
     addressee: str
     discourse: Discourse
-    heard: Confidence = (1.0, 1.0)
+    heard: Confidence = CERTAIN
     charts: dict[object, Chart] = field(default_factory=dict[object, Chart], compare=False)
 
 
@@ -152,6 +152,8 @@ class Listener:
         meant = self.pragmatics.meant(said)
         if len(meant) != 1:
             raise RefusedError("which_intention", asks=True)
+        if heard == CERTAIN:
+            return meant[0]
         weighed = self.pragmatics.intentions(said, heard)
         return next(each for each in weighed if each.form == meant[0].form)
 

@@ -8,8 +8,9 @@ Scheutz et al. (2013) and Williams et al. (2015). Paper, section 3.2.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from ..ontology.source import Field, read_yaml
@@ -17,6 +18,8 @@ from .evidence import EVIDENCE, Evidence
 from .meaning import Confidence
 from .notation import read_rule
 from .predicates import Form, fill, match
+
+CERTAIN: Confidence = (1.0, 1.0)
 
 PRAGMATICS_FILE = Path(__file__).parents[1] / "ontology" / "pragmatics.yaml"
 
@@ -53,7 +56,7 @@ class Pragmatics:
     threshold: float
     evidence: Evidence = EVIDENCE
 
-    def intentions(self, act: Form, heard: Confidence = (1.0, 1.0)) -> list[Intention]:
+    def intentions(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
         """All that a speech act may be meant to bring about, the surest first.
 
         Args:
@@ -61,7 +64,7 @@ class Pragmatics:
             heard: how sure it is that this was said, (lower, upper) in [0, 1].
         """
         found: dict[Form, list[Confidence]] = {}
-        for rule in self.rules:
+        for rule in self._by_act.get(act.name, ()):
             variables = match(rule.act, act)
             if variables is not None:
                 concluded = self.evidence.ponens(heard, rule.interval)
@@ -69,13 +72,20 @@ class Pragmatics:
         judged = [self._judged(form, intervals) for form, intervals in found.items()]
         return sorted(judged, key=lambda each: -each.certainty)
 
-    def meant(self, act: Form, heard: Confidence = (1.0, 1.0)) -> list[Intention]:
+    def meant(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
         """The intentions that are sure enough; with none or several of them, Hilt must ask."""
         return [each for each in self.intentions(act, heard) if self.is_enough(each.interval)]
 
     def is_enough(self, interval: Confidence) -> bool:
         """Whether an intention is sure enough to go by."""
         return self.evidence.certainty(interval) > self.threshold
+
+    @cached_property
+    def _by_act(self) -> Mapping[str, Sequence[PragmaticRule]]:
+        found: dict[str, list[PragmaticRule]] = {}
+        for rule in self.rules:
+            found.setdefault(rule.act.name, []).append(rule)
+        return found
 
     def _judged(self, form: Form, intervals: Sequence[Confidence]) -> Intention:
         interval = self.evidence.fused(intervals)
