@@ -218,9 +218,10 @@ def _joined(pieces: Sequence[str]) -> Iterator[tuple[str, ...]]:
         yield tuple(pieces)
         return
     words = " ".join(pieces[place:end])
+    is_optional = all(piece[0] in _CLOSING for piece in pieces[place:end])
     for rest in _joined(pieces[end:]):
         yield *pieces[:place], words, *rest
-        if may_be_left_out(words):
+        if is_optional and may_be_left_out(words):
             yield *pieces[:place], *rest
 
 
