@@ -18,6 +18,7 @@ from .frames import Fillers, Frame, Frames, Kind, Phrase
 from .grammar import Unary
 from .lexicon import Entry
 from .predicates import form_of
+from .reference import SOMETHING
 from .terms import Constant, evaluate
 from .tokens import BREAK, Tokens
 
@@ -108,7 +109,7 @@ def _heard(frames: Frames, tokens: Tokens, chart: Chart) -> _Heard:
     words, places = tokens.words, range(len(tokens.items))
     things: dict[tuple[Category, int], list[Derivation]] = {}
     for part in chart.fragments(frames.categories | {_DEGREE}):
-        if not _is_bare_guess(part) and not _is_cut(part, tokens):
+        if not (_is_bare_guess(part) or _is_cut(part, tokens) or _is_anything(part)):
             things.setdefault((part.category, part.start), []).append(part)
     return _Heard(
         tokens,
@@ -232,6 +233,16 @@ class _Search:
 
     def _may_end(self, cover: _Cover) -> bool:
         return self.frames.may_follow(_END, cover.last)
+
+
+def _is_anything(part: Derivation) -> bool:
+    """Whether it is a thing without a name, which may be what something else stands for."""
+    if part.category != _OBJECT:
+        return False
+    form = form_of(part.value)
+    while form.name == "having":
+        form = form.arguments[0]
+    return form.name in SOMETHING
 
 
 def _is_cut(part: Derivation, tokens: Tokens) -> bool:
