@@ -248,11 +248,14 @@ def _spoken_of(form: Form) -> Form | None:
         return form.arguments[0]
     if form.name in _OBJECT_FIRST and form.arguments and not _spoken_in(form):
         return form.arguments[0]
-    if form.name in _OBJECT_SECOND and len(form.arguments) > 1:
+    is_act = form.name in _OBJECT_SECOND or form.arguments[:1] == (_HILT,)
+    if is_act and len(form.arguments) > 1:
+        # Of an act with a tool it is what it is done to.
         return form.arguments[1]
     return _spoken_in(form)
 
 
+_HILT = Form("self")
 _OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
 _OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
 

@@ -22,7 +22,6 @@ SKIPPED = {
     "always hold the mug by the handle when picking it up, usually": "two degrees at once",
     "use a knife for cutting but never for pounding": "a denial joined to an imperative",
     "use something sharp for cutting": "asks back: a rule or a command",
-    "it would be nice if you passed me the knife": "the past tense of a wish",
     "find something to pound the nail with": "two acts, the second with a gap",
     "If I were you I'd use a knife for cutting": "too far off",
     "What a knife does is cut": "too far off",
