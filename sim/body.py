@@ -270,12 +270,16 @@ class Body:
         return self._report("raise", self.motion.poise(self._held, self._aim_at(), reacher, cloud))
 
     def lower(self) -> MotionReport:
-        """Strike once."""
+        """Strike once. What is in all the way was struck well, also where that costs the hold."""
         if self._held is None or self._sight is None or self._struck is None:
             return MotionReport("lower", ok=False, reason="nothing_held")
         reason = self.motion.blow(self._held, self._aim_at(), self._reacher(self._sight))
         self.robot.wait(AFTER_BLOW)
-        return self._report("lower", reason)
+        report = self._report("lower", reason)
+        if reason not in LOST:
+            return report
+        self._release()
+        return replace(report, ok=True, reason="") if report.driven else report
 
     # --- how ----------------------------------------------------------------------------------
 
