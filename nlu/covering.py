@@ -166,7 +166,7 @@ class _Search:
 
     def _longer(self, cover: _Cover, place: int) -> Iterator[_Cover]:
         """The cover with each part that may come next."""
-        if self.heard.words[place] == BREAK and self._may_end(cover):
+        if self.heard.words[place] == BREAK and self._may_end(cover) and self.frame.joins:
             part = _words((BREAK,), place, Atom(BREAK), _NOTHING)
             seen = cover.seen | {_PAUSE}
             yield cover.and_part(part)._replace(last=_START, seen=seen)
@@ -183,7 +183,7 @@ class _Search:
         """What may come next by itself, and its kind."""
         for name in self.frame.fillers:
             for kind, filler in self.heard.fillers[name][place]:
-                if not self._asks(filler):
+                if not self._asks(cover, filler):
                     yield kind, filler
         if self.frame.result == _RULE:
             yield from self._degrees(cover, place)
@@ -215,7 +215,7 @@ class _Search:
         )
         return longer._replace(slots=(*cover.slots[:index], part, *cover.slots[index + 1 :]))
 
-    def _asks(self, filler: Derivation) -> bool:
+    def _asks(self, cover: _Cover, filler: Derivation) -> bool:
         """Whether a filler makes a question of a rule, or of a question another one."""
         if self.frame.result not in _STATED:
             return False
@@ -224,8 +224,8 @@ class _Search:
             # A question within a question is none about a rule.
             within = any((word,) in self.frames.asking for word in phrase)
             return within or BREAK in self.heard.words
-        first = phrase[:1] in self.frames.asking or phrase in self.frames.inverted
-        return filler.start == 0 and first
+        asks = phrase[:1] in self.frames.asking or phrase in self.frames.inverted
+        return asks and all(part.category == _DEGREE for part in cover.parts)
 
     def _has_needs(self, cover: _Cover, kind: str) -> bool:
         needed = self.frames.needs.get(kind)

@@ -70,6 +70,7 @@ class Frame:
         result: the category of the whole; a rule takes a degree, too.
         value: the function from the meanings of the slots, in their order, to that of the whole.
         cost: how unlikely it is.
+        joins: whether it may go over several sentences.
     """
 
     slots: tuple[tuple[Kind, ...], ...]
@@ -78,6 +79,7 @@ class Frame:
     result: Category
     value: Value
     cost: float
+    joins: bool
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ def _frame(
     fillers: Mapping[str, Fillers],
     slots: Mapping[str, tuple[Kind, ...]],
 ) -> Frame:
-    parts = field.entries(required=("takes", "with", "is"), optional=("cues",))
+    parts = field.entries(required=("takes", "with", "is"), optional=("cues", "joins"))
     gaps = _gaps(parts["takes"])
     taken = tuple(_slot(gap, slots) for gap in gaps)
     line = parts["is"]
@@ -112,6 +112,7 @@ def _frame(
         category,
         evaluate(reduce(bind, (gap.name for gap in reversed(gaps)), term)),
         cost,
+        "joins" not in parts or parts["joins"].text(choices=("yes", "no")) == "yes",
     )
 
 
