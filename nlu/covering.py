@@ -161,8 +161,7 @@ class _Search:
         """Whether a question is one: by its mark, or because it begins as one."""
         if self.frame.result != _QUESTION or self.heard.tokens.asks:
             return True
-        first = str(cover.parts[0].category)
-        return first in self.frame.cues or first in self.frames.openers
+        return str(cover.parts[0].category) in self.frames.openers
 
     def _longer(self, cover: _Cover, place: int) -> Iterator[_Cover]:
         """The cover with each part that may come next."""

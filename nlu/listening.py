@@ -23,7 +23,7 @@ from .meaning import AskBack, Confidence, Meaning, Misunderstanding, Statement
 from .pragmatics import CERTAIN, Intention, Pragmatics
 from .predicates import Form, form_of
 from .questions import question
-from .reference import IT, Discourse, RefusedError, resolved
+from .reference import IT, SOMETHING, Discourse, RefusedError, resolved
 from .tokens import Tokens
 from .understanding import Reading
 from .unknown import new_words
@@ -167,7 +167,8 @@ class Listener:
 
     def _in_frames(self, chart: Chart, tokens: Tokens) -> list[tuple[str, Derivation]]:
         found = sorted(wholes(self.frames, tokens, chart), key=lambda each: each.cost)
-        return [(self.grammar.roots[whole.category], whole) for whole in found]
+        named = (whole for whole in found if not _on_anything(form_of(whole.value)))
+        return [(self.grammar.roots[whole.category], whole) for whole in named]
 
     def _reading(
         self, act: str, form: Form, derivation: Derivation, tokens: Tokens, situation: Situation
@@ -250,8 +251,8 @@ def _spoken_of(form: Form) -> Form | None:
         return form.arguments[0]
     is_act = form.name in _OBJECT_SECOND or form.arguments[:1] == (_HILT,)
     if is_act and len(form.arguments) > 1:
-        # Of an act with a tool it is what it is done to.
-        return form.arguments[1]
+        # Of an act with a tool it is what it is done to, if that was named.
+        return next((each for each in form.arguments[1:] if each.name not in SOMETHING), None)
     return _spoken_in(form)
 
 
@@ -266,6 +267,14 @@ def _spoken_in(form: Form) -> Form | None:
         if found is not None:
             return found
     return None
+
+
+def _on_anything(form: Form) -> bool:
+    """Whether it is a rule for an act on a thing without a name, which a frame may only guess."""
+    if form.name == "and":
+        return any(map(_on_anything, form.arguments))
+    is_action = form.name == "implies" and form.arguments[1].name == "graspObject"
+    return is_action and any(part.name in SOMETHING for part in form.arguments[0])
 
 
 def _named(form: Form, situation: Situation) -> Form:
