@@ -22,7 +22,7 @@ from ..kb.beliefs import KnowledgeBase
 from ..kb.episodes import Episode
 from ..kb.views import View, view
 from ..kb.words import Word
-from ..ontology.errors import HiltError, UnknownNameError
+from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent
 from .embodiment import Embodiment
 from .episodes import AGAIN
@@ -85,7 +85,7 @@ def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
         alike = ", ".join(each.id for each in found[-LISTED:])
         raise HiltError(f'{len(found)} episodes begin with "{name}", among them {alike}.')
     if not found:
-        raise UnknownNameError("episode", name, [each.id for each in episodes[-LISTED:]])
+        raise NotFoundError("episode", name, [each.id for each in episodes[-LISTED:]])
     return found[0]
 
 

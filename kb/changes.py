@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..ontology.errors import UnknownNameError, ValidationError
+from ..ontology.errors import NotFoundError, ValidationError
 from ..ontology.vocabulary import Iri
 from . import stars
 from .history import IMPORT, Utterance
@@ -153,7 +153,7 @@ def last_told(base: Recall, speaker: str) -> list[Rule]:
         if found := [rule for rule in told if rule.speaker == speaker]:
             return found
         others |= {rule.speaker for rule in told}
-    raise UnknownNameError("sentence with a rule that holds by", speaker, others)
+    raise NotFoundError("sentence with a rule that holds by", speaker, others)
 
 
 def _still_holds(rule: Rule, said: Utterance) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from itertools import islice
 from typing import TypeAlias, cast
 
-from ..ontology.errors import UnknownNameError
+from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from . import stars
 from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
@@ -119,7 +119,7 @@ class Recall:
         node = stars.rule_iri(rule_id)
         found = self.star(node)
         if not found:
-            raise UnknownNameError("rule", rule_id, self._some_rule_ids())
+            raise NotFoundError("rule", rule_id, self._some_rule_ids())
         return self.read_rules([(node, found)])[0]
 
     def utterance(self, sequence: int) -> Utterance:
@@ -131,7 +131,7 @@ class Recall:
         found = self.store.properties(utterance_iri(sequence), HISTORY)
         if not found:
             last = self.sequence
-            raise UnknownNameError("utterance", str(sequence), [f"1 to {last}"] if last else [])
+            raise NotFoundError("utterance", str(sequence), [f"1 to {last}"] if last else [])
         return read_utterance(found)
 
     def history(self, *, since: int = 0, newest_first: bool = False) -> Iterator[Utterance]:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from decimal import Decimal
 
-from ..ontology.errors import UnknownNameError
+from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, term
 from . import stars
 from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
@@ -215,7 +215,7 @@ class Telling(Recall):
         with self.store.writing():
             known = {word.atom.name: word for word in read_words(self.store)}
             if name not in known:
-                raise UnknownNameError("learned word", name, known)
+                raise NotFoundError("learned word", name, known)
             change = _Change()
             node, word = word_iri(known[name].atom), known[name]
             kept = word_quads(word, word.utterance or 0, status="retracted")

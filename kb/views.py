@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import cast
 
-from ..ontology.errors import DataError, UnknownNameError
+from ..ontology.errors import DataError, NotFoundError
 from ..ontology.vocabulary import Iri, split
 from .history import ASSERTS, HISTORY, KIND, RETRACTS, SEQUENCE, SUPERSEDES
 from .interval import CERTAIN, Interval
@@ -182,12 +182,12 @@ def _check(
 ) -> None:
     last = max((one.sequence for one in said), default=0)
     if isinstance(at, int) and not 0 <= at <= last:
-        raise UnknownNameError("utterance", str(at), [f"0 to {last}"])
+        raise NotFoundError("utterance", str(at), [f"0 to {last}"])
     speakers = {one.speaker for one in said}
     if according_to is None or according_to in speakers:
         return
     if not base.rules(speaker=according_to, status=None):
-        raise UnknownNameError("speaker", according_to, speakers)
+        raise NotFoundError("speaker", according_to, speakers)
 
 
 def _is_until(one: _Said, at: datetime | int | None) -> bool:

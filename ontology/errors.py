@@ -6,6 +6,7 @@
     ├── IntervalError (ValueError)       numbers that are no interval [lower, upper]
     ├── ConflictError (ValueError)       sources that contradict each other fully
     ├── UnknownNameError (LookupError)   a name that nothing answers to; lists those that do
+    │   └── NotFoundError                what a knowledge base was asked for and does not have
     ├── StoreError (OSError)             the knowledge base cannot be opened, read or written
     │   └── InUseError                   another process has the folder of the knowledge base open
     ├── QueryError (ValueError)          a SPARQL text that is wrong, refused or took too long
@@ -110,6 +111,10 @@ class UnknownNameError(HiltError, LookupError):
         hint = f' Did you mean "{close[0]}"?' if close else ""
         listed = ", ".join(self.known) or "none"
         super().__init__(f'There is no {kind} "{name}".{hint} Known: {listed}.')
+
+
+class NotFoundError(UnknownNameError):
+    """A name of something kept in a knowledge base, that it does not have."""
 
 
 class StoreError(HiltError, OSError):

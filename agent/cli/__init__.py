@@ -14,7 +14,14 @@ from collections.abc import Sequence
 
 import typer
 
-from ...ontology.errors import DataError, HiltError, IntervalError, QueryError, UnknownNameError
+from ...ontology.errors import (
+    DataError,
+    HiltError,
+    IntervalError,
+    NotFoundError,
+    QueryError,
+    UnknownNameError,
+)
 
 # The order in which help lists them.
 from . import talking, parsing, knowledge, exchanging, history, picturing, checking  # isort: skip
@@ -57,7 +64,8 @@ def _run(arguments: Sequence[str], *, debug: bool) -> int:
         if debug:
             raise
         complain(error)
-        return WRONG_USAGE if isinstance(error, UNREADABLE) else FAILED
+        is_wrong = isinstance(error, UNREADABLE) and not isinstance(error, NotFoundError)
+        return WRONG_USAGE if is_wrong else FAILED
     except typer.Abort:
         return INTERRUPTED
     except Exception as error:

@@ -53,13 +53,13 @@ def trust(
     as_json: AsJson = False,
 ) -> None:
     """Say how far a speaker is to be trusted, 0 is not at all; or show how far each one is."""
-    from ...ontology.errors import UnknownNameError
+    from ...ontology.errors import NotFoundError
 
     if degree is None:
         with open_for_reading(kb) as base:
             known = base.trusts()
         if speaker is not None and speaker not in known:
-            raise UnknownNameError("trusted speaker", speaker, known)
+            raise NotFoundError("trusted speaker", speaker, known)
         shown = {name: known[name] for name in known if speaker in (None, name)}
     else:
         with open_base(kb) as base:

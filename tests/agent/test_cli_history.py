@@ -109,23 +109,26 @@ def test_forgetting_a_word(run: Run):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "code", "said"),
     [
-        (("forget", "rule/0000000000000000"), "no rule"),
-        (("forget", "a", "b", "c"), 'Expected RULE, "last"'),
-        (("forget", "last", "--speaker", "eve"), 'holds by "eve"'),
-        (("rules", "--at", "yesterday"), "expected a date"),
-        (("rules", "--at", "99"), "no utterance"),
-        (("rules", "--according-to", "eve"), 'no speaker "eve"'),
-        (("history", "--about", "rule/0000000000000000"), "no rule"),
-        (("trust", "eve"), 'no trusted speaker "eve"'),
+        (("forget", "rule/0000000000000000"), 1, "no rule"),
+        (("forget", "a", "b", "c"), 2, 'Expected RULE, "last"'),
+        (("forget", "last", "--speaker", "eve"), 1, 'holds by "eve"'),
+        (("forget", "word", "zester"), 1, 'no learned word "zester"'),
+        (("rules", "--at", "yesterday"), 2, "expected a date"),
+        (("rules", "--at", "99"), 1, "no utterance"),
+        (("rules", "--according-to", "eve"), 1, 'no speaker "eve"'),
+        (("history", "--about", "rule/0000000000000000"), 1, "no rule"),
+        (("trust", "eve"), 1, 'no trusted speaker "eve"'),
     ],
 )
-def test_wrong_use_is_one_line_and_code_two(run: Run, arguments: tuple[str, ...], said: str):
-    """What cannot be done is told in a line."""
-    code, out, error = run(*arguments)
+def test_what_is_not_there_and_what_is_no_use_are_told_apart(
+    run: Run, arguments: tuple[str, ...], code: int, said: str
+):
+    """In one line each: 1 where the base does not have it, 2 where it makes no sense."""
+    found, out, error = run(*arguments)
 
-    assert (code, out) == (2, "")
+    assert (found, out) == (code, "")
     assert said in error
     assert error.count("\n") == 1
 

@@ -138,7 +138,7 @@ def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[s
     (_, [episode]), (_, again), missing = found  # pyright: ignore
     assert (episode["outcome"], episode["decision"]["part"]) == ("done", "blade")
     assert (again["episode"], again["same"]) == (episode["id"], True)
-    assert missing[0] == 2
+    assert missing[0] == 1
     assert 'no episode "x"' in missing[1]
 
 
