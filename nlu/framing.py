@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import reduce
 from pathlib import Path
 from types import MappingProxyType
@@ -44,21 +44,31 @@ def load_frames(path: Path, grammar: Grammar) -> Frames:
         name: frozenset(_phrases(parts[name])) if name in parts else frozenset[Phrase]()
         for name in ("inverted", "asking")
     }
+    denials = _fillers(parts["denials"].entries())
+    kinds = {kind for group in (denials, *fillers.values()) for kind in group.kinds}
+    kinds |= {kind.name for slot in slots.values() for kind in slot}
+    follows = _sets(parts["follows"], kinds | {"start", "end", "DG", "NP"})
     return Frames(
         tuple(_frame(field, grammar, fillers, slots) for field in parts["frames"].items()),
         fillers=MappingProxyType(fillers),
         barred=_fillers({"": parts["barred"]}),
-        denials=_fillers(parts["denials"].entries()),
+        denials=denials,
         openers=frozenset(parts["openers"].texts()),
-        follows=_sets(parts["follows"]),
-        needs=_sets(parts["needs"]),
+        follows=follows,
+        needs=_sets(parts["needs"], kinds | {"clause", "pause"}),
         degree=parts["degree"].text(choices=tuple(grammar.signature)),
         **sets,
     )
 
 
-def _sets(field: Field) -> Mapping[str, frozenset[str]]:
-    return MappingProxyType({name: frozenset(f.texts()) for name, f in field.entries().items()})
+def _sets(field: Field, known: Collection[str]) -> Mapping[str, frozenset[str]]:
+    """The kinds that belong to each kind, all of them known."""
+    found: dict[str, frozenset[str]] = {}
+    for kind, others in field.entries().items():
+        if kind not in known:
+            raise others.fail(f'there is no kind "{kind}"; expected one of {sorted(known)}.')
+        found[kind] = frozenset(each.text(choices=known) for each in others.items())
+    return MappingProxyType(found)
 
 
 def _phrases(field: Field) -> Iterator[Phrase]:

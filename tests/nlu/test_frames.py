@@ -109,6 +109,16 @@ def test_a_mistake_in_a_frame_is_told_with_its_line(
     assert caught.value.line == head.count("\n") + 3
 
 
+def test_a_kind_that_nothing_is_is_told(language: Language, tmp_path: Path) -> None:
+    """A slip in the table of what follows what would silently bar sentences."""
+    text = (ENGLISH / "frames.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "frames.yaml"
+    path.write_text(text.replace("\n  wish: [", "\n  wish: [advv, "), encoding="utf-8")
+
+    with pytest.raises(DataError, match="advv"):
+        load_frames(path, language.listener.grammar)
+
+
 def _leaves(step: Step) -> list[str]:
     if not step.parts:
         return [step.words]
