@@ -115,7 +115,8 @@ class Hearing:
 
     def _chart(self, tokens: Tokens, unknown: list[Token], situation: Situation) -> Chart:
         """All that the tokens can be, with guesses for new words."""
-        key = tuple((token.word, token.capital) for token in tokens.items)
+        # Two words with a pause between them are no name, so pauses matter, too.
+        key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
         found = situation.charts.get(key)
         if found is None:
             found = self.listener.chart(tokens, self._guesses(tokens, unknown))

@@ -42,7 +42,7 @@ class Situation:
         addressee: who is spoken to.
         discourse: what was spoken of before.
         heard: how sure it is that this was said, (lower, upper) in [0, 1].
-        charts: what the tokens of this utterance can be, by their words and capitals; for what is
+        charts: what the tokens of this utterance can be, by words, capitals and pauses; for what is
             tried in several ways.
     """
 

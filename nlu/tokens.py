@@ -73,9 +73,15 @@ class Tokens:
         return self.text[self.items[start].start : self.items[end - 1].end]
 
     def without_breaks(self) -> Tokens:
-        """The same without the marks between sentences."""
-        kept = tuple(token for token in self.items if token.word != BREAK)
-        return Tokens(self.text, kept, self.asks)
+        """The same with pauses in the place of the marks between sentences."""
+        kept: list[Token] = []
+        pauses: set[int] = set()
+        for place, token in enumerate(self.items):
+            if place in self.pauses or token.word == BREAK:
+                pauses.add(len(kept))
+            if token.word != BREAK:
+                kept.append(token)
+        return Tokens(self.text, tuple(kept), self.asks, tuple(sorted(pauses - {0, len(kept)})))
 
     def part(self, start: int, end: int) -> Tokens:
         """Some of the tokens as an utterance of their own, without marks at its end."""

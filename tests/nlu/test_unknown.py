@@ -132,3 +132,13 @@ def test_the_nearest_word_is_found() -> None:
     """Among several, the one with fewest slips; swapped letters are one."""
     assert nearest("hnadle", frozenset({"handle", "candle", "hand"})) == "handle"
     assert nearest("mop", frozenset({"mug", "map"})) is None
+
+
+@pytest.mark.parametrize("text", ["Cake, knives are for cutting", "Cake. Knives are for cutting"])
+def test_no_name_goes_over_a_pause(language: Language, text: str) -> None:
+    """A cake knife is one thing, cake and then knives are two, in whatever way it is tried."""
+    together = language.understand(text.replace(",", "").replace(".", ""))
+    apart = language.understand(text)
+
+    assert together.meaning.as_json()["object"] == "cake knife"
+    assert apart.meaning.as_json().get("object") != "cake knife"
