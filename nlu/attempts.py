@@ -36,11 +36,13 @@ class Attempts:
 
     def understood(self, tokens: Tokens, situation: Situation) -> Understanding:
         """What it means, in the first way that gives it a meaning."""
-        request = self._hearing.book.asides.requested(tokens)
+        asides = self._hearing.book.asides
+        request = asides.requested(tokens)
         found = self._tried(request, situation) if request else None
         if found and isinstance(found.meaning, (Command, ToolCommand)):
             return replace(found, text=tokens.text)
-        return self._tried(tokens, situation)
+        untagged = asides.untagged(tokens)
+        return self._tried(tokens if untagged.asks else untagged, situation)
 
     def _tried(self, tokens: Tokens, situation: Situation) -> Understanding:
         found = self._taken(tokens, situation)

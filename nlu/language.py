@@ -171,8 +171,6 @@ class Language:
         """
         situation = Situation(speaker, addressee, discourse or Discourse(), (heard, 1.0))
         tokens = tokenize(text, self.book.contractions)
-        untagged = self.book.asides.untagged(tokens)
-        tokens = tokens if untagged.asks else untagged
         problem = self.hearing.problem(text, tokens)
         if problem is not None:
             return without_reading(tokens, situation, problem)
