@@ -24,6 +24,7 @@ from .stars import BELIEFS
 from .store import Store
 from .tables import Writable, Writer, begin_table, write_atoms, write_bound
 from .terms import read_time, write_time
+from .texts import whole_lines
 
 # One row a rule, as long as it has one feature and one context; else one for each pair of them.
 _ROWS = f"""SELECT ?rule ?feature ?context ?functor ?argument ?lower ?upper ?speaker ?time {{
@@ -89,12 +90,9 @@ class _Table:
         self._status, self._is_head, self._rest = status, True, b""
 
     def _feed(self, chunk: bytes) -> None:
-        whole, end, rest = chunk.rpartition(b"\n")
-        if not end:
-            self._rest += rest
+        lines, self._rest = whole_lines(self._rest, chunk)
+        if not lines:
             return
-        lines = (self._rest + whole).decode().split("\n")
-        self._rest = rest
         if self._is_head:
             self._is_head = False
             del lines[0]

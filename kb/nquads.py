@@ -17,6 +17,7 @@ from . import stars
 from .annotated import Reified
 from .stars import BELIEFS
 from .terms import DECIMAL, Quad, Term
+from .texts import whole_lines
 
 # Reads the statements of one line, of which there may be none.
 Parse: TypeAlias = "Callable[[str], Sequence[Quad | Reified]]"
@@ -105,12 +106,7 @@ class Reader:
         Raises:
             UnicodeDecodeError: it is no UTF-8.
         """
-        whole, end, rest = chunk.rpartition(b"\n")
-        if not end:
-            self._rest += rest
-            return
-        lines = (self._rest + whole).decode().split("\n")
-        self._rest = rest
+        lines, self._rest = whole_lines(self._rest, chunk)
         yield from self._read(lines)
 
     def finish(self) -> Iterator[Group | Reified]:

@@ -25,6 +25,22 @@ def fit_for_xml(quad: Quad) -> Quad:
     return quad
 
 
+def whole_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:
+    """The lines that are complete with a chunk of a text, and what is left of the last one.
+
+    Args:
+        rest: what was left before.
+        chunk: what comes after it.
+
+    Raises:
+        UnicodeDecodeError: it is no UTF-8.
+    """
+    whole, end, left = chunk.rpartition(b"\n")
+    if not end:
+        return [], rest + chunk
+    return (rest + whole).decode().split("\n"), left
+
+
 def with_sorted_prefixes(written: bytes) -> bytes:
     """The text with the prefixes it uses, in our order; the engine's order is a random one."""
     lines = written.split(b"\n")
