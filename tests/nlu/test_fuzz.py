@@ -31,8 +31,10 @@ def test_any_text_is_answered(language: Language, text: str) -> None:
 
     understood = language.understand(text)
 
-    is_of_words = len(understood.words) > 2 and language.known_words.issuperset(understood.words)
-    assert is_of_words or understood.kind in {"error", "ask_back", "acknowledgement"}
+    if understood.kind not in {"error", "ask_back"}:
+        assert language.known_words.issuperset(understood.words)
+    if understood.kind in {"statement", "command"}:
+        assert len(understood.words) > 2
     assert time.process_time() - started < SLOWEST
 
 

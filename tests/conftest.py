@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How hypothesis searches: the same examples in every run, so that the gate is repeatable.
+
+`pytest --hypothesis-profile=default` searches at random instead, `--hypothesis-seed` with a seed.
+"""
+
+from __future__ import annotations
+
+from hypothesis import settings
+
+settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
+settings.load_profile("repeatable")
