@@ -233,6 +233,9 @@ class Dialogue:
             return self._answered(turn, Answer("not_obeyed", {"speaker": turn.speaker}, "refused"))
         if said.negated:
             return self._answered(turn, _declined(said))
+        if turn.understood.unknown:
+            words = turn.understood.unknown
+            return self._answered(turn, Answer("unknown_thing", {"words": words}, "asked"))
         acts = self.language.listener.interpreter.tool_acts
         request = request_of(said, turn.speaker, acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))

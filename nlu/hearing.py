@@ -2,8 +2,8 @@
 """Taking in one whole: an utterance, or one move of it, with its new words or the question back.
 
 A word that the lexicon does not have is given all that it may be. What is taught may bring new
-words, a question may ask about them; of an act on them Hilt asks what they are, and of a word one
-slip away from a known one whether that was meant.
+words; a question may be about them, and an act may be asked for on what they name. Of a word one
+slip away from a known one Hilt asks whether that was meant.
 """
 
 from __future__ import annotations
@@ -20,7 +20,16 @@ from .generation import Speech
 from .inflection import Inflection
 from .lexicon import Entry
 from .listening import Listener, Situation, after, decide
-from .meaning import AskBack, Command, Meaning, Misunderstanding, NewWord, Question, Statement
+from .meaning import (
+    AskBack,
+    Command,
+    Meaning,
+    Misunderstanding,
+    NewWord,
+    Question,
+    Statement,
+    ToolCommand,
+)
 from .predicates import Form
 from .reference import RefusedError
 from .tokens import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
@@ -93,7 +102,7 @@ class Hearing:
         unknown = self._unknown(tokens)
         chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
-        clear = [reading for reading in readings if _may_teach(reading)]
+        clear = [each for each in readings if _may_bring(each, tokens, in_frames=in_frames)]
         chosen = decide(clear)
         if chosen is not None:
             slip = self._slip(chosen.new_words, insist)
@@ -106,7 +115,7 @@ class Hearing:
             meaning = self._slip(words, insist) or self._several(clear)
         elif readings:
             slip = self._slip(readings[0].new_words, insist)
-            meaning = slip or self._which_thing(readings[0]) or self._not_known(tokens, unknown)
+            meaning = slip or self._not_known(tokens, unknown)
         elif unknown:
             meaning = self._slip_anywhere(unknown, insist) or self._not_known(tokens, unknown)
         else:
@@ -188,14 +197,6 @@ class Hearing:
             and token.word not in framed.words
         ]
 
-    def _which_thing(self, reading: Reading) -> AskBack | None:
-        """The question back when an act is asked for on things of an unknown name."""
-        if not isinstance(reading.meaning, Command) or not all(map(_is_name, reading.new_words)):
-            return None
-        return AskBack(
-            self.speech.say("unknown_thing", words=[each.said for each in reading.new_words])
-        )
-
     def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
         found = {
             place: guesses(
@@ -251,12 +252,18 @@ class Hearing:
         return Misunderstanding(message, nearest=self.listener.nearest(known))
 
 
-def _may_teach(reading: Reading) -> bool:
-    """New words come in with what is taught; a question may ask about unknown things and uses."""
-    if not reading.new_words or isinstance(reading.meaning, Statement):
+def _may_bring(reading: Reading, tokens: Tokens, *, in_frames: bool) -> bool:
+    """Whether new words may come with it: with what is taught all, else only names of things."""
+    meaning, words = reading.meaning, reading.new_words
+    if not words or isinstance(meaning, Statement):
         return True
-    asks = isinstance(reading.meaning, Question) and len(reading.new_words) <= 2
-    return asks and all(map(_is_name, reading.new_words))
+    if len(words) > 2 or not all(map(_is_name, words)):
+        return False
+    if isinstance(meaning, (Command, ToolCommand)):
+        # Nothing is done to people, and the order of words must show that a use is one.
+        is_of_things = not tokens.proper.intersection(word.said for word in words)
+        return is_of_things and not (in_frames and any(word.role != "object" for word in words))
+    return isinstance(meaning, Question)
 
 
 def _is_name(word: NewWord) -> bool:

@@ -66,6 +66,15 @@ class Tokens:
         """The words alone."""
         return tuple(token.word for token in self.items)
 
+    @property
+    def proper(self) -> frozenset[str]:
+        """The words with a capital that no sentence begins with; none when all is in capitals."""
+        if self.text.isupper():
+            return frozenset()
+        before = (BREAK, *self.words)
+        pairs = zip(before, self.items, strict=False)
+        return frozenset(each.word for last, each in pairs if each.capital and last != BREAK)
+
     def span(self, start: int, end: int) -> str:
         """The text of some tokens, as it was said."""
         if start >= end:

@@ -72,6 +72,12 @@ class Understanding:
         return self.meaning.kind
 
     @property
+    def unknown(self) -> tuple[str, ...]:
+        """What it names that nobody has taught, and it does not teach either."""
+        named = self.reading.new_words if self.reading and not self.new_words else ()
+        return tuple(word.said for word in named)
+
+    @property
     def semantics(self) -> str:
         """The speech act as a predicate form; empty when there is none."""
         return str(self.reading.act) if self.reading else ""

@@ -40,19 +40,29 @@ def test_the_rest_of_the_sentence_tells_the_role(
 
 
 @pytest.mark.parametrize(
-    ("text", "kind"),
+    ("text", "kind", "unknown"),
     [
-        ("pass me the ladle", "ask_back"),
-        ("what is a ladle used for", "question"),
-        ("pick up something used for scooping", "ask_back"),
+        ("pass me the ladle", "command", "ladle"),
+        ("what is a ladle used for", "question", "ladle"),
+        ("pick up something used for scooping", "command", "scooping"),
+        ("cut the rope with the saw", "command", "saw"),
     ],
 )
-def test_commands_and_questions_teach_no_words(language: Language, text: str, kind: str) -> None:
-    """What is not known can be asked about, but not asked for."""
+def test_commands_and_questions_teach_no_words(
+    language: Language, text: str, kind: str, unknown: str
+) -> None:
+    """What is not known can be asked about and asked for, and is told to be unknown."""
     understood = language.understand(text)
 
     assert understood.kind == kind
     assert understood.new_words == ()
+    assert understood.unknown == (unknown,)
+
+
+@pytest.mark.parametrize("text", ["cut Kim with the knife", "Poke Bob."])
+def test_nothing_is_done_to_people(language: Language, text: str) -> None:
+    """A new name in a command is that of a thing."""
+    assert language.understand(text).kind in {"error", "ask_back"}
 
 
 @pytest.mark.parametrize(
@@ -89,7 +99,7 @@ def test_learned_words_are_known_in_all_forms(language: Language) -> None:
 
     for text in ("pass me the fork", "pick up something to stir with", "what are forks used for"):
         assert taught.understand(text).kind in {"command", "question"}
-    assert language.understand("pass me the fork").kind == "ask_back"
+    assert language.understand("pass me the fork").unknown == ("fork",)
 
 
 @pytest.mark.parametrize(
