@@ -224,7 +224,12 @@ class _Search:
             within = any((word,) in self.frames.asking for word in phrase)
             return within or BREAK in self.heard.words
         asks = phrase[:1] in self.frames.asking or phrase in self.frames.inverted
-        return asks and all(part.category == _DEGREE for part in cover.parts)
+        return asks and all(self._is_plain_degree(part) for part in cover.parts)
+
+    def _is_plain_degree(self, part: Derivation) -> bool:
+        """Whether it is a degree after which a question is still one, unlike "rarely"."""
+        phrase = self.heard.words[part.start : part.end]
+        return part.category == _DEGREE and phrase not in self.frames.inverting
 
     def _has_needs(self, cover: _Cover, kind: str) -> bool:
         needed = self.frames.needs.get(kind)

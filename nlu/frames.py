@@ -92,6 +92,7 @@ class Frames:
         denials: phrases that say that it is never so, by their kind.
         barred: phrases that no frame can do with.
         inverted: words that ask when they come first.
+        inverting: degrees after which the subject comes later, although nothing is asked.
         asking: words that ask for something wherever they stand, in what is a question.
         openers: the groups of phrases that begin a question without its mark.
         follows: what kinds may come after each kind, and at the start and the end of a clause.
@@ -104,6 +105,7 @@ class Frames:
     denials: Fillers
     barred: Fillers
     inverted: frozenset[Phrase]
+    inverting: frozenset[Phrase]
     asking: frozenset[Phrase]
     openers: frozenset[str]
     follows: Mapping[str, frozenset[str]]

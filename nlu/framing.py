@@ -35,14 +35,14 @@ def load_frames(path: Path, grammar: Grammar) -> Frames:
             "follows",
             "needs",
         ),
-        optional=("inverted", "asking"),
+        optional=("inverted", "inverting", "asking"),
     )
     groups = {name: group.entries() for name, group in parts["fillers"].entries().items()}
     fillers = {name: _fillers(group) for name, group in groups.items()}
     slots = {name: tuple(_kinds(field)) for name, field in parts["slots"].entries().items()}
     sets = {
         name: frozenset(_phrases(parts[name])) if name in parts else frozenset[Phrase]()
-        for name in ("inverted", "asking")
+        for name in ("inverted", "inverting", "asking")
     }
     denials = _fillers(parts["denials"].entries())
     kinds = {kind for group in (denials, *fillers.values()) for kind in group.kinds}

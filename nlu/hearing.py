@@ -207,12 +207,18 @@ class Hearing:
         }
         for place, pair in enumerate(pairwise(tokens.items)):
             is_cut = place + 1 in tokens.pauses
-            if not is_cut and all(token.word not in self.book.closed for token in pair):
-                first, second = (token.word for token in pair)
+            first, second = (token.word for token in pair)
+            if not is_cut and first not in self.book.closed and self._may_be_named(second):
                 names = compounds(first, second, self.book, self.inflection, self.listener.lexicon)
                 if names:
                     found[place] = [*found.get(place, ()), *names]
         return found
+
+    def _may_be_named(self, word: str) -> bool:
+        """Whether a word may end the name of a thing: "territory", which adds nothing, does not."""
+        lexicon, framed = self.listener.lexicon, self.listener.frames.words
+        is_empty = word in framed and word not in lexicon and word not in self.book.names_too
+        return not is_empty and word not in self.book.closed
 
     def _several(self, readings: Sequence[Reading]) -> AskBack:
         choices = tuple(self._choice(reading.meaning) for reading in readings)

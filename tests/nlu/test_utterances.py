@@ -115,14 +115,14 @@ def test_utterances_written_without_the_lexicon(
     assert fits(json.loads(json.dumps(understood.meaning.as_json())), case["meaning"])
 
 
-FAR = [
-    json.loads(line)
-    for line in (DATA / "blind_people.jsonl").read_text(encoding="utf-8").splitlines()
-]
-REFUSED = [
-    json.loads(line)
-    for line in (DATA / "blind_refusals.jsonl").read_text(encoding="utf-8").splitlines()
-]
+FAR, REFUSED = (
+    [
+        json.loads(line)
+        for name in names
+        for line in (DATA / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()
+    ]
+    for names in (("blind_people", "far_voices"), ("blind_refusals", "near_misses"))
+)
 
 # Where Hilt means something else than their authors do.
 OTHERWISE = {
@@ -135,6 +135,8 @@ OTHERWISE = {
     "It is false that a shoe is used for cutting": "a belief is taken back",
     "Yeah right, a spoon is for cutting": "irony",
     "The mug needs cutting": "a command to cut it",
+    "Glasses hold things. Containing is what they were made for.": "holding, too",
+    "You there, robot, a spoon for the lady.": "for whom it is",
 }
 
 
