@@ -28,6 +28,7 @@ class Asides:
         apart: they add nothing when a pause, or the end, is on both sides of them.
         asking: at the end, with a question mark, they make a question of what goes before.
         telling: at the end, with a question mark, they ask for nothing.
+        ending: with a pause after them they are a sentence of their own: "forget that, ...".
         clauses: patterns of reasons that add nothing before a pause or the end.
     """
 
@@ -35,6 +36,7 @@ class Asides:
     apart: frozenset[Phrase] = frozenset()
     asking: frozenset[Phrase] = frozenset()
     telling: frozenset[Phrase] = frozenset()
+    ending: frozenset[Phrase] = frozenset()
     clauses: tuple[Steps, ...] = ()
 
     def reading(self, kind: str, field: Field) -> Asides:
@@ -45,11 +47,25 @@ class Asides:
         """
         if kind == "clauses":
             return replace(self, clauses=(*self.clauses, *map(checked, field.items())))
-        known = {"anywhere", "apart", "asking", "telling"}
+        known = {"anywhere", "apart", "asking", "telling", "ending"}
         if kind not in known:
             raise field.fail(f'expected "clauses" or one of {sorted(known)}, found "{kind}".')
         phrases = {words for each in field.items() for words in spellings(each)}
         return replace(self, **{kind: getattr(self, kind) | phrases})
+
+    def parted(self, tokens: Tokens) -> Tokens:
+        """The utterance with a mark after what is a sentence of its own where a pause follows."""
+        words = tokens.words
+        ends = {p for p in tokens.pauses if any(words[:p][-len(e) :] == e for e in self.ending)}
+        items: list[Token] = []
+        pauses: list[int] = []
+        for place, token in enumerate(tokens.items):
+            if place in ends:
+                items.append(Token(BREAK, token.start, token.start))
+            elif place in tokens.pauses:
+                pauses.append(len(items))
+            items.append(token)
+        return replace(tokens, items=tuple(items), pauses=tuple(pauses)) if ends else tokens
 
     def untagged(self, tokens: Tokens) -> Tokens:
         """The utterance without the tag at its end: "..., isn't it?", "..., okay?"."""

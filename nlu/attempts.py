@@ -37,6 +37,7 @@ class Attempts:
     def understood(self, tokens: Tokens, situation: Situation) -> Understanding:
         """What it means, in the first way that gives it a meaning."""
         asides = self._hearing.book.asides
+        tokens = asides.parted(tokens)
         request = asides.requested(tokens)
         found = self._tried(request, situation) if request else None
         if found and isinstance(found.meaning, (Command, ToolCommand)):

@@ -188,6 +188,8 @@ def _reason(ask: str, arguments: _Arguments, interpreter: Interpreter) -> Questi
     if not arguments:
         return Question(ask)
     form = arguments[0]
+    if form.name == "implies":
+        return _about_rule(ask, form, interpreter)
     acts = {"holding", "graspObject", "pass", "pickUp", "pointTo", "use"}
     if form.name == "grasp":
         # "Why did you take the knife?" asks for the choice, not for the hold.

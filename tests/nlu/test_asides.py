@@ -7,7 +7,7 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.asides import Asides, fronted
-from hilt.nlu.tokens import tokenize
+from hilt.nlu.tokens import BREAK, tokenize
 from hilt.ontology.errors import DataError
 from hilt.ontology.source import Field
 
@@ -61,6 +61,14 @@ def test_a_tag_makes_a_question_or_does_not(kind: str, asks: bool) -> None:
     found = known.untagged(tokenize("knives cut, tag?", {}))
 
     assert (found.words, found.asks) == (("knives", "cut"), asks)
+
+
+def test_a_pause_may_end_a_sentence() -> None:
+    """The two sentences "forget that, ..." are not the one "forget that ..."."""
+    known = asides("ending", "forget that")
+
+    assert known.parted(tokenize("forget that, it cuts", {})).words[2] == BREAK
+    assert known.parted(tokenize("forget that it cuts", {})).words[2] == "it"
 
 
 def test_one_adverb_may_go_to_the_front() -> None:

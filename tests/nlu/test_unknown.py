@@ -24,6 +24,7 @@ WORDS = st.text("abc", max_size=6)
         ("To pass a knife grab it by the ferrule", {"ferrule": "part"}),
         ("To throw a mug grab it by the handle", {"throw": "context"}),
         ("When throwing a mug, grab it by the handle", {"throw": "context"}),
+        ("To store a mug, grab it by the handle", {"store": "context"}),
         ("A ladle is used for scooping", {"ladle": "object", "scooping": "affordance"}),
         ("To pass a ladle grab it by the ferrule", {"ladle": "object", "ferrule": "part"}),
         ("Scissors are used for cutting", {"scissors": "object"}),

@@ -141,7 +141,7 @@ OTHERWISE = {
 
 
 def test_far_sentences_are_mostly_understood_and_never_wrongly(language: Language) -> None:
-    """Of eight hundred by people who had not read the lexicon; they were used to widen it."""
+    """Of over a thousand by people who had not read the lexicon; they were used to widen it."""
     came = {str(case["text"]): _understood(language, case) for case in FAR}
 
     right = [text for text, (found, wanted) in came.items() if fits(found, wanted)]
@@ -151,7 +151,7 @@ def test_far_sentences_are_mostly_understood_and_never_wrongly(language: Languag
 
 
 def test_what_small_words_turn_around_is_refused(language: Language) -> None:
-    """Three hundred near misses: halves, reports, hypotheses, shuffled words, other topics."""
+    """Near misses: halves, reports, hypotheses, shuffled words, other topics."""
     came = {str(case["text"]): _understood(language, case) for case in REFUSED}
 
     wrong = [text for text, (found, wanted) in came.items() if not fits(found, wanted)]
