@@ -55,7 +55,7 @@ def load_frames(path: Path, grammar: Grammar) -> Frames:
         denials=denials,
         openers=frozenset(parts["openers"].texts()),
         follows=follows,
-        needs=_sets(parts["needs"], kinds | {"clause", "pause"}),
+        needs=_sets(parts["needs"], kinds | {"clause", "pause", "DG", "NP"}),
         degree=parts["degree"].text(choices=tuple(grammar.signature)),
         **sets,
     )

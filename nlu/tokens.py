@@ -136,8 +136,13 @@ def _words(found: re.Match[str], contractions: Mapping[str, tuple[str, ...]]) ->
     if word in contractions:
         for part in contractions[word]:
             yield Token(part, start, end, capital)
-    elif word.endswith("'s"):
-        yield Token(word[:-2], start, end - 2, capital)
-        yield Token("'s", end - 2, end)
-    else:
+        return
+    head, mark, tail = word.rpartition("'")
+    short = mark + tail
+    if not head or (short != "'s" and short not in contractions):
         yield Token(word, start, end, capital)
+        return
+    middle = end - len(short)
+    yield Token(head, start, middle, capital)
+    for part in contractions.get(short, (short,)):
+        yield Token(part, middle, end)
