@@ -17,6 +17,7 @@ from .agent import Agent
 from .prompt import lines
 
 QUIT = "/quit"
+LAST_WORDS = {QUIT, "/exit", "quit", "exit"}  # none of the three others is an utterance
 SPEAKER = "/speaker"
 
 
@@ -34,7 +35,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
     said = lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.talking else source
     for line in (line.strip() for line in said):
-        if line == QUIT:
+        if line in LAST_WORDS:
             return
         if line:
             chat.take(line)
@@ -94,7 +95,8 @@ class Chat:
             check_speaker(speaker)
         except ValidationError as error:
             return Text(str(error))
-        self.speaker, trust = speaker, self.agent.base.trust(speaker)
+        self.speaker = speaker = self.agent.base.known_as(speaker)
+        trust = self.agent.base.trust(speaker)
         doubt = "" if trust is not None and trust.upper > 0 else ", whom I do not trust yet"
         return Text(f"{speaker} is speaking now{doubt}.")
 

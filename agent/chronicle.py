@@ -20,6 +20,7 @@ from ..kb.history import Utterance
 from ..kb.interval import Interval
 from ..kb.rule import Rule
 from .console import Quote, achievement, conflicts, rule_text, whole
+from .counting import counted
 from .merging import Report
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 def history(found: Sequence[Utterance]) -> Table:
     """Utterances with their effect, a row each."""
-    table = Table("", "when", "who", "said", "did", caption=f"{len(found)} utterances")
+    table = Table("", "when", "who", "said", "did", caption=counted(len(found), "utterance"))
     for said in found:
         when = said.time.astimezone().strftime("%Y-%m-%d %H:%M:%S")
         row = (str(said.sequence), when, said.speaker, said.text, _effect(said))
@@ -55,7 +56,9 @@ def difference(found: Difference) -> RenderableType:
 
 def episodes(found: Sequence[Episode]) -> Table:
     """What was done about commands, a row each."""
-    table = Table("id", "when", "who", "said", "came", "chosen", caption=f"{len(found)} episodes")
+    table = Table(
+        "id", "when", "who", "said", "came", "chosen", caption=counted(len(found), "episode")
+    )
     for one in found:
         when = one.time.astimezone().strftime("%Y-%m-%d %H:%M:%S") if one.time else ""
         chosen = " by the ".join(filter(None, (one.object, one.part)))
@@ -79,8 +82,8 @@ def merged(report: Report) -> RenderableType:
     came = report.merged
     done = "Would take over" if report.is_dry else "Took over"
     lines: list[RenderableType] = [
-        Text(f"{done} {len(came.new)} rules ({len(came.known)} were known) "
-             f"and {came.utterances} utterances.")
+        Text(f"{done} {counted(len(came.new), 'rule')} ({len(came.known)} known already) "
+             f"and {counted(came.utterances, 'utterance')}.")
     ]  # fmt: skip
     if came.untrusted:
         lines.append(Text(f"Nobody trusts {', '.join(came.untrusted)}; their rules weigh nothing."))

@@ -30,10 +30,12 @@ from ..kb.terms import Iri, Term
 from ..kb.words import Word
 from ..nlu.understanding import Understanding
 from ..ontology.vocabulary import prefixed
+from .counting import counted
 from .outcome import Achievement, Decision, Step, World
 from .reply import Reply
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
+SHOWN_DIGITS = 8  # of a rule's id; any 4 that are unlike those of other rules name it
 MOST_ROWS = 1000  # of what a query found; laying out more takes longer than asking
 
 
@@ -65,11 +67,16 @@ def understood(found: Understanding) -> RenderableType:
 
 def rules(found: Iterable[Rule]) -> Table:
     """A table of rules with interval and source."""
-    table = Table("rule", "interval", "speaker", "utterance", title="Rules", title_justify="left")
+    table = Table("id", "rule", "interval", "speaker", "utterance")
     for rule in found:
         table.add_row(
-            escape(rule_text(rule)), escape(str(rule.interval)), rule.speaker, str(rule.utterance)
+            rule.id.removeprefix("rule/")[:SHOWN_DIGITS],
+            escape(rule_text(rule)),
+            escape(str(rule.interval)),
+            rule.speaker,
+            str(rule.utterance),
         )
+    table.caption = counted(table.row_count, "rule")
     return whole(table)
 
 
@@ -104,7 +111,7 @@ def _operations(step: Step) -> Iterable[tuple[str, str]]:
     yield "getFeatures", ", ".join(step.features) or "none"
     yield "visual search", seen or ("nothing seen" if step.features else "not needed")
     yield "getAffordance", concluded
-    yield "action", step.action
+    yield "action", step.action.replace("_", " ")
 
 
 def decision(made: Decision, quote: Quote) -> Table:
@@ -168,8 +175,8 @@ def explanation(reply: Reply, changes: Sequence[Change]) -> RenderableType:
     for inference in (decision.object, decision.part) if decision else ():
         shown = (*inference.candidates, *inference.absent) if inference else ()
         for candidate in shown:
-            about = f"{candidate.name} {candidate.argument or ''}: {candidate.verdict}"
-            parts.append(Text(f"{about.strip()}, {candidate.reason}", "bold"))
+            about = f"{candidate.name} {candidate.argument or ''}".strip()
+            parts.append(Text(f"{about}: {candidate.verdict}, {candidate.reason}", "bold"))
             parts.append(Text("\n".join(f"  {line}" for line in candidate.proof.lines())))
     if changes:
         table = Table(
@@ -186,7 +193,7 @@ def explanation(reply: Reply, changes: Sequence[Change]) -> RenderableType:
 
 def conflicts(found: Sequence[Conflict]) -> RenderableType:
     """Rules that contradict each other, a pair a row."""
-    table = Table("conflict", "one says", "another says", caption=f"{len(found)} conflicts")
+    table = Table("conflict", "one says", "another says", caption=counted(len(found), "conflict"))
     for each in found:
         told = (_told(each.first), _told(each.second))
         table.add_row(f"{each.weight:.4f}", *map(escape, told))
@@ -199,7 +206,9 @@ def _told(rule: Rule) -> str:
 
 def induced(found: Sequence[Induced]) -> RenderableType:
     """Rules that follow by likeness, with their reasons."""
-    table = Table("rule", "interval", "from", "alike", "both have", caption=f"{len(found)} rules")
+    table = Table(
+        "rule", "interval", "from", "alike", "both have", caption=counted(len(found), "rule")
+    )
     for each in found:
         row = (
             rule_text(each.rule),
@@ -214,7 +223,8 @@ def induced(found: Sequence[Induced]) -> RenderableType:
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
     """What would bring a conclusion about, the likeliest first."""
-    table = Table("if it were", "while", "then", "told by", caption=f"{len(found)} hypotheses")
+    caption = counted(len(found), "hypothesis", "hypotheses")
+    table = Table("if it were", "while", "then", "told by", caption=caption)
     for each in found:
         features, contexts = (
             ", ".join(sorted(map(str, s))) for s in (each.features, each.contexts)
@@ -226,7 +236,9 @@ def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
 
 def words(found: Sequence[Word]) -> Table:
     """Learned words with their teachers."""
-    table = Table("word", "is", "said as", "speaker", "utterance", caption=f"{len(found)} words")
+    table = Table(
+        "word", "is", "said as", "speaker", "utterance", caption=counted(len(found), "word")
+    )
     for word in found:
         row = (word.atom.name, word.atom.kind, word.said, word.speaker, str(word.utterance))
         table.add_row(*map(escape, row))
@@ -240,7 +252,7 @@ def results(found: Solutions | Truth) -> RenderableType:
     table = Table(*found.variables)
     for row in islice(found, MOST_ROWS):
         table.add_row(*(escape(shortened(term)) for term in row))
-    count = f"{len(found)} row{'' if len(found) == 1 else 's'}"
+    count = counted(len(found), "row")
     if len(found) > MOST_ROWS:
         count += f", of which the first {MOST_ROWS} are shown; all of them: --format csv"
     return Group(whole(table), Text(count))

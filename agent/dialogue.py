@@ -65,10 +65,12 @@ class Pending:
     """A question of Hilt's own that waits for "yes" or "no".
 
     Attributes:
+        asked: who is to answer it, and nobody else.
         yes: what to do then.
         no: what to do then; None only acknowledges.
     """
 
+    asked: str
     yes: Callable[[], Reply]
     no: Callable[[], Reply] | None = None
 
@@ -140,7 +142,7 @@ class Dialogue:
 
         Args:
             text: what was said.
-            speaker: who said it.
+            speaker: who said it; capital letters do not matter.
             only: "tell", "do" or "ask" to listen to statements, commands or questions only.
             heard: how surely a recogniser heard it, in [0, 1].
             keep: whether a command goes into the history and leaves an episode.
@@ -149,6 +151,7 @@ class Dialogue:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
+        speaker = self.base.known_as(speaker)
         understood = self._understood(text, speaker, insist, heard)
         self._discourse = understood.discourse
         turn = Turn(understood, heard, keep)
@@ -217,14 +220,28 @@ class Dialogue:
         said = said_of(rule)
         return self.language.phrase(said) if said else repr(rule)
 
+    def _weighed(self, what: str, rule: Rule) -> str:
+        support = rule.support
+        return self.language.speech.weighed(what, (support.lower, support.upper), rule.speaker)
+
     def _forget(self, turn: Turn, said: meaning.Retraction) -> Reply:
-        rule = to_forget(self.base, said, turn.speaker, self._topic)
+        rule = self._to_forget(turn, said)
+        if rule is not None and rule.speaker != turn.speaker:
+            return self._answered(turn, Answer("not_yours", {"speaker": rule.speaker}, "failed"))
         if rule is None:
             return self._answered(turn, Answer("nothing_to_forget", {}, "failed"))
         spoken = self._say(Answer("forgotten", {"rule": self._in_words(rule)}))
         understood = turn.understood
         self.base.retract(rule.id, understood.text, understood.content, turn.speaker, answer=spoken)
         return replace(self._reply(turn, spoken), rules=(rule,))
+
+    def _to_forget(self, turn: Turn, said: meaning.Retraction) -> Rule | None:
+        """What is taken back: what is named, else the last rule spoken of; after a deed nothing."""
+        if said.rule is None and self._topic:
+            return self._topic[-1]
+        if said.rule is None and self.last_done:
+            return None
+        return to_forget(self.base, said, turn.speaker)
 
     # --- Being asked to do something -----------------------------------------------------------
 
@@ -235,7 +252,8 @@ class Dialogue:
             return self._answered(turn, _declined(said))
         if turn.understood.unknown:
             words = turn.understood.unknown
-            return self._answered(turn, Answer("unknown_thing", {"words": words}, "asked"))
+            key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
+            return self._answered(turn, Answer(key, {"words": words}, "asked"))
         acts = self.language.listener.interpreter.tool_acts
         request = request_of(said, turn.speaker, acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
@@ -262,19 +280,25 @@ class Dialogue:
         self._turn_to(came.decision.rules if came.decision else ())
         settled = request.settled_on(came)
         if reply.ending == "asked" and settled:
-            self._pending = Pending(yes=lambda: self._carry_out(turn, settled))
+            self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
         return reply
 
     # --- Being asked, and talking -------------------------------------------------------------
 
     def _answer(self, turn: Turn, said: meaning.Question) -> Reply:
-        knowledge = Knowledge(self.base, self._in_words, self._visible, self.last_done, self._topic)
+        knowledge = Knowledge(
+            self.base, self._in_words, self._weighed, self._visible, self.last_done, self._topic
+        )
         found, rules = answer(said, knowledge)
         self._turn_to(rules)
         return replace(self._answered(turn, found), rules=rules)
 
     def _acknowledge(self, turn: Turn, said: meaning.Acknowledgement) -> Reply:
-        pending, self._pending = self._pending, None
+        pending = self._pending
+        if pending and pending.asked != turn.speaker:
+            pending = None
+        else:
+            self._pending = None
         if pending and said.ack in {"yes", "okay"}:
             return pending.yes()
         if pending and said.ack == "no" and pending.no:
@@ -288,10 +312,13 @@ class Dialogue:
         text, speaker = turn.understood.text, turn.speaker
         meant = self._corrected(turn, said)
         if said.choices == (text,):  # badly heard: a "yes" to it is as good as the words
-            self._pending = Pending(yes=lambda: self.hear(text, speaker=speaker, keep=turn.keep))
+            self._pending = Pending(
+                speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
+            )
         elif meant:
             again, word = meant
             self._pending = Pending(
+                speaker,
                 yes=lambda: self.hear(again, speaker=speaker, heard=turn.heard),
                 no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, insist=[word]),
             )
@@ -352,6 +379,11 @@ class Dialogue:
     def _reply(self, turn: Turn, spoken: str) -> Reply:
         understood = turn.understood
         return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)
+
+
+def _use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
+    target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+    return target.used_for or target.not_used_for
 
 
 def _declined(said: meaning.Command | meaning.ToolCommand) -> Answer:

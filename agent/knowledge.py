@@ -22,6 +22,7 @@ class Knowledge:
     Attributes:
         base: the knowledge base.
         describe: puts a rule into words.
+        weigh: puts behind some words how sure a rule makes them, and who told it.
         visible: the names of the objects in view, in the order of the scene.
         last: the last command that was carried out or tried.
         topic: the rules that were last spoken of; none right after a command that needed none.
@@ -29,6 +30,7 @@ class Knowledge:
 
     base: KnowledgeBase
     describe: Describe
+    weigh: Callable[[str, Rule], str]
     visible: Callable[[], tuple[str, ...]]
     last: Reply | None
     topic: tuple[Rule, ...] = ()

@@ -24,10 +24,11 @@ def answer(question: Question, known: Knowledge) -> Answered:
 
 
 def _uses_of(question: Question, known: Knowledge) -> Answered:
-    rules = _strongest(known.base.rules(object=question.object), "affordance")
-    uses = tuple(rule.affordance for rule in rules if rule.affordance and rule.asserts)
-    if not uses:
+    strongest = _strongest(known.base.rules(object=question.object), "affordance")
+    rules = [rule for rule in strongest if rule.asserts]
+    if not rules:
         return say("no_uses_of", object=question.object), ()
+    uses = tuple(known.weigh(rule.affordance or "", rule) for rule in rules)
     return say("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
@@ -35,7 +36,8 @@ def _objects_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.asserts]
     if not rules:
         return say("nothing_known_for", affordance=question.affordance), ()
-    names = tuple(dict.fromkeys(rule.object or "anything" for rule in rules))
+    best = {rule.object or "thing": rule for rule in reversed(rules)}  # of each the surest
+    names = tuple(known.weigh(name, best[name]) for name in reversed(best))
     slots = {"objects": names, "affordance": question.affordance}
     return say("objects_for", done=True, **slots), tuple(rules)
 
@@ -49,8 +51,9 @@ def _best_for(question: Question, known: Knowledge) -> Answered:
     if best is None:
         return say("nothing_known_for", affordance=question.affordance), ()
     interval = (best.interval.lower, best.interval.upper)
-    slots = {"object": best.object, "affordance": question.affordance, "confidence": interval}
-    return say("best_for", done=True, **slots), best.rules
+    speakers = tuple(dict.fromkeys(rule.speaker for rule in best.rules))
+    found = {"object": best.object, "affordance": question.affordance}
+    return say("best_for", done=True, confidence=interval, speakers=speakers, **found), best.rules
 
 
 def _how(question: Question, known: Knowledge) -> Answered:
@@ -74,7 +77,7 @@ def _about(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object)
     if not rules:
         return say("nothing_about", object=question.object), ()
-    said = tuple(known.describe(rule) for rule in rules)
+    said = tuple(known.weigh(known.describe(rule), rule) for rule in rules)
     return say("about", done=True, object=question.object, rules=said), tuple(rules)
 
 
@@ -92,7 +95,7 @@ def _source(question: Question, known: Knowledge) -> Answered:
     if not rules or rules[0].utterance is None:
         return say("no_source"), ()
     text = known.base.utterance(rules[0].utterance).text
-    return say("source", done=True, speaker=rules[0].speaker, text=text), (rules[0],)
+    return say("source", done=True, speaker=rules[0].speaker, texts=text), (rules[0],)
 
 
 def _what_if(question: Question, known: Knowledge) -> Answered:
@@ -143,7 +146,7 @@ def _see(question: Question, known: Knowledge) -> Answered:
 def _trust(question: Question, known: Knowledge) -> Answered:
     if question.speaker is None:
         return say("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
-    trust = known.base.trust(question.speaker)
+    trust = known.base.trust(known.base.known_as(question.speaker))
     key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
     return say(key, done=True, speaker=question.speaker), ()
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..inference.explanation import reason_against
+from ..inference.explanation import names_of, reason_against
+from ..inference.goal import Inference
 from ..kb.rule import Rule
 from ..nlu.meaning import Command, Question, ToolCommand
 from .knowledge import Answered, Knowledge, say
@@ -42,9 +43,12 @@ def why_not(question: Question, known: Knowledge) -> Answered:
 
 def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:
     best = known.decision and known.decision.object.best
+    denials = _denials(known.decision and known.decision.object, name)
     reason, wanted = _reason(known.decision, name), _wanted_use(last)
     if best and best.object == name:
         said = say("is_so", done=True, object=name)
+    elif denials:
+        return say("why_not_said", done=True, object=name, **_sources(denials, known)), denials
     elif reason:
         said = say("why_not", done=True, object=name, reason=reason)
     elif name not in known.visible():
@@ -60,13 +64,23 @@ def _why_not_part(part: str, known: Knowledge) -> Answered:
     decision = known.decision
     if decision is not None and decision.chosen_part == part:
         return say("is_so_part", done=True, part=part), ()
-    rules = [rule for rule in decision.rules if rule.part] if decision else []
+    chosen = tuple(rule for rule in decision.rules if rule.part) if decision else ()
+    rules = _denials(decision and decision.part, part) or chosen
     if rules:
-        said = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
-        speakers = tuple(dict.fromkeys(rule.speaker for rule in rules))
-        slots = {"part": part, "speakers": speakers, "texts": said}
-        return say("why_not_part", done=True, **slots), tuple(rules)
+        return say("why_not_part", done=True, part=part, **_sources(rules, known)), rules
     return say("why_not_part_told", done=True, part=part), ()
+
+
+def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
+    """The rules that say of a thing, or of a part, that it is not to be taken."""
+    denied = (each for each in (made.denied if made else ()) if name in names_of(each))
+    return tuple(rule for each in denied for rule in each.rules if not rule.asserts)
+
+
+def _sources(rules: Sequence[Rule], known: Knowledge) -> dict[str, tuple[str, ...]]:
+    """Who told rules, and in which words, each once."""
+    texts = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
+    return {"speakers": tuple(dict.fromkeys(rule.speaker for rule in rules)), "texts": texts}
 
 
 def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
@@ -83,11 +97,9 @@ def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
 
 
 def _because(rules: Sequence[Rule], known: Knowledge) -> Answered:
-    texts = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
     if rules[-1].status == "induced":
-        return say("because_alike", done=True, text=texts[-1]), tuple(rules)
-    speakers = tuple(dict.fromkeys(rule.speaker for rule in rules))
-    return say("because_told", done=True, speakers=speakers, texts=texts), tuple(rules)
+        return say("because_alike", done=True, texts=_words(rules[-1], known)), tuple(rules)
+    return say("because_told", done=True, **_sources(rules, known)), tuple(rules)
 
 
 def _words(rule: Rule, known: Knowledge) -> str:

@@ -97,25 +97,16 @@ def is_same_matter(one: Rule, other: Rule) -> bool:
     return one.kind == "action" or one.argument == other.argument
 
 
-def to_forget(
-    base: KnowledgeBase, said: Retraction, speaker: str, topic: Sequence[Rule] = ()
-) -> Rule | None:
-    """The rule that a speaker takes back.
-
-    It is the one that is named, else the last one that was spoken of, else the last one told; only
-    what the speaker said can be taken back.
+def to_forget(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
+    """The rule that a speaker takes back: the one that is named, else the last one told.
 
     Args:
         base: where it is believed.
         said: what was meant.
-        speaker: who takes it back.
-        topic: the rules that were last spoken of.
+        speaker: who takes it back, and who must have told it.
     """
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
-    if said.rule is None:
-        own = {rule.id for rule in told} & {rule.id for rule in topic[-1:]}
-        told = [rule for rule in told if rule.id in own] or told
-    else:
+    if said.rule is not None:
         wanted = rule_of(said.rule, speaker)
         told = [
             rule

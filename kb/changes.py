@@ -17,6 +17,7 @@ from .rule import Rule
 from .words import Word
 
 _NAMED = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
+_TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # it may be the number of an utterance
 
 
 @dataclass(frozen=True)
@@ -123,8 +124,10 @@ def find_rule(base: Recall, name: str) -> Rule:
 
     Raises:
         UnknownNameError: there is none.
-        ValidationError: there are several.
+        ValidationError: there are several, or too few digits.
     """
+    if _TOO_SHORT.fullmatch(name):
+        raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
     digits = _NAMED.fullmatch(name)
     if digits is None or len(digits[1]) == len("0123456789abcdef"):
         return base.rule(f"rule/{digits[1]}" if digits else name)

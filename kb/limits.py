@@ -6,7 +6,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 
-from ..ontology.errors import QueryError
+from ..ontology.errors import QueryError, StoppedError
 
 SECONDS = 30.0
 MEGABYTES = 2048
@@ -39,16 +39,16 @@ class Limits:
                 f"not {self.megabytes} MB."
             )
 
-    def too_long(self) -> QueryError:
+    def too_long(self) -> StoppedError:
         """The error of a query that was stopped because of its time."""
-        return QueryError(
+        return StoppedError(
             f"The query took longer than {self.seconds:g} s and was stopped. "
             "Narrow it, or give it more time."
         )
 
-    def too_large(self) -> QueryError:
+    def too_large(self) -> StoppedError:
         """The error of a query that was stopped because of its memory."""
-        return QueryError(
+        return StoppedError(
             f"The query needed more than {self.megabytes} MB and was stopped. "
             "Narrow it, add a LIMIT, or give it more memory."
         )

@@ -159,6 +159,13 @@ class Recall:
             return None
         return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
 
+    def known_as(self, speaker: str) -> str:
+        """The name of a speaker as it was written when trust was given; capitals do not matter."""
+        if self.trust(speaker) is not None:
+            return speaker
+        alike = (name for name in self.trusts() if name.casefold() == speaker.casefold())
+        return next(alike, speaker)
+
     def speakers(self) -> tuple[str, ...]:
         """Who is trusted, at least a little; sorted."""
         return tuple(name for name, trust in self.trusts().items() if trust.upper > 0)

@@ -9,6 +9,7 @@ called from its verbs.
 from __future__ import annotations
 
 import re
+from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,8 @@ from .inflection import Inflection
 from .meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
 
 Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
+MOST_OF_NEVER = 0.1
+"""The upper bound up to which a rule is said to hold never, and above it seldom."""
 
 _SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 _LISTED = frozenset({"list", "things", "quotes", "names"})
@@ -48,7 +51,10 @@ class Phrases:
         functional: a functional rule, from `object`, `level` and `affordance`.
         negative: a functional rule that is denied.
         action: an action rule, from `object`, `context` and `part`.
+        seldom: a functional rule that holds now and then, but mostly not.
         forbidden: an action rule that is denied.
+        seldom_by: an action rule that holds now and then, but mostly not.
+        weighed: `what` is said, with its `confidence` and the `speaker` it comes from.
         any_object: what stands for every object.
         any_with: the same with properties before it.
         joined: the word before the last of several.
@@ -56,8 +62,11 @@ class Phrases:
 
     functional: str
     negative: str
+    seldom: str
     action: str
     forbidden: str
+    seldom_by: str
+    weighed: str
     any_object: str
     any_with: str
     joined: str
@@ -97,14 +106,19 @@ class Speech:
 
     def rule(self, rule: Rule) -> str:
         """A rule in words: "to pass a knife, grab it by the blade"."""
-        denied = rule.confidence[1] < 0.5
-        thing = self.thing(rule.object, rule.props)
+        said, thing = self.phrases, self.thing(rule.object, rule.props)
+        at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
         if isinstance(rule, FunctionalRule):
-            text = self.phrases.negative if denied else self.phrases.functional
+            text = (said.negative, said.seldom, said.functional)[at]
             return self.fill(text, {"object": thing, "affordance": rule.affordance})
-        text = self.phrases.forbidden if denied else self.phrases.action
+        text = (said.forbidden, said.seldom_by, said.action)[at]
         act = self.tool_acts.get(rule.context) or self.act(rule.context)
         return self.fill(text, {"object": thing, "act": act, "part": rule.part})
+
+    def weighed(self, what: str, confidence: tuple[float, float], speaker: str) -> str:
+        """Some words with how sure they are, and from whom: "cutting (0.95, from Sam)"."""
+        slots: dict[str, Slot] = {"what": what, "confidence": confidence, "speaker": speaker}
+        return self.fill(self.phrases.weighed, slots)
 
     def thing(self, name: str, props: Sequence[str] = ()) -> str:
         """A kind of object with its properties, with the indefinite article."""
@@ -138,7 +152,7 @@ class Speech:
             "name": _capitalised,
             "list": str,
             "things": self.inflection.with_article,
-            "quotes": lambda text: f'"{text}"',
+            "quotes": lambda text: f'"{text.removesuffix(".")}"',
             "names": _capitalised,
         }
         if form == "level":

@@ -43,6 +43,7 @@ from .unknown import (
     misspelt,
     names_like,
     nearest,
+    slips,
 )
 from .words import WordBook
 
@@ -185,6 +186,9 @@ class Hearing:
         return None
 
     def _did_you_mean(self, word: str, close: str) -> AskBack:
+        for singular in self.inflection.origins(close, "plural"):
+            if singular in self.named_words and slips(word, singular, 1) <= 1:
+                close = singular
         return AskBack(self.speech.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _unknown(self, tokens: Tokens) -> list[Token]:

@@ -9,7 +9,8 @@
     │   └── NotFoundError                what a knowledge base was asked for and does not have
     ├── StoreError (OSError)             the knowledge base cannot be opened, read or written
     │   └── InUseError                   another process has the folder of the knowledge base open
-    ├── QueryError (ValueError)          a SPARQL text that is wrong, refused or took too long
+    ├── QueryError (ValueError)          a SPARQL text that is wrong or refused
+    │   └── StoppedError                 one that took too long or too much memory
     ├── ValidationError (ValueError)     a graph that breaks the shapes; carries each finding
     ├── MissingExtraError (ImportError)  an optional part is not installed; says how to get it
     ├── SimulationError (RuntimeError)   the simulator cannot do what was asked
@@ -137,7 +138,11 @@ class InUseError(StoreError):
 
 
 class QueryError(HiltError, ValueError):
-    """A SPARQL text that is wrong, is refused, or took too long or too much memory."""
+    """A SPARQL text that is wrong, is refused, or was stopped."""
+
+
+class StoppedError(QueryError):
+    """A SPARQL text that took too long or too much memory, and was stopped."""
 
 
 class ValidationError(HiltError, ValueError):

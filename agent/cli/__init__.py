@@ -10,6 +10,7 @@ line on stderr; `--debug` adds the traceback. What a command needs is imported w
 from __future__ import annotations
 
 import sys
+import traceback
 from collections.abc import Sequence
 
 import typer
@@ -20,6 +21,7 @@ from ...ontology.errors import (
     IntervalError,
     NotFoundError,
     QueryError,
+    StoppedError,
     UnknownNameError,
 )
 
@@ -32,6 +34,7 @@ from .terminal import FAILED, complain
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
+MISSED = (NotFoundError, StoppedError)  # what was asked for in the right way, and not got
 COMMANDS = (
     talking,
     parsing,
@@ -53,30 +56,46 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command and exit with its code; the entry point of `hilt`."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in given
-    sys.exit(_run([word for word in given if word != "--debug"], debug=debug))
+    code = _run([word for word in given if word != "--debug"] or ["--help"], debug=debug)
+    sys.exit(code if given else WRONG_USAGE)
 
 
 def _run(arguments: Sequence[str], *, debug: bool) -> int:
     command = typer.main.get_command(app)
     try:
         return command.main(_reordered(arguments), prog_name="hilt", standalone_mode=False) or 0
-    except HiltError as error:
-        if debug:
-            raise
-        complain(error)
-        is_wrong = isinstance(error, UNREADABLE) and not isinstance(error, NotFoundError)
-        return WRONG_USAGE if is_wrong else FAILED
     except typer.Abort:
         return INTERRUPTED
     except Exception as error:
-        if debug or not hasattr(error, "format_message"):
-            raise
-        message: str = error.format_message()  # pyright: ignore[reportAttributeAccessIssue]
-        if arguments:
-            complain(f"{message.rstrip('.')}. Run: hilt --help")
-        else:
-            typer.echo(message)
+        code = _code_of(error)
+        if code is None:
+            raise  # no mistake of who typed this
+        if debug:
+            traceback.print_exc()
+        complain(error if isinstance(error, HiltError) else _in_words(error))
+        return code
+
+
+def _code_of(error: Exception) -> int | None:
+    """The exit code for what went wrong; None where nobody foresaw it."""
+    if isinstance(error, HiltError):
+        is_wrong = isinstance(error, UNREADABLE) and not isinstance(error, MISSED)
+        return WRONG_USAGE if is_wrong else FAILED
+    if hasattr(error, "format_message"):
         return WRONG_USAGE
+    return FAILED if isinstance(error, OSError) else None
+
+
+def _in_words(error: Exception) -> str:
+    """What is wrong with the options, or what the system refused."""
+    if isinstance(error, OSError):
+        what = f"{error.filename}: cannot be read or" if error.filename else "The output cannot be"
+        return f"{what} written: {error.strerror or error}."
+    message: str = error.format_message().rstrip(".")  # pyright: ignore[reportAttributeAccessIssue]
+    context = getattr(error, "ctx", None)
+    path = context.command_path if context else "hilt"
+    stop = "" if message.endswith("?") else "."
+    return f"{message}{stop} Run: {path} --help"
 
 
 def _reordered(arguments: Sequence[str]) -> list[str]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from .options import AsJson, Kb, app
+from .options import AsJson, Kb, app, example
 from .terminal import finish, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ MOST_TEXT = 64 * 2**20  # bytes of a file in which lines are looked up
 WITH_LINES = {".ttl", ".trig", ".nt", ".nq"}
 
 
-@app.command()
+@app.command(epilog=example("validate rules.ttl"))
 def validate(
     file: Annotated[
         str | None, typer.Argument(help="What import reads; by default the base itself.")

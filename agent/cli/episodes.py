@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from .options import AsJson, Gui, Kb, Record, app
+from .options import AsJson, Gui, Kb, Record, app, example
 from .terminal import finish, open_for_reading, show, terminal
 
 
-@app.command()
+@app.command(epilog=example("episodes --last 5"))
 def episodes(
     *,
     last: Annotated[int | None, typer.Option("--last", min=1, help="Only so many.")] = None,
@@ -35,7 +35,7 @@ def episodes(
         terminal().print(chronicle.episodes(shown))
 
 
-@app.command()
+@app.command(epilog=example("replay last --record again.gif"))
 def replay(
     which: Annotated[
         str, typer.Argument(metavar="ID|last", help="An episode's id or the start of it.")

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import AsJson, Kb, app
+from ..counting import counted
+from .options import AsJson, Kb, app, example
 from .terminal import open_base, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ FileFormat = Annotated[
 ]
 
 
-@app.command(name="export")
+@app.command(name="export", epilog=example("export rules.yaml"))
 def export_(
     file: Annotated[str, typer.Argument(help='A file, packed if it ends in .gz, or "-".')],
     kb: Kb = None,
@@ -39,13 +40,13 @@ def export_(
     chosen = format_of(file, file_format, "turtle")
     with open_for_reading(kb) as base, _progress("Writing", None) as advance:
         count = export_file(base, file, format=file_format, rules_only=only_rules, progress=advance)
-    things = "rules" if chosen.name in RULE_FORMATS else "triples"
-    typer.echo(f"Wrote {count} {things} to {file}.", err=True)
+    things = counted(count, "rule" if chosen.name in RULE_FORMATS else "triple")
+    typer.echo(f"Wrote {things} to {file}.", err=True)
     if chosen.leaves_out and not only_rules:
         typer.echo(f"The format {chosen.name} leaves out {chosen.leaves_out}.", err=True)
 
 
-@app.command(name="import")
+@app.command(name="import", epilog=example("import rules.yaml --dry-run"))
 def import_(
     file: Annotated[str, typer.Argument(help='A file, packed or not, or "-" for stdin.')],
     kb: Kb = None,
@@ -69,7 +70,7 @@ def import_(
 def _show(found: Summary, file: str, *, dry_run: bool) -> None:
     read = "Would read" if dry_run else "Read"
     typer.echo(
-        f"{read} {found.new + found.known} rules from {file}: {found.new} new, "
+        f"{read} {counted(found.new + found.known, 'rule')} from {file}: {found.new} new, "
         f"{found.known} already known, {found.conflicting} conflicting.",
         err=True,
     )

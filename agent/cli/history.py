@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError, HiltError
-from .options import AsJson, Kb, Speaker, app
+from .options import AsJson, Kb, Speaker, app, example
 from .terminal import finish, open_base, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ By = Annotated[str | None, typer.Option("--speaker", help="Only what this one sa
 Since = Annotated[int | None, typer.Option("--since", min=0, help="Only after this utterance.")]
 
 
-@app.command()
+@app.command(epilog=example("history --last 10 --speaker sam"))
 def history(
     *,
     since: Since = None,
@@ -52,11 +52,15 @@ def history(
         terminal().print(chronicle.history(shown))
 
 
-@app.command()
+@app.command(epilog=example("forget last"))
 def forget(
     what: Annotated[
         list[str],
-        typer.Argument(metavar="RULE|last|word WORD", help="A rule's id or the start of it."),
+        typer.Argument(
+            metavar="RULE|last|word WORD",
+            help='A rule by its id or the first digits of it (see "hilt rules"), the last sentence '
+            "that taught something, or a learned word.",
+        ),
     ],
     *,
     speaker: Speaker = "sam",
@@ -76,7 +80,7 @@ def forget(
         typer.echo(said)
 
 
-@app.command()
+@app.command(epilog=example("watch --json"))
 def watch(
     *,
     since: Since = None,
@@ -102,7 +106,7 @@ def watch(
         return
 
 
-@app.command()
+@app.command(epilog=example("diff mine/ rules.yaml"))
 def diff(
     one: Annotated[str, typer.Argument(metavar="A", help="A base, or a file that export wrote.")],
     other: Annotated[str, typer.Argument(metavar="B", help="Another.")],
@@ -121,7 +125,7 @@ def diff(
     finish(found.is_empty)
 
 
-@app.command()
+@app.command(epilog=example("merge mine/ theirs.trig --dry-run"))
 def merge(
     into: Annotated[str, typer.Argument(metavar="A", help="The base that is changed.")],
     other: Annotated[str, typer.Argument(metavar="B", help="A base or file that is taken over.")],
@@ -142,7 +146,7 @@ def merge(
 
 def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:
     touched = (*utterance.asserts, *utterance.retracts, *utterance.supersedes)
-    return (speaker is None or utterance.speaker == speaker) and (
+    return (speaker is None or utterance.speaker.casefold() == speaker.casefold()) and (
         rule is None or rule.id in touched
     )
 
@@ -152,8 +156,10 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     from ...kb.changes import find_rule, last_told
     from ..console import rule_text
 
-    said = f"forget {' '.join(what)}"
+    said, speaker = f"forget {' '.join(what)}", base.known_as(speaker)
     match what:
+        case ["word"]:
+            raise typer.BadParameter('Which word? "hilt words" lists those that were learned.')
         case ["word", name]:
             base.forget_word(name, said, speaker)
             return f'Forgot the word "{name}".'

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from .options import AsJson, Kb, app
+from .options import AsJson, Kb, app, example
 from .terminal import open_base, open_for_reading, show, terminal
 
 
-@app.command()
+@app.command(epilog=example("rules --object knife --at 2026-11-21"))
 def rules(
     *,
     at: Annotated[
@@ -33,6 +33,7 @@ def rules(
     moment = None if at is None else parse_moment(at)
     with open_for_reading(kb) as base:
         is_now = moment is None and according_to is None
+        according_to = according_to and base.known_as(according_to)
         source = base if is_now else view(base, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
     if as_json:
@@ -43,7 +44,7 @@ def rules(
         terminal().print(console.rules(found))
 
 
-@app.command()
+@app.command(epilog=example("trust anna 0.9"))
 def trust(
     speaker: Annotated[str | None, typer.Argument(help="Who; by default all are listed.")] = None,
     degree: Annotated[
@@ -58,12 +59,14 @@ def trust(
     if degree is None:
         with open_for_reading(kb) as base:
             known = base.trusts()
+            speaker = speaker and base.known_as(speaker)
         if speaker is not None and speaker not in known:
             raise NotFoundError("trusted speaker", speaker, known)
         shown = {name: known[name] for name in known if speaker in (None, name)}
     else:
         with open_base(kb) as base:
-            shown = {str(speaker): base.set_trust(str(speaker), degree)}
+            name = base.known_as(str(speaker))
+            shown = {name: base.set_trust(name, degree)}
     if as_json:
         show({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
         return

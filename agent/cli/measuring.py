@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from .options import AsJson, Seed, app
+from .options import AsJson, Seed, app, example
 from .terminal import finish, show, terminal
 
 What = Annotated[
@@ -57,7 +57,7 @@ Compared = Annotated[
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
 
 
-@app.command()
+@app.command(epilog=example("evaluate paper --report paper.html"))
 def evaluate(  # noqa: PLR0917 - every option is a parameter
     what: What = None,
     sim: Sim = False,

@@ -10,22 +10,48 @@ import typer
 
 app = typer.Typer(
     name="hilt",
-    help="Learn from plain sentences what objects are for and how to hold them, and act on it.",
-    epilog="--kb, --scene, --seed, --speaker and --json may also stand before the command.",
-    no_args_is_help=True,
+    epilog="--kb, --scene, --seed, --speaker and --json may also stand before the command; "
+    "--debug, anywhere, shows the traceback of an error. hilt COMMAND --help has an example.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 
-Utterance = Annotated[str, typer.Argument(help='What to say, or "-" for a line each from stdin.')]
+
+def example(command: str) -> str:
+    """What stands below the help of a command: how it is used."""
+    return f"Example: hilt {command}"
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"hilt {version('hilt')}")
+        raise typer.Exit
+
+
+@app.callback()
+def hilt(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Learn from plain sentences what objects are for and how to hold them, and act on it."""
+
+
+Utterance = Annotated[
+    str, typer.Argument(help='What to say; "-" reads lines from stdin, and answers each in JSON.')
+]
 Kb = Annotated[
     str | None,
     typer.Option(
         "--kb",
         envvar="HILT_KB",
         help='The knowledge base: "memory:", a folder, or the http(s) address of a SPARQL '
-        "endpoint. Default: a folder in your data directory.",
+        "endpoint. By default a folder in your data directory.",
     ),
 ]
 SceneSpec = Annotated[

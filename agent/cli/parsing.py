@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from ...ontology.errors import DataError
-from .options import AsJson, Speaker, app
-from .terminal import finish, show, terminal, utterances
+from .options import AsJson, Speaker, app, example
+from .terminal import complain, finish, show, terminal, utterances, write_picture
 
 if TYPE_CHECKING:
     from ...nlu.session import Session
@@ -28,13 +28,13 @@ Jsonl = Annotated[
     Path | None,
     typer.Option("--jsonl", help='A file of {"text", "before": [..]} lines; a result line each.'),
 ]
-Svg = Annotated[Path | None, typer.Option("--svg", help="Draw the derivation into this file.")]
+Svg = Annotated[Path | None, typer.Option("--svg", help="Draw the derivation into this .svg file.")]
 UserLexicon = Annotated[
     Path | None, typer.Option("--lexicon", help="A lexicon file of your own, added to English.")
 ]
 
 
-@app.command()
+@app.command(epilog=example('parse "pass it" --before "A knife is for cutting"'))
 def parse(
     text: Said = None,
     *,
@@ -48,6 +48,8 @@ def parse(
     """Show how a sentence is understood: derivation, predicate form, meaning."""
     if (text is None) == (jsonl is None):
         raise typer.BadParameter("Give either a text or --jsonl FILE.")
+    if jsonl is not None and (before or svg):
+        raise typer.BadParameter("--before and --svg are for one text, not for --jsonl.")
     session = _session(lexicon)
     if jsonl is not None:
         _parse_file(session, jsonl, speaker)
@@ -61,11 +63,11 @@ def parse(
     finish(all(found.reading is not None for found in understood))
 
 
-lexicon_app = typer.Typer(help="The words of the language.", no_args_is_help=True)
+lexicon_app = typer.Typer(help="The words of the language.")
 app.add_typer(lexicon_app, name="lexicon")
 
 
-@lexicon_app.command()
+@lexicon_app.command(epilog=example("lexicon check mine.yaml"))
 def check(
     file: Annotated[Path, typer.Argument(help="A lexicon file of your own.")],
     *,
@@ -78,7 +80,7 @@ def check(
     show(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
 
 
-@lexicon_app.command(name="list")
+@lexicon_app.command(name="list", epilog=example("lexicon list knife"))
 def list_entries(
     word: Annotated[str | None, typer.Argument(help="Only entries with this word.")] = None,
     *,
@@ -94,14 +96,16 @@ def list_entries(
         if word is None or word in words_of(sense.says)
         for entry in [sense.entry()]
     )
+    if word and not entries:
+        complain(f'No entry has the word "{word}".')
     if as_json:
         show([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])
     else:
-        typer.echo("\n".join(f"{each[0]}  {each[1]} : {each[2]}" for each in entries))
+        typer.echo("".join(f"{each[0]}  {each[1]} : {each[2]}\n" for each in entries), nl=False)
     finish(bool(entries))
 
 
-@lexicon_app.command()
+@lexicon_app.command(epilog=example("lexicon grammar > hilt.jsgf"))
 def grammar(
     *,
     jsgf: Annotated[
@@ -133,7 +137,7 @@ def _draw(found: Understanding, path: Path) -> None:
     from ...nlu.drawing import svg_of
 
     if found.derivation is not None:
-        path.write_text(svg_of(found.derivation), encoding="utf-8")
+        write_picture(path, svg_of(found.derivation))
 
 
 def _parse_file(session: Session, path: Path, speaker: str) -> None:
@@ -146,8 +150,10 @@ def _parse_file(session: Session, path: Path, speaker: str) -> None:
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
     try:
         lines = path.read_text(encoding="utf-8").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"cannot be read: {error}.", source=str(path)) from error
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=str(path)) from error
     for number, line in enumerate(lines, start=1):
         if line.strip():
             yield _case(line, str(path), number)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from .options import AsJson, Kb, app
+from ..counting import counted
+from .options import AsJson, Kb, app, example
 from .terminal import open_for_reading, show
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ MOST_RULES = 500  # in one picture; nobody finds anything in more
 STREAM = "-"
 
 
-@app.command()
+@app.command(epilog=example("graph knife.svg --object knife"))
 def graph(
     file: Annotated[
         str, typer.Argument(help='An .svg or .png file, or "-" for SVG on stdout.')
@@ -61,7 +62,7 @@ def graph(
     from ...kb.drawing import picture_of
 
     _write(picture_of(found), file)
-    typer.echo(f"Drew {len(rules)} rules into {file}.", err=True)
+    typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
 def _write(picture: Picture, file: str) -> None:

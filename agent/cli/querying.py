@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import QueryError
-from .options import AsJson, Kb, Speaker, app
+from .options import AsJson, Kb, Speaker, app, example
 from .terminal import open_base, open_for_reading, show, terminal, text_of
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ Memory = Annotated[
 ]
 
 
-@app.command()
+@app.command(epilog=example("query best-for --arg affordance=cutting"))
 def query(
     question: Annotated[
         str | None,
@@ -61,7 +61,7 @@ def query(
     _print(found, "json" if as_json else format_)
 
 
-@app.command()
+@app.command(epilog=example("update change.ru --dry-run"))
 def update(
     sparql: Annotated[str, typer.Argument(help='An update, a .ru file, or "-" for stdin.')],
     *,

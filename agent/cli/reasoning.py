@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...ontology.errors import DataError
 from .options import (
     ActionsFile,
     AsJson,
@@ -22,8 +21,9 @@ from .options import (
     SettingsFile,
     Speaker,
     app,
+    example,
 )
-from .terminal import finish, open_agent, open_base, open_for_reading, show, terminal
+from .terminal import finish, open_agent, open_base, open_for_reading, show, terminal, write_picture
 
 if TYPE_CHECKING:
     from ...inference.explanation import Change
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ..outcome import Decision
 
 
-@app.command()
+@app.command(epilog=example('explain "pass me something used for cutting"'))
 def explain(
     text: Annotated[str, typer.Argument(help="A command; it is decided, not carried out.")],
     *,
@@ -69,7 +69,7 @@ def explain(
         decision = reply.achievement.decision if reply.achievement else None
         changes = _changes(agent, decision)
         if svg and decision:
-            _write(svg, drawing.svg(decision))
+            write_picture(svg, drawing.svg(decision))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
@@ -89,7 +89,7 @@ def _changes(agent: Agent, decision: Decision | None) -> list[Change]:
     return sorted(found, key=lambda change: change.size)
 
 
-@app.command()
+@app.command(epilog=example("conflicts --json"))
 def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that contradict each other, the heaviest conflict first."""
     from ...inference.conflicts import conflicts as find
@@ -103,7 +103,7 @@ def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
         terminal().print(console.conflicts(found))
 
 
-@app.command()
+@app.command(epilog=example("induce --json"))
 def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that follow by likeness from those that were taught."""
     from ...inference.induction import induce as find
@@ -119,7 +119,7 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
         terminal().print(console.induced(found))
 
 
-@app.command()
+@app.command(epilog=example("abduce affordance:cutting --given property:sharp"))
 def abduce(
     conclusion: Annotated[
         str,
@@ -148,10 +148,3 @@ def abduce(
     else:
         terminal().print(console.hypotheses(found))
     finish(bool(found))
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise DataError(f"cannot be written: {error.strerror}.", source=str(path)) from error

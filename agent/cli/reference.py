@@ -47,6 +47,7 @@ def _section(command: Any, path: str) -> Iterator[str]:
     )
     yield f"## {path} {names}".rstrip() + "\n"
     yield f"{' '.join((command.help or '').split())}\n"
+    yield f"    {command.epilog.partition(' ')[2]}\n"
     rows = [(_flag(p), " ".join((p.help or "").split())) for p in shown]
     if rows:
         yield "| | |\n|---|---|"

@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from .options import AsJson, Kb, app
+from .options import AsJson, Kb, app, example
 from .terminal import open_for_reading, show
 
 
-@app.command()
+@app.command(epilog=example("backup saved/"))
 def backup(
     folder: Annotated[Path, typer.Argument(help="A new folder.")],
     kb: Kb = None,
@@ -29,7 +29,7 @@ def backup(
         typer.echo(f"Saved up to utterance {number} in {folder}.", err=True)
 
 
-@app.command()
+@app.command(epilog=example("restore saved/ --replace"))
 def restore(
     folder: Annotated[Path, typer.Argument(help="A backup.")],
     replace: Annotated[

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import AsJson, Objects, Robot, SceneSpec, Seed, app
+from .options import AsJson, Objects, Robot, SceneSpec, Seed, app, example
 from .terminal import show as print_json
 from .terminal import terminal
 
@@ -19,7 +19,7 @@ scene_app = typer.Typer(help="Look at scenes.", no_args_is_help=True, rich_marku
 app.add_typer(scene_app, name="scene")
 
 
-@scene_app.command()
+@scene_app.command(epilog=example("scene show --scene random:7 --out table.png"))
 def show(
     *,
     scene: SceneSpec = "all",

@@ -32,8 +32,9 @@ from .options import (
     Speaker,
     Utterance,
     app,
+    example,
 )
-from .terminal import converse, finish, open_agent, open_for_reading, show, terminal
+from .terminal import STDIN, converse, finish, open_agent, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from ..agent import Agent
 
 
-@app.command()
+@app.command(epilog=example("demo --no-sim"))
 def demo(
     *,
     kb: Kb = "memory:",
@@ -68,7 +69,7 @@ def demo(
     finish(came.is_as_told)
 
 
-@app.command()
+@app.command(epilog=example('tell "To pass a knife, grab it by the blade"'))
 def tell(
     text: Utterance,
     *,
@@ -85,12 +86,12 @@ def tell(
             agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="tell", heard=heard),
-            (lambda reply: reply.as_tell_json()) if as_json else None,
+            (lambda reply: reply.as_tell_json()) if as_json or text == STDIN else None,
         )
     finish(done)
 
 
-@app.command()
+@app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
 def do(
     text: Utterance,
     *,
@@ -137,7 +138,7 @@ def do(
             agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="do", heard=heard),
-            (lambda reply: reply.as_do_json()) if as_json else None,
+            (lambda reply: reply.as_do_json()) if as_json or text == STDIN else None,
         )
     finish(done)
 
@@ -151,7 +152,7 @@ def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
     return agent.filmed(path)
 
 
-@app.command()
+@app.command(epilog=example('ask "how do you pass a knife?"'))
 def ask(
     text: Utterance,
     *,
@@ -168,12 +169,12 @@ def ask(
             agent,
             text,
             lambda said: agent.hear(said, speaker=speaker, only="ask"),
-            (lambda reply: reply.as_ask_json()) if as_json else None,
+            (lambda reply: reply.as_ask_json()) if as_json or text == STDIN else None,
         )
     finish(done)
 
 
-@app.command()
+@app.command(epilog=example("chat --no-sim"))
 def chat(
     *,
     kb: Kb = None,
@@ -214,7 +215,7 @@ def chat(
         run(agent, terminal(), sys.stdin, speaker)
 
 
-@app.command()
+@app.command(epilog=example("words --json"))
 def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the words that were learned, with their teachers."""
     from .. import console

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..reply import Reply
 
 FAILED = 1  # exit code
+STDIN = "-"  # in place of a text
 MOST_MISTAKES = 20  # that are told one by one
 
 
@@ -142,10 +143,17 @@ def converse(
         if as_json:
             show(as_json(reply))
         elif reply.ending == "not_understood":
-            complain(reply.said)
+            complain(" ".join([reply.said, *_nearest(reply)]))
         else:
             _show_reply(agent, reply)
     return done
+
+
+def _nearest(reply: Reply) -> Iterator[str]:
+    """What may be said instead of what was not understood."""
+    found = getattr(reply.understanding.meaning, "nearest", ())
+    if found:
+        yield f'Try: "{found[0]}"'
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:
@@ -159,7 +167,7 @@ def _show_reply(agent: Agent, reply: Reply) -> None:
 
 def utterances(text: str) -> Iterator[str]:
     """The text itself, or for "-" the lines of stdin that hold something."""
-    if text != "-":
+    if text != STDIN:
         yield text
         return
     yield from (line.strip() for line in _lines(sys.stdin.buffer) if line.strip())
@@ -175,7 +183,7 @@ def _lines(stream: Iterable[bytes]) -> Iterator[str]:
 
 def text_of(text_or_file: str) -> str:
     """The content of a file of SPARQL, what stdin holds for "-", else the text itself."""
-    if text_or_file == "-":
+    if text_or_file == STDIN:
         return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
     looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
     if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
@@ -192,6 +200,20 @@ def show(document: object) -> None:
     """Print one JSON document on a line of its own."""
     typer.echo(json.dumps(document, ensure_ascii=False))
     sys.stdout.flush()
+
+
+def write_picture(path: Path, svg: str) -> None:
+    """Keep a picture in a file, which must be called one.
+
+    Raises:
+        DataError: it is called something else, or cannot be written.
+    """
+    if path.suffix.lower() != ".svg":
+        raise DataError("expected a file ending in .svg.", source=str(path))
+    try:
+        path.write_text(svg, encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"cannot be written: {error.strerror}.", source=str(path)) from error
 
 
 def finish(done: bool) -> None:

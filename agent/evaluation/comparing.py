@@ -71,8 +71,10 @@ def compare(first: Path, second: Path) -> Comparison:
 def _read(path: Path) -> Json:
     try:
         document: object = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"cannot be read: {error}.", source=str(path)) from error
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=str(path)) from error
     except ValueError as error:
         raise DataError(f"is not JSON: {error}.", source=str(path)) from error
     if not isinstance(document, dict) or "runs" not in document:

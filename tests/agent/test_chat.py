@@ -103,6 +103,12 @@ def test_several_people_speak_in_one_conversation():
     assert "I learned: a mug is used for containing (0.95, from Sam)." in shown
 
 
+@pytest.mark.parametrize("last", ["/quit", "/exit", "quit", "exit"])
+def test_conversation_ends_as_on_other_terminals(last: str):
+    """Nothing after it is heard."""
+    assert "Hello" not in piped([last, "hello"])
+
+
 def test_what_cannot_be_said_ends_no_conversation():
     """It is told, and the next line is heard."""
     shown = piped(["/nothing", "/speaker !", "hello \udcff", "", "hello"])

@@ -4,13 +4,18 @@
 import io
 import json
 import os
+import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
-from hilt.agent.cli import main
+from hilt.agent.cli import app, main
 
 LESSONS = (
     "A knife is used for cutting",
@@ -290,10 +295,117 @@ def test_folder_that_cannot_be_written_is_told(hilt: Hilt, tmp_path: Path):
     assert "cannot be created" in result.err
 
 
-def test_debug_shows_the_traceback(hilt: Hilt):
-    """The place in the code is shown on request only."""
-    with pytest.raises(LookupError):
-        main(["do", "--no-sim", "--scene", "objects:x", "hi", "--debug", "--kb", str(hilt.kb)])
+def test_debug_shows_the_traceback_and_changes_nothing_else(hilt: Hilt):
+    """The place in the code comes on request; the last line and the exit code are as without."""
+    wrong = ("do", "--no-sim", "--scene", "objects:x", "hi")
+    plain = hilt(*wrong).err
+
+    shown = hilt("--debug", *wrong)
+
+    assert shown.code == 2
+    assert shown.err.startswith("Traceback") and shown.err.endswith(plain)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["tel"], "hilt: No such command 'tel'. Did you mean 'tell'? Run: hilt --help"),
+        (["tell"], "hilt: Missing argument 'text'. Run: hilt tell --help"),
+        (["lexicon"], "hilt: Missing command. Run: hilt lexicon --help"),
+        (["forget", "word"], 'Which word? "hilt words" lists those that were learned.'),
+    ],
+)
+def test_wrong_usage_names_the_help_that_tells_more(
+    capfd: pytest.CaptureFixture[str], arguments: list[str], said: str
+):
+    """One line, and exit code 2."""
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+
+    told = capfd.readouterr().err
+    assert (ended.value.code, len(told.splitlines())) == (2, 1)
+    assert said in told
+
+
+def _commands(group: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    for name, each in group.commands.items():
+        if hasattr(each, "commands"):
+            yield from _commands(each, (*path, name))
+        else:
+            yield (*path, name), each
+
+
+@pytest.mark.parametrize(("path", "command"), [*_commands(typer.main.get_command(app))])
+def test_help_shows_an_example_that_can_be_typed(path: tuple[str, ...], command: Any):
+    """It begins as the command does, and its options are options of it."""
+    words = shlex.split(command.epilog.partition(" > ")[0])
+
+    assert tuple(words[: len(path) + 2]) == ("Example:", "hilt", *path)
+    command.make_context(path[-1], words[len(path) + 2 :])
+
+
+def test_version_is_shown(capfd: pytest.CaptureFixture[str]):
+    """Who reports a mistake can say of which Hilt."""
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+
+    assert not ended.value.code
+    assert capfd.readouterr().out == f"hilt {version('hilt')}\n"
+
+
+@pytest.mark.parametrize("speaker", ["Sam", "SAM"])
+def test_capital_letters_make_nobody_a_stranger(hilt: Hilt, speaker: str):
+    """Hilt calls them Sam, so a person types that."""
+    document = hilt("tell", "--json", "--speaker", speaker, LESSONS[0]).document
+
+    assert document["accepted"]
+    assert document["rules"][0]["speaker"] == "sam"
+
+
+def test_trust_goes_to_whom_it_was_given(hilt: Hilt):
+    """However the name is written the second time."""
+    hilt("trust", "Kim", "0.5")
+    hilt("trust", "kim", "0.8")
+
+    assert hilt("trust", "--json").document["Kim"]["lower"] == 0.8
+    assert hilt("ask", "do you trust kim?").code == 0
+
+
+@pytest.mark.parametrize("command", ["tell", "do", "ask"])
+def test_lines_from_stdin_are_answered_in_json(
+    hilt: Hilt, command: str, monkeypatch: pytest.MonkeyPatch
+):
+    """A line each, also where nobody asked for JSON."""
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"hello\n\nthanks\n")))
+
+    lines = [json.loads(line) for line in hilt(command, "-").out.splitlines()]
+
+    assert [line["utterance"] for line in lines] == ["hello", "thanks"]
+
+
+def test_rules_are_shown_with_the_digits_that_forget_takes(taught: Hilt):
+    """What is seen can be typed."""
+    rule = taught("rules", "--json", "--object", "knife").document[0]["id"]
+    digits = rule.removeprefix("rule/")[:8]
+
+    assert digits in taught("rules").out
+    assert taught("forget", digits).code == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_full_disk_under_the_output_is_told():
+    """A line and exit code 1, and no traceback."""
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(
+            [sys.executable, "-c", "from hilt.agent.cli import main; main()", "words", "--json"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+
+    assert ended.returncode == 1
+    assert ended.stderr == "hilt: The output cannot be written: No space left on device.\n"
 
 
 # --- As a process --------------------------------------------------------------------------

@@ -209,8 +209,8 @@ def test_merge_reports_conflicts(run: Run, hilt: Run, tmp_path: Path):
 
     assert (len(before), len(dry["new"]), len(dry["conflicts"]), dry["dry_run"]) == (2, 1, 1, True)
     assert code == 0
-    assert "Took over 1 rules" in out
-    assert "1 conflicts" in out
+    assert "Took over 1 rule (" in out
+    assert "1 conflict" in out
     assert len(document(run("rules", "--json"))) == 3
 
 
@@ -234,7 +234,7 @@ def test_graph_is_drawn_and_filtered(run: Run, tmp_path: Path):
 
     assert (whole[0], some[0]) == (0, 0)
     assert "Drew 2 rules" in whole[2]
-    assert "Drew 1 rules" in some[2]
+    assert "Drew 1 rule " in some[2]
     assert "cutting" in picture.read_text(encoding="utf-8")
     assert image.read_bytes().startswith(b"\x89PNG")
 

@@ -88,6 +88,20 @@ def test_parse_draws(hilt: Run, tmp_path: Path) -> None:
     assert path.read_text(encoding="utf-8").startswith("<svg")
 
 
+@pytest.mark.parametrize(
+    ("picture", "said"),
+    [("no/knife.svg", "cannot be written"), ("knife.png", "expected a file ending in .svg")],
+)
+def test_parse_tells_what_cannot_be_drawn(
+    hilt: Run, tmp_path: Path, picture: str, said: str
+) -> None:
+    """One line, and exit code 2."""
+    code, _, err = hilt("parse", "pass me the knife", "--svg", str(tmp_path / picture))
+
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert said in err
+
+
 def test_parse_fails_on_what_it_does_not_understand(hilt: Run) -> None:
     """Exit code 1."""
     assert hilt("parse", "--json", "to pass a knife")[0] == 1
@@ -120,6 +134,11 @@ def test_the_lexicon_is_listed(hilt: Run) -> None:
     _, out, _ = hilt("lexicon", "list", "knife", "--json")
 
     assert {"words": "knife", "category": "N", "term": "knife"} in json.loads(out)
+
+
+def test_a_word_without_entry_is_told(hilt: Run) -> None:
+    """A line on stderr; nothing is listed."""
+    assert hilt("lexicon", "list", "zzz") == (1, "", 'hilt: No entry has the word "zzz".\n')
 
 
 def test_a_grammar_is_printed(hilt: Run) -> None:

@@ -120,8 +120,6 @@ def test_question_is_read_from_a_file_or_stdin(
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((CROSS, "--timeout", "0.5"), "longer than 0.5 s and was stopped"),
-        ((CROSS, "--memory", "20", "--timeout", "60"), "more than 20 MB and was stopped"),
         (("SELECT * { SERVICE <http://x/> { ?s ?p ?o } }",), "SERVICE is refused"),
         (("bestfor",), 'Did you mean "best-for"?'),
         (("best-for", "--arg", "affordance"), "expected NAME=VALUE"),
@@ -137,6 +135,23 @@ def test_what_goes_wrong_is_one_line(taught: Hilt, arguments: tuple[str, ...], s
     taught("query", *arguments)
 
     assert (taught.code, taught.out) == (2, "")
+    assert said in taught.err and len(taught.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        (("--timeout", "0.5"), "longer than 0.5 s and was stopped"),
+        (("--memory", "20", "--timeout", "60"), "more than 20 MB and was stopped"),
+    ],
+)
+def test_what_is_stopped_was_asked_for_in_the_right_way(
+    taught: Hilt, limit: tuple[str, ...], said: str
+):
+    """So the exit code is 1: it failed."""
+    taught("query", CROSS, *limit)
+
+    assert (taught.code, taught.out) == (1, "")
     assert said in taught.err and len(taught.err.splitlines()) == 1
 
 

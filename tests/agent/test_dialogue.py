@@ -139,6 +139,23 @@ def test_trust_that_is_withdrawn_counts_at_once(agent: Agent):
     assert (before.ending, after.ending) == ("done", "failed")
 
 
+def test_forgetting_after_a_deed_takes_back_no_rule(taught: Agent):
+    """It was the deed that was spoken of, and it rests on no rule."""
+    taught.hear("pick up the shoe")
+
+    assert taught.hear("forget that").ending == "failed"
+    assert len(taught.base.rules()) == 3
+
+
+def test_nobody_takes_back_what_another_told(taught: Agent):
+    """Nor something else instead."""
+    taught.base.set_trust("anna", 1.0)
+    taught.hear("A spoon is used for stirring", speaker="anna")
+
+    assert "Anna told me" in taught.hear("forget that").said
+    assert len(taught.base.rules()) == 4
+
+
 def test_forgetting_takes_back_the_last_rule_and_keeps_history(taught: Agent):
     """What was forgotten is no reason any more, but can be told."""
     reply = taught.hear("forget that")
@@ -157,8 +174,8 @@ LESSON_THREE = "To pass a knife grab the knife by the blade"
 @pytest.mark.parametrize(
     ("question", "answer"),
     [
-        ("what is a knife used for?", "A knife is used for cutting."),
-        ("what is used for cutting?", "For cutting I know a knife."),
+        ("what is a knife used for?", "A knife is used for cutting (0.95, from Sam)."),
+        ("what is used for cutting?", "For cutting I know a knife (0.95, from Sam)."),
         ("how do you pass a knife?", "To pass a knife, grab it by the blade (0.95, from Sam)."),
         ("is a knife used for cutting?", "Yes: a knife is used for cutting (0.95, from Sam)."),
         ("is a mug used for cutting?", "Not that I know: nobody has told me that a mug is used"),
@@ -243,6 +260,51 @@ def test_why_not_says_what_speaks_against_the_other(
     taught.hear(command)
 
     assert reason in taught.hear(f"why not the {question}?").said
+
+
+@pytest.mark.parametrize(
+    ("denial", "command", "question", "answer"),
+    [
+        (
+            "A spoon is rarely used for cutting.",
+            "pass me something used for cutting",
+            "why not the spoon?",
+            'Not the spoon, because Sam said: "A spoon is rarely used for cutting".',
+        ),
+        (
+            "Never pass a knife by the handle.",
+            "pass me the knife",
+            "why not by the handle?",
+            'Not by the handle, because Sam said: "Never pass a knife by the handle".',
+        ),
+    ],
+)
+def test_what_was_denied_is_the_reason_why_not(
+    taught: Agent, denial: str, command: str, question: str, answer: str
+):
+    """Rather than what was said of the one that was taken; quotes have no stops of their own."""
+    taught.hear(denial)
+    taught.hear(command)
+
+    assert taught.hear(question).said == answer
+
+
+def test_what_seldom_holds_is_not_said_to_hold_never(agent: Agent):
+    """Seldom is less than never."""
+    assert "a shoe is rarely used for" in agent.hear("A shoe is rarely used for pounding").said
+    assert "a shoe is not used for" in agent.hear("A shoe is never used for poking").said
+
+
+@pytest.mark.parametrize(
+    ("command", "question"),
+    [
+        ("pass me the elephant", "What is it, or what is it used for?"),
+        ("pass me something used for flying", "What is used for it?"),
+    ],
+)
+def test_what_an_unknown_word_may_be_is_asked_for(agent: Agent, command: str, question: str):
+    """A thing, or a use."""
+    assert agent.hear(command).said.endswith(question)
 
 
 @pytest.mark.parametrize(
@@ -355,6 +417,16 @@ def test_yes_counts_only_right_after_the_question(agent: Agent, between: str):
     assert agent.hear("yes").achievement is None
 
 
+def test_only_who_was_asked_can_say_yes(agent: Agent):
+    """What a bystander says neither settles nor ends the question."""
+    agent.base.set_trust("kim", 0.05)
+    agent.hear("A mug is used for pounding", speaker="kim")
+    agent.hear("pass me something used for pounding")
+
+    assert agent.hear("yes", speaker="kim").achievement is None
+    assert agent.hear("yes").ending == "done"
+
+
 def test_recognition_score_discounts_what_is_learned(agent: Agent):
     """Heard to .8, generally counts as .76, and the answer says so."""
     reply = agent.hear("A spoon is used for poking", heard=0.8)
@@ -389,7 +461,9 @@ def test_new_words_are_usable_at_once(agent: Agent):
     reply = agent.hear("A saw is used for slicing")
 
     assert [word.as_json()["word"] for word in reply.understanding.new_words] == ["saw", "slicing"]
-    assert agent.hear("what are saws used for?").said == "A saw is used for slicing."
+    assert (
+        agent.hear("what are saws used for?").said == "A saw is used for slicing (0.95, from Sam)."
+    )
     assert [word.atom.name for word in agent.base.words()] == ["slicing", "saw"]
 
 

@@ -115,6 +115,9 @@ def test_unknown_or_doubtful_name_of_a_rule_is_an_error(paper: KnowledgeBase):
     for unknown in ("ffff0000ffff0000", "blade", "beef0"):
         with pytest.raises(UnknownNameError, match="no rule"):
             find_rule(paper, unknown)
+    for short in ("", "4d5", "rule/4"):
+        with pytest.raises(ValidationError, match="expected 4 digits"):
+            find_rule(paper, short)
     with pytest.raises(ValidationError, match="several rules"):
         find_rule(paper, double)
 

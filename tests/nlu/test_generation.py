@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu import ANY_OBJECT, ActionRule, FunctionalRule, Language, Rule
-from hilt.nlu.generation import load_speech
+from hilt.nlu.generation import Phrases, load_speech
 from hilt.ontology.errors import DataError, UnknownNameError
 
 SURE = (0.95, 1.0)
@@ -117,7 +117,7 @@ def test_a_wrong_answer_is_told(
     language: Language, tmp_path: Path, answer: str, message: str
 ) -> None:
     """A template is checked when it is read."""
-    phrases = ["functional", "negative", "action", "forbidden", "any_object", "any_with", "joined"]
+    phrases = Phrases.__dataclass_fields__
     path = tmp_path / "answers.yaml"
     path.write_text(
         f"answers: {{a: {answer}}}\nphrases: {{{', '.join(f'{each}: x' for each in phrases)}}}\n",

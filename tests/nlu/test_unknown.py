@@ -75,6 +75,8 @@ def test_nothing_is_done_to_people(language: Language, text: str) -> None:
         ("To pass a knife grab it by the hadnle", "handle"),
         ("A knife is used for cuttng", "cutting"),
         ("pass me the knive", "knife"),
+        ("A mugg is used for drinking", "mug"),
+        ("Knivs are used for cutting", "knives"),
     ],
 )
 def test_a_slip_is_asked_about(language: Language, text: str, suggestion: str) -> None:
