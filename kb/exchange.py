@@ -30,6 +30,7 @@ from .nquads import Group
 from .recall import TRUST_LOWER, TRUST_UPPER, Recall
 from .rule import Rule
 from .staging import GRAPHS, findings, stage, stage_rules
+from .stamps import Stamps, Star
 from .stars import BELIEFS, TYPE
 from .store import Store
 from .terms import Quad, as_sparql
@@ -172,7 +173,8 @@ def _import(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: boo
         if len(some) > MAX_RULES:
             every = chain(some, rules)
             return streaming.import_rules(base, every, source=name, dry_run=dry_run)
-        return _take(base, stage_rules(some), name, dry_run=dry_run).summary
+        staging = stage_rules(star.rule for star in some)
+        return _take(base, staging, name, dry_run=dry_run).summary
     groups = read_groups(source, chosen)
     first = _first(groups, MAX_SORTED)
     if _size(first) > MAX_SORTED:
@@ -210,7 +212,7 @@ def _take(base: KnowledgeBase, staging: Store, source: str, *, dry_run: bool) ->
 
 def _staged(source: Source, chosen: Format) -> Store:
     if chosen.name in RULE_FORMATS:
-        return stage_rules(read_rules(source, chosen))
+        return stage_rules(star.rule for star in read_rules(source, chosen))
     return _settled(_flat(read_groups(source, chosen)), source.name)
 
 
@@ -229,7 +231,7 @@ def read_all(source: Source, chosen: Format) -> int:
     return _size(read_groups(source, chosen))
 
 
-def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:
+def read_rules(source: Source, chosen: Format) -> Iterator[Star]:
     """The rules of a file that holds rules only."""
     match chosen.name:
         case "csv":
@@ -239,11 +241,12 @@ def read_rules(source: Source, chosen: Format) -> Iterator[Rule]:
         case "graphml":
             from .graph import read_graphml
 
-            yield from read_graphml(source.everything(), source=source.name)
+            yield from map(Stamps().of, read_graphml(source.everything(), source=source.name))
         case _:
             from .sheet import read_sheet
 
-            yield from read_sheet("".join(source.lines()), source=source.name)
+            rules = read_sheet("".join(source.lines()), source=source.name)
+            yield from map(Stamps().of, rules)
 
 
 def read_groups(source: Source, chosen: Format) -> Iterator[Group | Reified]:

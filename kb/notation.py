@@ -20,6 +20,7 @@ ANY = "*"  # any object
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
 MAX_MISTAKES = 20  # of a file that are told
 Thing = TypeVar("Thing")
+Read = TypeVar("Read")
 STATUSES: tuple[str, ...] = get_args(Status)
 
 
@@ -45,7 +46,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
     return Atom(kind, name)
 
 
-def read_all(things: Iterable[Thing], read: Callable[[Thing], Rule]) -> Iterator[Rule]:
+def read_all(things: Iterable[Thing], read: Callable[[Thing], Read]) -> Iterator[Read]:
     """The rules that things of a file stand for; behind a mistake only others are looked for.
 
     Args:

@@ -125,10 +125,20 @@ def edge_of(functor: str) -> Iri:
 def mentions(rule: Rule) -> Iterator[Quad]:
     """Types and names of everything the rule speaks of, so that no node is without."""
     atoms = rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
+    yield from named(atoms)
+    yield from place_of(rule)
+
+
+def named(atoms: Iterable[Atom]) -> Iterator[Quad]:
+    """Types and names of atoms."""
     for atom in sorted(atoms):
         node = atom_iri(atom)
         yield Quad(node, TYPE, term(atom.kind.capitalize()), BELIEFS)
         yield Quad(node, LABEL, atom.name, BELIEFS)
+
+
+def place_of(rule: Rule) -> Iterator[Quad]:
+    """Types and names of the action-tree node that a rule hangs on, and of its functor."""
     yield Quad(iri("node", rule.node), TYPE, term("Node"), BELIEFS)
     yield Quad(iri("node", rule.node), LABEL, rule.node, BELIEFS)
     if rule.functor not in _KNOWN_FUNCTORS:

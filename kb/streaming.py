@@ -18,14 +18,14 @@ from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from typing import BinaryIO, Protocol, TypeAlias, TypeVar, runtime_checkable
+from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
 
 from ..ontology.errors import DataError, ValidationError
 from ..ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
 from . import stars
 from .annotated import Reified
 from .beliefs import KnowledgeBase
-from .copying import Copier, Star
+from .copying import Copier
 from .history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_of
 from .lines import Lines
 from .merging import (
@@ -43,6 +43,7 @@ from .nquads import Group
 from .recall import BASE_GRAPH, BASE_NODE, Recall
 from .rule import Rule
 from .staging import check_graph, findings, stage
+from .stamps import Printer, Stamps, Star
 from .stars import BELIEFS, LABEL, RULE, STATUS, TYPE
 from .store import Store
 from .telling import to_milliseconds
@@ -58,7 +59,6 @@ _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 T = TypeVar("T")
-Told: TypeAlias = Rule | Star  # a rule made of what was read, or one that can be copied
 
 
 @runtime_checkable
@@ -88,7 +88,6 @@ class _Read:
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
-    copier: Copier = field(default_factory=Copier)
 
 
 @dataclass
@@ -110,6 +109,10 @@ class _Held:
 
     def __init__(self) -> None:
         self._chunks = deque[bytes]()
+
+    @property
+    def has_some(self) -> bool:
+        return bool(self._chunks)
 
     def write(self, chunk: bytes) -> None:
         self._chunks.append(chunk)
@@ -136,14 +139,14 @@ def import_groups(
 
 
 def import_rules(
-    base: KnowledgeBase, rules: Iterable[Rule], *, source: str, dry_run: bool
+    base: KnowledgeBase, rules: Iterable[Star], *, source: str, dry_run: bool
 ) -> Summary:
     """Take over many rules; as `import_groups`."""
     return _import(base, rules, _Read(), source=source, dry_run=dry_run)
 
 
 def _import(
-    base: KnowledgeBase, rules: Iterable[Told], read: _Read, *, source: str, dry_run: bool
+    base: KnowledgeBase, rules: Iterable[Star], read: _Read, *, source: str, dry_run: bool
 ) -> Summary:
     """Load the lines of all that is new while they are made; a mistake in any loads none."""
     store = base.store
@@ -167,17 +170,15 @@ def _import(
 
 
 def _lines(
-    base: KnowledgeBase, rules: Iterable[Told], read: _Read, plan: _Plan, source: str
+    base: KnowledgeBase, rules: Iterable[Star], read: _Read, plan: _Plan, source: str
 ) -> Iterator[bytes]:
     """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
-    held = _Held()
+    held, printer = _Held(), Printer()
     write, before = Lines(held), plan.last
-    for rule in _new(base, rules, read):
-        if isinstance(rule, Star):
-            write.text(read.copier.lines(rule))
-        else:
-            write.rule(rule)
-        yield from held.taken()
+    for star in _new(base, rules, read):
+        write.text(printer.lines(star))
+        if held.has_some:
+            yield from held.taken()
     staging = stage(read.rest, source=source)
     read.rest.clear()
     try:
@@ -208,12 +209,13 @@ def _placed(groups: Iterable[Group | Reified], source: str) -> Iterator[Group]:
         yield group
 
 
-def _rules(groups: Iterable[Group], read: _Read, source: str) -> Iterator[Told]:
+def _rules(groups: Iterable[Group], read: _Read, source: str) -> Iterator[Star]:
     """The rules among statements; what belongs to none is put aside."""
+    copier, stamps = Copier(), Stamps()
     for group in groups:
         if group.node.startswith(_RULES):
-            star = read.copier.star(group.node, group.pairs)
-            yield star or _rule(group.node, group.pairs)
+            star = copier.star(group.node, group.pairs)
+            yield star or stamps.of(_rule(group.node, group.pairs))
             continue
         read.rest += _beside_rules(group, read)
         if len(read.rest) > MAX_REST:
@@ -246,12 +248,12 @@ def _rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 
 
-def _new(base: KnowledgeBase, rules: Iterable[Told], read: _Read) -> Iterator[Told]:
+def _new(base: KnowledgeBase, rules: Iterable[Star], read: _Read) -> Iterator[Star]:
     """The rules that the base does not have; what has to be known of them is kept in `read`."""
     contradicts = _Believed(base)
     there = _ids_of(base.store) if base.sequence else frozenset[int]()
-    for rule in rules:
-        number = _number(rule)
+    for star in rules:
+        number, utterance, time, *_ = star
         if number in there:
             read.known += 1
             continue
@@ -259,15 +261,15 @@ def _new(base: KnowledgeBase, rules: Iterable[Told], read: _Read) -> Iterator[To
             continue
         read.seen.add(number)
         read.ids.append(number)
-        read.utterances.append(rule.utterance or 0)
-        read.speakers.add(rule.speaker)
-        if rule.time is None:
+        read.utterances.append(utterance or 0)
+        read.speakers.add(star.speaker)
+        if time is None:
             read.timeless.add(number)
-        if there and rule.status == "active":
-            found = contradicts.by(rule.rule if isinstance(rule, Star) else rule)
+        if there and star.status == "active":
+            found = contradicts.by(star.rule)
             read.conflicting += len(found)
             read.conflicts += found[: MAX_LISTED - len(read.conflicts)]
-        yield rule
+        yield star
 
 
 def _finish(
@@ -279,18 +281,18 @@ def _finish(
         plan.last += 1
         plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
         plan.add(import_of(source, plan.last, moment, some=which))
-        ids = sorted(map(_id, some))
-        write.asserted(plan.last, ids)
-        for rule_id in ids:
-            write.told(rule_id, plan.last)
+        write.asserted(plan.last, some)
+        write.told(some, plan.last)
         yield
     for said, ids in plan.asserted:
-        write.asserted(said, ids)
+        write.asserted(said, map(_number, ids))
         yield
     for number, told in zip(read.ids, read.utterances, strict=True):
         if told in plan.numbers:
-            write.told(_id(number), plan.numbers[told])
-    write.believed(map(_id, read.timeless), moment)
+            write.told([number], plan.numbers[told])
+    for several in _batched(read.timeless, PER_UTTERANCE):
+        write.believed(several, moment)
+        yield
     # The new number comes with what it counts; the old one goes after that, and never counts.
     if plan.last:
         plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
@@ -337,8 +339,8 @@ def _ids_of(store: Store) -> frozenset[int]:
     )
 
 
-def _number(rule: Told) -> int:
-    return int(rule.id[len("rule/") :], 16)
+def _number(rule_id: str) -> int:
+    return int(rule_id.removeprefix("rule/"), 16)
 
 
 def _id(number: int) -> str:

@@ -8,14 +8,17 @@ in one cell are separated by a semicolon.
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from operator import itemgetter
 from typing import Protocol
 
 from ..ontology.errors import DataError, HiltError, ValidationError
 from . import notation
 from .interval import DIGITS
 from .rule import ARGUMENT_KINDS, Atom, Rule
+from .stamps import Frame, Stamps, Star, make_room
 from .terms import write_time
 
 COLUMNS = (
@@ -53,7 +56,7 @@ class _Reader(Protocol):
     def __iter__(self) -> Iterator[list[str]]: ...
 
 
-def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
+def read_table(lines: Iterable[str], *, source: str) -> Iterator[Star]:
     """The rules of a table, in its order.
 
     Args:
@@ -65,8 +68,7 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     """
     rows = _rows(csv.reader(lines, strict=True), source)
     _, first = next(rows, (1, []))
-    names = _header(first, source)
-    yield from notation.read_all(rows, lambda row: _rule_of(row, names, source))
+    yield from notation.read_all(rows, _Rows(_header(first, source), source).star)
 
 
 def begin_table(target: Writable) -> Writer:
@@ -117,33 +119,69 @@ def _header(names: Sequence[str], source: str) -> list[str]:
     return found
 
 
-def _rule_of(numbered: tuple[int, list[str]], names: Sequence[str], source: str) -> Rule:
-    line, row = numbered
-    try:
-        if len(row) != len(names):
-            raise ValidationError(
-                [f"expected {len(names)} cells, one for each column, found {len(row)}."]
-            )
-        return _rule(dict(zip(names, row, strict=True)))
-    except HiltError as error:
-        raise DataError(str(error), source=source, line=line) from error
+class _Rows:
+    """Makes rules of rows; what comes again is read once."""
+
+    def __init__(self, names: Sequence[str], source: str) -> None:
+        self._count, self._source = len(names), source
+        # A column that is not there is found behind the last one.
+        places = (names.index(name) if name in names else len(names) for name in COLUMNS)
+        self._in_order = itemgetter(*places)
+        self._stamps = Stamps()
+        self._frames: dict[tuple[str, ...], Frame] = {}
+
+    def star(self, numbered: tuple[int, list[str]]) -> Star:
+        """The rule of a row, given with its line."""
+        line, row = numbered
+        try:
+            if len(row) != self._count:
+                raise ValidationError(
+                    [f"expected {self._count} cells, one for each column, found {len(row)}."]
+                )
+            return self._star(self._in_order((*row, "")))
+        except HiltError as error:
+            raise DataError(str(error), source=self._source, line=line) from error
+
+    def _star(self, cells: Sequence[str]) -> Star:
+        features, contexts, functor, argument, lower, upper, speaker, status, time = cells
+        key = (contexts, functor, argument, speaker, status)
+        frame = self._frames.get(key)
+        if frame and not time:
+            belief, low = _bound(lower)
+            plausibility, high = _bound(upper or "1")
+            if 0.0 <= belief <= plausibility <= 1.0:
+                seen = self._stamps.seen(_atoms(features, notation.FEATURE_KIND))
+                return self._stamps.star(frame, seen, low, high)
+        rule = _rule(cells)  # which also says what is wrong
+        if not frame:
+            make_room(self._frames)
+            self._frames[key] = self._stamps.frame(rule)
+        return self._stamps.of(rule)
 
 
-def _rule(cells: dict[str, str]) -> Rule:
-    functor = cells["functor"].strip()
-    upper = cells.get("upper", "").strip()
+def _rule(cells: Sequence[str]) -> Rule:
+    features, contexts, functor, argument, lower, upper, *told = map(str.strip, cells)
+    speaker, status, time = told
     return notation.make_rule(
-        _atoms(cells["features"], notation.FEATURE_KIND),
-        _atoms(cells.get("contexts", ""), notation.CONTEXT_KIND),
+        _atoms(features, notation.FEATURE_KIND),
+        _atoms(contexts, notation.CONTEXT_KIND),
         functor,
-        notation.read_argument(cells.get("argument", ""), functor),
-        notation.read_interval(
-            _number(cells["lower"], "lower"), _number(upper, "upper") if upper else None
-        ),
-        speaker=cells.get("speaker", "").strip(),
-        status=cells.get("status", "").strip(),
-        time=cells.get("time", "").strip(),
+        notation.read_argument(argument, functor),
+        notation.read_interval(_number(lower, "lower"), _number(upper, "upper") if upper else None),
+        speaker=speaker,
+        status=status,
+        time=time,
     )
+
+
+@lru_cache(maxsize=2**16)
+def _bound(cell: str) -> tuple[float, str]:
+    """A bound and how it is written in full; no number where the cell has none."""
+    try:
+        bound = float(cell)
+    except ValueError:
+        return math.nan, ""
+    return bound, f"{bound + 0.0:.{DIGITS}f}"  # -0.0 + 0.0 is 0.0
 
 
 def _number(cell: str, column: str) -> float:

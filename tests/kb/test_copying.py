@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import replace
 from datetime import datetime, timezone
 from decimal import Decimal
@@ -14,8 +13,8 @@ from hypothesis import strategies as st
 
 from hilt.kb import stars
 from hilt.kb.copying import Copier, Pair
-from hilt.kb.lines import Lines
 from hilt.kb.rule import Rule
+from hilt.kb.stamps import Printer, Stamps
 from hilt.kb.terms import Literal
 from hilt.ontology.vocabulary import Iri, iri, term
 
@@ -40,26 +39,22 @@ def pairs(rule: Rule) -> list[Pair]:
 
 def in_full(some: list[Rule]) -> set[str]:
     """The lines of rules as they are written one by one."""
-    stream = io.BytesIO()
-    lines = Lines(stream)
-    for rule in some:
-        lines.rule(rule)
-    lines.flush()
-    return set(stream.getvalue().decode().splitlines())
+    stamps, printer = Stamps(), Printer()
+    return {line for rule in some for line in printer.lines(stamps.of(rule)).splitlines()}
 
 
 @given(st.lists(TOLD, max_size=6))
 @settings(deadline=None)
 def test_copies_are_the_lines_that_are_written_in_full(some: list[Rule]):
     """Statement for statement, with everything that they mention."""
-    copier = Copier()
+    copier, printer = Copier(), Printer()
 
     found = [copier.star(stars.rule_iri(rule.id), pairs(rule)) for rule in some]
 
     assert [star and star.rule for star in found] == some
     assert [star and star.id for star in found] == [rule.id for rule in some]
     assert [star and star.utterance for star in found] == [rule.utterance for rule in some]
-    copied = {line for star in found if star for line in copier.lines(star).splitlines()}
+    copied = {line for star in found if star for line in printer.lines(star).splitlines()}
     assert copied == in_full(some)
 
 
