@@ -136,8 +136,6 @@ OTHERWISE = {
     "Yeah right, a spoon is for cutting": "irony",
     "The mug needs cutting": "a command to cut it",
     "and a mug, what about that one": "the question before is not asked again",
-    "Glasses hold things. Containing is what they were made for.": "holding, too",
-    "You there, robot, a spoon for the lady.": "for whom it is",
 }
 
 
