@@ -117,6 +117,7 @@ class Dialogue:
         self._discourse = Discourse()
         self._pending: Pending | None = None
         self._topic: tuple[Rule, ...] = ()
+        self._just_acted = False  # and no rule was spoken of since
         self._listeners: dict[type, Callable[[Turn, Any], Reply]] = {
             meaning.Statement: self._believe,
             meaning.Retraction: self._forget,
@@ -225,6 +226,8 @@ class Dialogue:
         return self.language.speech.weighed(what, (support.lower, support.upper), rule.speaker)
 
     def _forget(self, turn: Turn, said: meaning.Retraction) -> Reply:
+        if said.rule is None and self._just_acted:  # "never mind" means the deed
+            return self._answered(turn, Answer("forget_what", {}, "failed"))
         rule = self._to_forget(turn, said)
         if rule is not None and rule.speaker != turn.speaker:
             return self._answered(turn, Answer("not_yours", {"speaker": rule.speaker}, "failed"))
@@ -236,11 +239,9 @@ class Dialogue:
         return replace(self._reply(turn, spoken), rules=(rule,))
 
     def _to_forget(self, turn: Turn, said: meaning.Retraction) -> Rule | None:
-        """What is taken back: what is named, else the last rule spoken of; after a deed nothing."""
+        """What is taken back: what is named, else the last rule spoken of, else the last told."""
         if said.rule is None and self._topic:
             return self._topic[-1]
-        if said.rule is None and self.last_done:
-            return None
         return to_forget(self.base, said, turn.speaker)
 
     # --- Being asked to do something -----------------------------------------------------------
@@ -278,6 +279,7 @@ class Dialogue:
         self.last_done = reply
         self._topic = ()
         self._turn_to(came.decision.rules if came.decision else ())
+        self._just_acted = True
         settled = request.settled_on(came)
         if reply.ending == "asked" and settled:
             self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
@@ -343,7 +345,7 @@ class Dialogue:
         """Talk of these rules now: the last is what "no, by the handle" and "forget that" mean."""
         said = said_of(rules[-1]) if rules else None
         if said:
-            self._topic = rules
+            self._topic, self._just_acted = rules, False
             self._discourse = replace(self._discourse, rule=said)
 
     def _trusts(self, speaker: str) -> bool:

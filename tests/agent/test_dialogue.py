@@ -139,12 +139,22 @@ def test_trust_that_is_withdrawn_counts_at_once(agent: Agent):
     assert (before.ending, after.ending) == ("done", "failed")
 
 
-def test_forgetting_after_a_deed_takes_back_no_rule(taught: Agent):
-    """It was the deed that was spoken of, and it rests on no rule."""
-    taught.hear("pick up the shoe")
+@pytest.mark.parametrize("command", ["pick up the shoe", "pass me the knife"])
+@pytest.mark.parametrize("text", ["never mind", "forget that"])
+def test_forgetting_after_a_deed_takes_back_no_rule(taught: Agent, command: str, text: str):
+    """It was the deed that was spoken of, not what it rests on."""
+    taught.hear(command)
 
-    assert taught.hear("forget that").ending == "failed"
+    assert taught.hear(text).said.endswith("Which rule shall I forget?")
     assert len(taught.base.rules()) == 3
+
+
+def test_reason_of_a_deed_can_be_taken_back(taught: Agent):
+    """Once it was spoken of."""
+    taught.hear("pass me the knife")
+    taught.hear("why?")
+
+    assert taught.hear("forget that").said.startswith("I take it back: to pass a knife")
 
 
 def test_nobody_takes_back_what_another_told(taught: Agent):
