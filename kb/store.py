@@ -11,6 +11,7 @@ A store holds RDF 1.1 quads and knows nothing of rules. Its laws, tested for eve
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -23,6 +24,7 @@ from .results import Found, Solutions
 from .terms import Quad, Term
 
 MEMORY = "memory:"
+_SCHEME = re.compile(r"[A-Za-z]{2,}:")  # of one letter it is a drive of Windows
 Bindings: TypeAlias = "Mapping[str, Term | Sequence[Term]]"
 
 
@@ -134,7 +136,7 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
         from .remote import open_remote
 
         return open_remote(text, read_only=read_only)
-    if "://" in text:
+    if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
         raise StoreError(f'"{text}" is no store: expected memory:, a folder, or http(s)://...')
     from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
 

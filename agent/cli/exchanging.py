@@ -59,7 +59,8 @@ def import_(
     """Read rules or a whole base: checked first, applied whole or not at all."""
     from ...kb.exchange import import_file
 
-    with open_base(kb) as base, _progress("Reading", _size(file)) as advance:
+    opened = open_for_reading if dry_run else open_base
+    with opened(kb) as base, _progress("Reading", _size(file)) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     if as_json:
         show({"applied": not dry_run, **found.as_json()})

@@ -136,7 +136,8 @@ def merge(
     """Take over into A what B knows, whole or not at all, and tell what contradicts what."""
     from .. import chronicle, merging
 
-    with open_base(into) as base, _opened(other) as source:
+    opened = open_for_reading if dry_run else open_base
+    with opened(into) as base, _opened(other) as source:
         found = merging.merge(base, source, name=other, dry_run=dry_run)
     if as_json:
         show(found.as_json())

@@ -76,7 +76,8 @@ def update(
     from ...kb.limits import Limits
     from ...kb.updating import update as apply
 
-    with open_base(kb) as base:
+    opened = open_for_reading if dry_run else open_base
+    with opened(kb) as base:
         said = apply(
             base, text_of(sparql), speaker=speaker, limits=Limits(timeout, memory), dry_run=dry_run
         )

@@ -112,7 +112,7 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
     except StoreError:
         if _holds_something(Path(location).expanduser()):
             return opening.open_base(location)  # of an older format, perhaps; or it says what it is
-        if must_exist or "://" in location:
+        if must_exist or ":" in location:
             raise
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
     return opening.open_base("memory:")

@@ -91,6 +91,8 @@ class Report:
         """The cases as a table, with the total above; of curves their points."""
         from rich.table import Table
 
+        from .. import console
+
         if "curves" in self.summary:
             return self._points(cast("list[Json]", self.summary["curves"]))
         right = sum(result.right for result in self.results)
@@ -103,7 +105,7 @@ class Report:
         for result in self.results:
             mark = "[green]yes" if result.right else "[red]no"
             table.add_row(result.key, result.found, result.expected, mark)
-        return table
+        return console.whole(table)
 
     def _points(self, curves: Sequence[Json]) -> Table:
         from rich.table import Table

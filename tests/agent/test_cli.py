@@ -383,6 +383,25 @@ def test_lines_from_stdin_are_answered_in_json(
     assert [line["utterance"] for line in lines] == ["hello", "thanks"]
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [("import", "rules.yaml"), ("merge", "kb", "rules.yaml"), ("update", "INSERT DATA {}")],
+)
+def test_dry_run_makes_no_base(
+    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """It says what would come of it, also where no base is yet, and leaves nothing behind."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HILT_KB", "kb")
+    Path("rules.yaml").write_text("rules: [{object: knife, affordance: cutting, interval: 1}]")
+
+    with pytest.raises(SystemExit) as ended:
+        main([*arguments, "--dry-run"])
+
+    assert not ended.value.code
+    assert not Path("kb").exists()
+
+
 def test_rules_are_shown_with_the_digits_that_forget_takes(taught: Hilt):
     """What is seen can be typed."""
     rule = taught("rules", "--json", "--object", "knife").document[0]["id"]

@@ -50,7 +50,8 @@ def test_dry_run_says_what_would_come_and_changes_nothing(run: Run, tmp_path: Pa
     code, out, said = run("import", str(sheet), "--dry-run")
 
     assert (code, out) == (0, "")
-    assert said == f"Would read 1 rule from {sheet}: 1 new, 0 already known, 0 conflicting.\n"
+    told = f"Would read 1 rule from {sheet}: 1 new, 0 already known, 0 conflicting.\n"
+    assert said.splitlines(keepends=True)[1:] == [told]
     assert json.loads(run("rules", "--json")[1]) == []
 
 

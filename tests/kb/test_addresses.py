@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from hilt.kb.addresses import PASSWORD, TOKEN, USER, parse_address
+from hilt.kb.store import open_store
 from hilt.ontology.errors import StoreError
 
 
@@ -44,3 +47,17 @@ def test_what_is_no_address_is_told(location: str):
     """The text itself is not repeated: it may hold a password."""
     with pytest.raises(StoreError, match="expected http"):
         parse_address(location, {})
+
+
+@pytest.mark.parametrize("location", ["http:/h/x", "mem:", "memory:x", "sqlite:rules"])
+@pytest.mark.parametrize("read_only", [True, False])
+def test_mistyped_address_is_no_folder(
+    location: str, read_only: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """None of that name is made."""
+    monkeypatch.chdir(tmp_path)
+
+    with pytest.raises(StoreError, match="expected memory:, a folder, or http"):
+        open_store(location, read_only=read_only)
+
+    assert not [*tmp_path.iterdir()]
