@@ -29,6 +29,8 @@ class Asides:
         asking: at the end, with a question mark, they make a question of what goes before.
         telling: at the end, with a question mark, they ask for nothing.
         ending: with a pause after them they are a sentence of their own: "forget that, ...".
+        wishing: a beginning and the tag with which it asks for what stands between: "you could not
+            ..., could you?", with the end of a sentence between the two.
         clauses: patterns of reasons that add nothing before a pause or the end.
     """
 
@@ -37,6 +39,7 @@ class Asides:
     asking: frozenset[Phrase] = frozenset()
     telling: frozenset[Phrase] = frozenset()
     ending: frozenset[Phrase] = frozenset()
+    wishing: frozenset[Phrase] = frozenset()
     clauses: tuple[Steps, ...] = ()
 
     def reading(self, kind: str, field: Field) -> Asides:
@@ -47,7 +50,7 @@ class Asides:
         """
         if kind == "clauses":
             return replace(self, clauses=(*self.clauses, *map(checked, field.items())))
-        known = {"anywhere", "apart", "asking", "telling", "ending"}
+        known = {"anywhere", "apart", "asking", "telling", "ending", "wishing"}
         if kind not in known:
             raise field.fail(f'expected "clauses" or one of {sorted(known)}, found "{kind}".')
         phrases = {words for each in field.items() for words in spellings(each)}
@@ -77,7 +80,11 @@ class Asides:
     def requested(self, tokens: Tokens) -> Tokens | None:
         """The utterance without a tag that may only urge: "..., will you?"; None without one."""
         place = self._tag(tokens, self.telling)
-        return None if place is None else replace(tokens.part(0, place), asks=False)
+        if place is None:
+            return None
+        tag = (BREAK, *tokens.words[place:])
+        starts = (n for n in range(_LONGEST) if (*tokens.words[:n], *tag) in self.wishing)
+        return replace(tokens.part(next(starts, 0), place), asks=False)
 
     def _tag(self, tokens: Tokens, tags: Collection[Phrase]) -> int | None:
         """Where one of some tags begins, None where there is none."""
