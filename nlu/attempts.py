@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TypeGuard
 
 from .asides import fronted
-from .hearing import Hearing
+from .hearing import Hearing, without_reading
 from .listening import Situation
 from .meaning import AskBack, Command, Meaning, Misunderstanding, ToolCommand
 from .moves import Moves
@@ -33,6 +33,7 @@ class Attempts:
         self._hearing, self._insist = hearing, insist
         self._known: dict[tuple[Tokens, Situation, bool], Understanding] = {}
         self._topics: dict[tuple[Tokens, Situation], Form | None] = {}
+        self._moved: set[Tokens] = set()  # where a degree was put in front of it all
 
     def understood(self, tokens: Tokens, situation: Situation) -> Understanding:
         """What it means, in the first way that gives it a meaning."""
@@ -95,7 +96,10 @@ class Attempts:
             yield each
             bare = asides.removed(each, degrees)
             yield bare
-            yield fronted(bare, degrees) or bare
+            moved = None if BREAK in bare.words else fronted(bare, degrees)
+            if moved:
+                self._moved.add(moved)
+                yield moved
 
     def _in_turn(
         self,
@@ -120,6 +124,9 @@ class Attempts:
         key = (tokens, situation, in_frames)
         if key not in self._known:
             taken = self._hearing.taken(tokens, situation, self._insist, in_frames=in_frames)
+            if tokens in self._moved and _says_several(taken):
+                # It was said of one of them; which one, its place does not tell any more.
+                taken = without_reading(tokens, situation, Misunderstanding(tokens.text))
             self._known[key] = taken
         return self._known[key]
 
@@ -132,6 +139,11 @@ class Attempts:
 
 def _says_something(tokens: Tokens) -> bool:
     return any(token.word != BREAK for token in tokens.items)
+
+
+def _says_several(found: Understanding) -> bool:
+    """Whether it puts several rules into one."""
+    return found.reading is not None and found.reading.intention.arguments[-1].name == "and"
 
 
 def _is_open(meaning: Meaning) -> bool:
