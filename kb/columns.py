@@ -1,50 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A large table of rules straight from the engine's rows, without making a rule of each.
+"""A large base as a table or a sheet, from one pass over it, without making a rule of each.
 
-The engine finds the rules of a status one after the other in its own order, which is the same for
-equal bases. What their cells say is worked out once for each name; a test holds the cells to those
-that a `Rule` gives.
+What a statement says of its rule is worked out once for all rules that have the same; a test holds
+the cells to those that a `Rule` gives.
 """
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from typing import get_args
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import Iri, split
+from ..ontology.vocabulary import PREFIXES, Iri, split
 from . import stars
-from .dumping import Sink, count, dump_rows
 from .files import Progress
-from .notation import CONTEXT_KIND, FEATURE_KIND, write_atom
-from .rule import ARGUMENT_KINDS, Status
+from .notation import ANY, CONTEXT_KIND, FEATURE_KIND, write_atom
+from .rule import ARGUMENT_KINDS, Atom
+from .scanning import TAILS, scan
 from .stars import BELIEFS
 from .store import Store
-from .tables import Writable, Writer, begin_table, write_atoms, write_bound
+from .tables import COLUMNS, Writable, begin_table, write_atoms, write_bound
 from .terms import read_time, write_time
-from .texts import whole_lines
 
-# One row a rule, as long as it has one feature and one context; else one for each pair of them.
-_ROWS = f"""SELECT ?rule ?feature ?context ?functor ?argument ?lower ?upper ?speaker ?time {{
-  GRAPH <{BELIEFS}> {{
-    ?rule <{stars.STATUS}> <%s> ; <{stars.FUNCTOR}> ?functor ; <{stars.ATTRIBUTED_TO}> ?speaker ;
-          <{stars.LOWER}> ?lower ; <{stars.UPPER}> ?upper
-    OPTIONAL {{ ?rule <{stars.FEATURE}> ?feature }}
-    OPTIONAL {{ ?rule <{stars.CONTEXT}> ?context }}
-    OPTIONAL {{ ?rule <{stars.GENERATED_AT}> ?time }}
-    OPTIONAL {{
-      {{ ?rule <{stars.PART}> ?argument }} UNION {{ ?rule <{stars.AFFORDANCE}> ?argument }}
-      UNION {{ ?rule <{stars.ARGUMENT}> ?argument }}
-    }}
-  }}
-}}"""
-_COUNT = f"""SELECT (COUNT(*) AS ?count) {{
-  GRAPH <{BELIEFS}> {{ VALUES ?class {{ {" ".join(f"<{one}>" for one in stars.CLASSES.values())} }}
-    ?rule <{stars.TYPE}> ?class }}
-}}"""
+Cells = Sequence[str]  # of one rule, as `tables.COLUMNS` names them
+
+_RULES = f"<{PREFIXES['rule']}"
+_MAX_KNOWN = 100_000  # statements that are remembered
 _TOLD = 10_000  # rules after which the progress is told
+_PLACES = {
+    **{stars.FEATURE: "features", stars.CONTEXT: "contexts", stars.FUNCTOR: "functor"},
+    **dict.fromkeys((stars.PART, stars.AFFORDANCE, stars.ARGUMENT), "argument"),
+    **{stars.LOWER: "lower", stars.UPPER: "upper", stars.ATTRIBUTED_TO: "speaker"},
+    **{stars.STATUS: "status", stars.GENERATED_AT: "time"},
+}
+_FEATURES, _CONTEXTS, _FUNCTOR, _ARGUMENT, _LOWER, _UPPER, _SPEAKER, _STATUS, _TIME = range(9)
+_NEEDED = (_FUNCTOR, _LOWER, _UPPER, _SPEAKER, _STATUS)
 
 
 def write_columns(store: Store, target: Writable, progress: Progress | None = None) -> int:
@@ -58,114 +48,132 @@ def write_columns(store: Store, target: Writable, progress: Progress | None = No
     Raises:
         OSError: `target` raised it.
         StoreError: the store cannot be read.
-        ValidationError: a rule of it lacks something.
+        ValidationError: a rule of it lacks something, or has it twice.
     """
-    table = _Table(begin_table(target), progress)
-    with store.writing():  # so that all of it is of one moment
-        for status in get_args(Status):
-            table.begin(status)
-            dump_rows(store, _ROWS % stars.status_iri(status), table.sink)
-            table.finish()
-        there = count(store, _COUNT)
-    if table.count != there:
-        raise ValidationError(
-            [f"{abs(there - table.count)} rules of the base are not whole, or stand there twice."]
-        )
-    return table.count
+    return scan_rules(store, begin_table(target).writerows, progress)
 
 
-class _Table:
-    """Takes rows as CSV and writes those of one rule as a line."""
+def scan_rules(
+    store: Store, take: Callable[[Iterable[Cells]], object], progress: Progress | None = None
+) -> int:
+    """Give the cells of every rule of a store, some rules at a time; as `write_columns`."""
+    rows = _Rows(take, progress)
+    scan(store, BELIEFS, rows.feed, keys=_PLACES)
+    rows.finish()
+    return rows.count
 
-    def __init__(self, writer: Writer, progress: Progress | None) -> None:
+
+class _Rows:
+    """Makes rows of the statements about rules."""
+
+    def __init__(self, take: Callable[[Iterable[Cells]], object], progress: Progress | None):
         self.count = 0
-        self.sink = Sink(self._feed)
-        self._writer, self._progress = writer, progress
-        self._status, self._is_head = "", False
-        self._rest = b""
-        self._rows: list[list[str]] = []  # of the rule at hand
+        self._take, self._progress = take, progress
+        self._node, self._tails = "", list[str]()  # of the rule at hand
+        self._known = _Known()
+        self._told = 0
 
-    def begin(self, status: str) -> None:
-        """What comes now are rules of a status, behind a line with the names of the columns."""
-        self._status, self._is_head, self._rest = status, True, b""
-
-    def _feed(self, chunk: bytes) -> None:
-        lines, self._rest = whole_lines(self._rest, chunk)
-        if not lines:
-            return
-        if self._is_head:
-            self._is_head = False
-            del lines[0]
-        for row in csv.reader(lines):
-            if self._rows and self._rows[0][0] != row[0]:
-                self._write()
-            self._rows.append(row)
+    def feed(self, lines: Sequence[str]) -> None:
+        """Take some statements."""
+        rows: list[Cells] = []
+        for line in lines:
+            node, tail = line.split("\t", 1)
+            if node != self._node:
+                self._end(rows)
+                self._node = node
+            self._tails.append(tail)
+        self._give(rows)
 
     def finish(self) -> None:
-        """Write the last rule."""
-        if self._rows:
-            self._write()
+        """There are no more."""
+        rows: list[Cells] = []
+        self._end(rows)
+        self._give(rows)
 
-    def _write(self) -> None:
-        rows = self._rows
-        self._writer.writerow(_cells(rows, self._status))
-        rows.clear()
-        self.count += 1
-        if self._progress and self.count % _TOLD == 0:
+    def _give(self, rows: Sequence[Cells]) -> None:
+        self._take(rows)
+        self.count += len(rows)
+        if self._progress and self.count - self._told >= _TOLD:
+            self._told = self.count
             self._progress(self.count)
 
+    def _end(self, rows: list[Cells]) -> None:
+        """What comes next is about another node."""
+        if self._node.startswith(_RULES):
+            try:
+                rows.append(self._cells())
+            except ValidationError as error:
+                raise ValidationError([f"{self._node}: {one}" for one in error.findings]) from error
+        self._tails.clear()
 
-def _cells(rows: Sequence[Sequence[str]], status: str) -> tuple[str, ...]:
-    """As `tables.cells` of the rule that these rows are of."""
-    _, feature, context, functor, argument, lower, upper, speaker, time = rows[0]
-    features, contexts = (feature,), (context,)
-    if len(rows) > 1:
-        features, contexts = _only(rows, 1), _only(rows, 2)
-        if len(rows) != len(features) * len(contexts):
-            raise ValidationError([f"{rows[0][0]}: a rule has something twice."])
-    return (
-        *(_features(features), _contexts(contexts), _functor(functor)),
-        _argument(argument, functor),
-        *(write_bound(float(lower)), write_bound(float(upper))),
-        *(_speaker(speaker), status, _time(time)),
-    )
+    def _cells(self) -> Cells:
+        """As `tables.write_table` writes the rule."""
+        cells = [""] * len(COLUMNS)
+        known, several = self._known, False
+        for tail in self._tails:
+            place, cell = known[tail]
+            if place is None:
+                continue
+            if cells[place]:
+                several = several or place in {_FEATURES, _CONTEXTS}
+                if not several:
+                    raise ValidationError([f"a rule has something twice: {COLUMNS[place]}."])
+            cells[place] = cell
+        missing = [COLUMNS[place] for place in _NEEDED if not cells[place]]
+        if missing:
+            raise ValidationError([f"a rule is not whole; it has no {missing[0]}."])
+        if several:
+            cells[:2] = self._atoms(_FEATURES, FEATURE_KIND), self._atoms(_CONTEXTS, CONTEXT_KIND)
+        if cells[_ARGUMENT]:
+            cells[_ARGUMENT] = _argument(cells[_ARGUMENT], cells[_FUNCTOR])
+        cells[_FEATURES] = cells[_FEATURES] or ANY
+        return cells
+
+    def _atoms(self, place: int, kind: str) -> str:
+        """The cell of a rule with several features or contexts."""
+        values = [tail.rpartition("\t")[2] for tail in self._tails if self._known[tail][0] == place]
+        return write_atoms(frozenset(map(_atom, values)), kind)
 
 
-def _only(rows: Sequence[Sequence[str]], column: int) -> tuple[str, ...]:
-    return tuple(sorted({row[column] for row in rows}))
+class _Known(dict[str, tuple[int | None, str]]):
+    """What statements mean for a row: the place of a cell, if they are in any, and the cell."""
+
+    def __missing__(self, tail: str) -> tuple[int | None, str]:
+        number, other, value = tail.split("\t")
+        key, end = TAILS[int(number) - 1] if number != "0" else (Iri(other[1:-1]), None)
+        name = _PLACES.get(key)
+        place = None if name is None else COLUMNS.index(name)
+        found = place, "" if place is None else _cell(place, f"<{end}>" if end else value)
+        if len(self) >= _MAX_KNOWN:
+            self.clear()
+        self[tail] = found
+        return found
+
+
+def _cell(place: int, value: str) -> str:
+    """What a value says in a cell; an argument is left as it is, until its functor is known."""
+    if place == _FEATURES:
+        return write_atom(_atom(value), FEATURE_KIND)
+    if place == _CONTEXTS:
+        return write_atom(_atom(value), CONTEXT_KIND)
+    if place in {_FUNCTOR, _STATUS}:
+        return stars.functor_of(_node(value))
+    if place == _SPEAKER:
+        return split(_node(value))[1]
+    if place == _ARGUMENT:
+        return value
+    text = value.split('"')[1] if value.startswith('"') else value
+    return write_time(read_time(text)) if place == _TIME else write_bound(float(text))
 
 
 @lru_cache(maxsize=2**16)
-def _features(nodes: tuple[str, ...]) -> str:
-    return write_atoms(frozenset(map(stars.atom_of, _named(nodes))), FEATURE_KIND)
+def _argument(value: str, functor: str) -> str:
+    return write_atom(_atom(value), ARGUMENT_KINDS.get(functor))
 
 
-@lru_cache(maxsize=2**16)
-def _contexts(nodes: tuple[str, ...]) -> str:
-    return write_atoms(frozenset(map(stars.atom_of, _named(nodes))), CONTEXT_KIND)
+def _atom(value: str) -> Atom:
+    return stars.atom_of(_node(value))
 
 
-def _named(nodes: tuple[str, ...]) -> Iterator[Iri]:
-    return (Iri(node) for node in nodes if node)
-
-
-@lru_cache(maxsize=2**12)
-def _functor(node: str) -> str:
-    return stars.functor_of(Iri(node))
-
-
-@lru_cache(maxsize=2**16)
-def _argument(node: str, functor: str) -> str:
-    return (
-        write_atom(stars.atom_of(Iri(node)), ARGUMENT_KINDS.get(_functor(functor))) if node else ""
-    )
-
-
-@lru_cache(maxsize=2**16)
-def _speaker(node: str) -> str:
-    return split(Iri(node))[1]
-
-
-@lru_cache(maxsize=2**16)
-def _time(text: str) -> str:
-    return write_time(read_time(text)) if text else ""
+def _node(value: str) -> Iri:
+    return Iri(value[1:-1])

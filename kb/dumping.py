@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exports of any size: the engine writes, and nothing is held in memory.
+"""Exports of any size: nothing is held in memory.
 
 A store on disk has the statements of a node together, so it is gone through once, in its own
-order: equal bases still give equal files. What stands elsewhere is gathered rule by rule
-(`exchange`). Tables are made of the rows of a query (`columns`).
+order (`scanning`): equal bases still give equal files. What stands elsewhere is gathered rule by
+rule (`exchange`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
-from typing import BinaryIO, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, BinaryIO, Protocol, runtime_checkable
 
 from ..ontology.errors import StoreError
 from ..ontology.vocabulary import Iri
@@ -18,47 +18,46 @@ from . import stars
 from .files import Progress
 from .formats import Format
 from .history import HISTORY
-from .nquads import Group
 from .stars import BELIEFS
 from .store import Store
+from .terms import as_sparql
 
-_ALL = frozenset({"nquads", "trig"})  # formats in which the engine writes a whole base
-_BELIEFS = frozenset({"ntriples", "turtle"})  # and one graph, to which another text may be added
+if TYPE_CHECKING:
+    from .scanning import Take
+
+_FORMATS = frozenset({"nquads", "ntriples", "trig", "turtle"})
 _TOLD = 10_000  # lines after which the progress is told
 _ANY = "GRAPH ?graph { ?node ?key ?value }"
-_COUNT = f"SELECT (COUNT(*) AS ?count) {{ {_ANY} }}"
+_TOLD_BY = f"""SELECT DISTINCT ?utterance {{
+  GRAPH <{BELIEFS}> {{ ?rule <{stars.DERIVED_FROM}> ?utterance }}
+}}"""
 
 
 @runtime_checkable
 class Dumping(Protocol):
-    """A store that writes itself as RDF text."""
+    """A store that writes what it finds as text."""
 
     @property
     def is_sorted(self) -> bool:
-        """Whether it does so node by node."""
-        ...
-
-    def dump(self, stream: Sink, *, format: str, graph: Iri | None = None) -> None:  # noqa: A002
-        """Write all statements, or those of a graph."""
+        """Whether it has the statements of a graph node by node."""
         ...
 
     def dump_rows(self, query: str, stream: Sink) -> None:
-        """Write the rows of a SELECT query as CSV."""
+        """Write the rows of a SELECT query as tab-separated values."""
         ...
 
 
 class Sink:
-    """Hands on what a store writes, and tells how many lines that were.
+    """Hands on what a store writes.
 
     Attributes:
         failure: why that was not possible, where it was not.
     """
 
-    def __init__(self, take: Callable[[bytes], object], progress: Progress | None = None) -> None:
-        """Hand on to `take`; `progress` is told how many lines went by."""
+    def __init__(self, take: Callable[[bytes], object]) -> None:
+        """Hand on to `take`."""
         self.failure: OSError | None = None
-        self._take, self._progress = take, progress
-        self._lines = self._told = 0
+        self._take = take
 
     def write(self, chunk: bytes, /) -> int:
         """Hand on some bytes."""
@@ -67,20 +66,15 @@ class Sink:
         except OSError as error:  # of the file, not of the store
             self.failure = error
             raise
-        self._lines += chunk.count(b"\n")
-        if self._progress and self._lines - self._told >= _TOLD:
-            self._told = self._lines
-            self._progress(self._lines)
         return len(chunk)
 
     def flush(self) -> None:
         """Nothing is held."""
 
 
-def is_dumped(store: Store, chosen: Format, most: int, *, rules_only: bool) -> bool:
+def is_dumped(store: Store, chosen: Format, most: int) -> bool:
     """Whether `dump_statements` is the way to write a store: it has more than `most` statements."""
-    wanted = _BELIEFS if rules_only else _ALL
-    return chosen.name in wanted and is_large(store, most)
+    return chosen.name in _FORMATS and is_large(store, most)
 
 
 def is_large(store: Store, most: int) -> bool:
@@ -100,23 +94,58 @@ def dump_statements(
         OSError: the stream cannot be written to.
         StoreError: the store cannot be read.
     """
-    sink = Sink(stream.write, progress)
-    with _told(store, sink) as dumping:
-        dumping.dump(sink, format=chosen.name, graph=BELIEFS if rules_only else None)
-    if not rules_only:
-        return count(store, _COUNT)
-    from .oxigraph import write_rdf_to
+    from .scanning import graphs_of, scan  # they need what is in here
+    from .spelling import spelling
 
-    sources = list(_sources(store))
-    quads = (quad for group in sources for quad in group.quads())
-    write_rdf_to(quads, stream, format=chosen.name)
-    return count(store, _COUNT.replace("?graph", f"<{BELIEFS}>")) + sum(
-        len(group.pairs) for group in sources
-    )
+    counted, spelt = _Counted(progress), spelling(chosen.name, stream)
+    with store.writing():  # so that all of it is of one moment
+        told = _told_by(store) if rules_only else None
+        for graph in (BELIEFS, HISTORY) if rules_only else graphs_of(store):
+            take = counted.over(spelt.begin(graph))
+            if told is not None and graph == HISTORY:
+                take = _only(told, take)
+            scan(store, graph, take)
+            spelt.end()
+    return counted.total
+
+
+class _Counted:
+    """Counts the statements that go by."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.total = self._told = 0
+        self._progress = progress
+
+    def over(self, take: Take) -> Take:
+        """As `take`, counted."""
+
+        def counted(lines: Sequence[str]) -> None:
+            take(lines)
+            self.total += len(lines)
+            if self._progress and self.total - self._told >= _TOLD:
+                self._told = self.total
+                self._progress(self.total)
+
+        return counted
+
+
+def _only(nodes: frozenset[str], take: Take) -> Take:
+    """As `take`, for the lines about some nodes."""
+    return lambda lines: take([line for line in lines if line.split("\t", 1)[0] in nodes])
+
+
+def _told_by(store: Store) -> frozenset[str]:
+    """The utterances that rules come from, as they are written."""
+    return frozenset(as_sparql(node) for (node,) in store.select(_TOLD_BY) if isinstance(node, Iri))
 
 
 def dump_rows(store: Store, query: str, sink: Sink) -> None:
-    """Write the rows of a SELECT query as CSV; errors as for `dump_statements`."""
+    """Write the rows of a SELECT query as tab-separated values.
+
+    Raises:
+        OSError: the sink cannot be written to.
+        StoreError: the store cannot be read.
+    """
     with _told(store, sink) as dumping:
         dumping.dump_rows(query, sink)
 
@@ -130,15 +159,6 @@ def _told(store: Store, sink: Sink) -> Generator[Dumping]:
         yield store
     except StoreError as error:
         raise (sink.failure or error) from error
-
-
-def _sources(store: Store) -> list[Group]:
-    """The utterances that rules come from."""
-    utterances = {quad.subject for quad in store.quads(None, stars.TYPE, None, HISTORY)}
-    told = sorted(
-        node for node in utterances if any(store.quads(None, stars.DERIVED_FROM, node, BELIEFS))
-    )
-    return [Group(node, HISTORY, store.properties(node, HISTORY)) for node in told]
 
 
 def count(store: Store, query: str) -> int:

@@ -294,7 +294,7 @@ def _write_statements(
     *,
     rules_only: bool,
 ) -> int:
-    if is_dumped(store, chosen, MAX_SORTED, rules_only=rules_only):
+    if is_dumped(store, chosen, MAX_SORTED):
         return dump_statements(store, stream, chosen, progress, rules_only=rules_only)
     count = _Count(progress)
     first = list(islice(_exported(store, rules_only=rules_only), MAX_SORTED + 1))

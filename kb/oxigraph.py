@@ -197,31 +197,15 @@ class OxigraphStore:
 
     @property
     def is_sorted(self) -> bool:
-        """Whether `quads` of a graph, and `dump`, have the statements of a node together."""
+        """Whether `quads` of a graph has the statements of a node together."""
         return self._folder is not None or self._snapshot is not None
 
-    def dump(self, stream: Sink, *, format: str, graph: Iri | None = None) -> None:  # noqa: A002
-        """Write all statements, or those of a graph, as RDF text.
-
-        Args:
-            stream: takes the text in chunks.
-            format: one of `RDF_FORMATS`; one without graphs needs `graph`.
-            graph: whose statements; None for all.
-        """
-        with reported(self.location):
-            self._engine().dump(
-                cast(BinaryIO, stream),
-                format=RDF_FORMATS[format],
-                from_graph=None if graph is None else engine.NamedNode(graph),
-                prefixes=_PREFIXES,
-            )
-
     def dump_rows(self, query: str, stream: Sink) -> None:
-        """Write the rows of a SELECT query as CSV, one after the other as they are found."""
+        """Write the rows of a SELECT query as tab-separated values, as they are found."""
         found = self._run(query)
         with reported(self.location, query):
             rows = cast("engine.QuerySolutions", found)
-            rows.serialize(cast(BinaryIO, stream), format=engine.QueryResultsFormat.CSV)
+            rows.serialize(cast(BinaryIO, stream), format=engine.QueryResultsFormat.TSV)
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
