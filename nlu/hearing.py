@@ -103,7 +103,7 @@ class Hearing:
         unknown = self._unknown(tokens)
         chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
-        clear = [each for each in readings if _may_bring(each, tokens, in_frames=in_frames)]
+        clear = [each for each in readings if self._may_bring(each, tokens, in_frames=in_frames)]
         chosen = decide(clear)
         if chosen is not None:
             slip = self._slip(chosen.new_words, insist)
@@ -122,6 +122,27 @@ class Hearing:
         else:
             meaning = self._unclear(chart, tokens, refusal)
         return replace(without_reading(tokens, situation, meaning), readings=len(clear))
+
+    def _may_bring(self, reading: Reading, tokens: Tokens, *, in_frames: bool) -> bool:
+        """Whether new words may come with it: with a lesson all, else only names of things."""
+        meaning, words = reading.meaning, reading.new_words
+        if not words:
+            return True
+        if isinstance(meaning, Statement):
+            return not self._is_of_doers(words)
+        if len(words) > 2 or not all(map(_is_name, words)):
+            return False
+        if isinstance(meaning, (Command, ToolCommand)):
+            # Nothing is done to people, and the order of words must show that a use is one.
+            is_of_things = not tokens.proper.intersection(word.said for word in words)
+            return is_of_things and not (in_frames and any(word.role != "object" for word in words))
+        return isinstance(meaning, Question)
+
+    def _is_of_doers(self, words: Iterable[NewWord]) -> bool:
+        """Whether a new part may as well be who does it: "a cake is baked by the baker"."""
+        said = {word.role: word.said for word in words}
+        done = self.inflection.origins(said.get("context", ""), "participle")
+        return "part" in said and bool(done)
 
     def _chart(self, tokens: Tokens, unknown: list[Token], situation: Situation) -> Chart:
         """All that the tokens can be, with guesses for new words."""
@@ -260,20 +281,6 @@ class Hearing:
             message = self.speech.say("unknown_words", words=words[:MAX_NEW_WORDS])
         known = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self.listener.nearest(known))
-
-
-def _may_bring(reading: Reading, tokens: Tokens, *, in_frames: bool) -> bool:
-    """Whether new words may come with it: with what is taught all, else only names of things."""
-    meaning, words = reading.meaning, reading.new_words
-    if not words or isinstance(meaning, Statement):
-        return True
-    if len(words) > 2 or not all(map(_is_name, words)):
-        return False
-    if isinstance(meaning, (Command, ToolCommand)):
-        # Nothing is done to people, and the order of words must show that a use is one.
-        is_of_things = not tokens.proper.intersection(word.said for word in words)
-        return is_of_things and not (in_frames and any(word.role != "object" for word in words))
-    return isinstance(meaning, Question)
 
 
 def _is_name(word: NewWord) -> bool:

@@ -60,6 +60,12 @@ def test_commands_and_questions_teach_no_words(
     assert understood.unknown == (unknown,)
 
 
+def test_who_does_it_is_no_part(language: Language) -> None:
+    """After "by" may stand a part or a doer, so one of a passive's two words must be known."""
+    assert language.understand("A mug is washed by the handle").kind == "statement"
+    assert language.understand("A mug is washed by the cleaner").kind == "error"
+
+
 @pytest.mark.parametrize("text", ["cut Kim with the knife", "Poke Bob."])
 def test_nothing_is_done_to_people(language: Language, text: str) -> None:
     """A new name in a command is that of a thing."""
