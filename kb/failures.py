@@ -16,6 +16,7 @@ from .sparql import syntax_problem
 _MAX_LINE = 2**20  # bytes of a line that are looked at
 _REMOTE_CONTEXT = "LoadDocumentCallback"  # what the engine says of one
 _NO_SPACE = "No space left"
+_REFUSALS = ("Read-only file system", "Permission denied", "Operation not permitted")
 
 
 @contextmanager
@@ -60,7 +61,14 @@ def open_error(folder: Path, error: Exception) -> StoreError:
             f'The disk of the knowledge base "{folder}" is full, so it cannot be opened. All that '
             "was acknowledged is safe. Make room, and open it again."
         )
-    if "lock" in str(error).lower():
+    refused = next((each for each in _REFUSALS if each in str(error)), None)
+    if refused:
+        is_there = (folder / MARK).exists()
+        hope = "It can be read, exported and backed up." if is_there else "Name another folder."
+        return StoreError(
+            f'The knowledge base "{folder}" may not be written: {refused.lower()}. {hope}'
+        )
+    if "lock" in str(error).replace(str(folder), "").lower():
         return InUseError(str(folder))
     if (folder / MARK).exists():
         return StoreError(
