@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
+from ..counting import counted
 from .options import AsJson, Kb, app, example
 from .terminal import finish, open_for_reading, show, terminal
 
@@ -47,7 +48,7 @@ def validate(
         for finding in found:
             where = ":".join(str(part) for part in (file, finding.line) if part)
             typer.echo(f"{where}: {finding}" if where else str(finding))
-        typer.echo(f"{len(found)} findings." if found else "Valid.", err=True)
+        typer.echo(f"{counted(len(found), 'finding')}." if found else "Valid.", err=True)
     finish(not found)
 
 

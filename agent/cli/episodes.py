@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from .options import AsJson, Gui, Kb, Record, app, example
-from .terminal import finish, open_for_reading, show, terminal
+from .terminal import busy, finish, open_for_reading, show, terminal
 
 
 @app.command(epilog=example("episodes --last 5"))
@@ -51,7 +51,8 @@ def replay(
     from ..replay import replay as run
 
     with open_for_reading(kb) as base:
-        came = run(base, which, gui=gui, film=record)
+        with busy(f"Running {which} again"):
+            came = run(base, which, gui=gui, film=record)
         if as_json:
             show(came.as_json())
         else:

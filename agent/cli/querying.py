@@ -10,7 +10,7 @@ import typer
 
 from ...ontology.errors import QueryError
 from .options import AsJson, Kb, Speaker, app, example
-from .terminal import open_base, open_for_reading, show, terminal, text_of
+from .terminal import busy, open_base, open_for_reading, show, terminal, text_of
 
 if TYPE_CHECKING:
     from ...kb.query import NamedQuery
@@ -56,7 +56,7 @@ def query(
 
     asked = _asked(question)
     bindings = asked.bindings(_arguments(arg or ()))
-    with open_for_reading(kb) as base:
+    with open_for_reading(kb) as base, busy("Searching"):
         found = base.query(asked.text, bindings, limits=Limits(timeout, memory))
     _print(found, "json" if as_json else format_)
 

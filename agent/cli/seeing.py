@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .options import AsJson, Objects, Robot, SceneSpec, Seed, app, example
+from .terminal import busy, terminal
 from .terminal import show as print_json
-from .terminal import terminal
 
 if TYPE_CHECKING:
     from ...sim.body import Body
@@ -37,7 +37,8 @@ def show(
     from ..embodiment import Embodiment
 
     refuse_unwritable(out)
-    with Embodiment.of(scene=scene, seed=seed, objects=objects, robot=robot).body() as body:
+    embodiment = Embodiment.of(scene=scene, seed=seed, objects=objects, robot=robot)
+    with busy("Setting the table"), embodiment.body() as body:
         _picture(body, out, names=names)
         things = _things(body)
     if as_json:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -129,6 +130,15 @@ def terminal(*, stderr: bool = False) -> Console:
     return Console(stderr=stderr, highlight=False)
 
 
+def busy(doing: str) -> AbstractContextManager[object]:
+    """A turning sign on stderr while something is done; nothing where nobody watches."""
+    if not sys.stderr.isatty():
+        return nullcontext()
+    from rich.text import Text
+
+    return terminal(stderr=True).status(Text(doing))
+
+
 def converse(
     agent: Agent,
     text: str,
@@ -138,7 +148,8 @@ def converse(
     """Say each utterance and print each reply as soon as it is there; whether all was done."""
     done = True
     for said in utterances(text):
-        reply = hear(said)
+        with busy(said):
+            reply = hear(said)
         done = done and reply.is_done
         if as_json:
             show(as_json(reply))

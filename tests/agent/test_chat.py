@@ -39,6 +39,23 @@ def conversation(keys: list[bytes], home: Path) -> str:
     return shown.decode(errors="replace")
 
 
+def test_who_watches_sees_that_something_is_done():
+    """On a terminal, until the answer is there."""
+    child, terminal = pty.fork()
+    if child == 0:
+        code = (
+            "from hilt.agent.cli import main; main(['do', '--no-sim', '--kb', 'memory:', 'hello'])"
+        )
+        os.environ["TERM"] = "xterm"
+        os.execv(sys.executable, [sys.executable, "-W", "ignore", "-c", code])
+    shown = _rest(terminal).decode(errors="replace")
+    os.waitpid(child, 0)
+    os.close(terminal)
+
+    assert "⠋" in shown
+    assert shown.rindex("Hello.") > shown.rindex("⠋")
+
+
 def _until_prompt(terminal: int) -> bytes:
     shown = b""
     end = time.monotonic() + 30
