@@ -30,7 +30,7 @@ from .reference import SOMETHING, Discourse, RefusedError
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
 
-_NAMELESS = frozenset({"self", "speaker", "someone", "it", "both"})
+_NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
 
 @dataclass(frozen=True)

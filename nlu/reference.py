@@ -127,6 +127,11 @@ def _alternatives(form: Form) -> tuple[Form, ...]:
         if argument.name in {"both", "eitherOf"}:
             before, after = form.arguments[:place], form.arguments[place + 1 :]
             return tuple(Form("implies", (*before, each, *after)) for each in argument.arguments)
+        if argument.name == "butNot":
+            before, after = form.arguments[:place], form.arguments[place + 1 : -1]
+            degrees = (form.arguments[-1], Form("none", ()))
+            pairs = zip(argument.arguments, degrees, strict=True)
+            return tuple(Form("implies", (*before, each, *after, degree)) for each, degree in pairs)
     return ()
 
 

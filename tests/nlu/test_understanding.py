@@ -155,3 +155,47 @@ def test_any_text_is_taken(language: Language, text: str) -> None:
 
     json.dumps(understood.as_json())
     assert understood.kind not in {"command", "correction"}
+
+
+@pytest.mark.parametrize(
+    "text", ["A knife, not a spoon, is used for cutting", "Use a knife for cutting, not a spoon"]
+)
+def test_what_is_set_against_another_is_denied(language: Language, text: str) -> None:
+    """The one is used for it, of the other it is never so."""
+    meaning = language.understand(text).meaning
+
+    assert isinstance(meaning, Statement)
+    assert [(rule.object, rule.confidence) for rule in meaning.rules] == [
+        ("knife", (0.95, 1.0)),
+        ("spoon", (0.0, 0.05)),
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "To pass a knife grab it by the blade and never grab it by the handle",
+        "To pass a knife grab it by the blade and never by the handle",
+    ],
+)
+def test_two_holds_are_for_the_same_act(language: Language, text: str) -> None:
+    """What the first clause names is the occasion of both."""
+    meaning = language.understand(text).meaning
+
+    assert isinstance(meaning, Statement)
+    assert [
+        (rule.context, rule.part) for rule in meaning.rules if isinstance(rule, ActionRule)
+    ] == [
+        ("pass", "blade"),
+        ("pass", "handle"),
+    ]
+
+
+def test_a_degree_is_not_carried_over_to_another_rule(language: Language) -> None:
+    """One that stands in the second clause says nothing of the first."""
+    meaning = language.understand(
+        "Knives are for cutting while spoons are rarely for poking"
+    ).meaning
+
+    assert isinstance(meaning, Statement)
+    assert [rule.confidence for rule in meaning.rules] == [(0.95, 1.0), (0.0, 0.25)]
