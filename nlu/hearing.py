@@ -15,6 +15,7 @@ from itertools import pairwise
 
 from ..ontology.errors import UnknownNameError
 from .chart import Chart
+from .denials import denies_a_thing, is_denial
 from .expression import Expression
 from .generation import Speech
 from .inflection import Inflection
@@ -103,6 +104,8 @@ class Hearing:
         unknown = self._unknown(tokens)
         chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
+        if denies_a_thing(tokens, self.book.denying, self._may_be_a_thing):
+            readings = [each for each in readings if is_denial(each.meaning)]
         clear = [each for each in readings if self._may_bring(each, tokens, in_frames=in_frames)]
         chosen = decide(clear)
         if chosen is not None:
@@ -213,14 +216,11 @@ class Hearing:
         return AskBack(self.speech.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _unknown(self, tokens: Tokens) -> list[Token]:
-        lexicon, closed, framed = self.listener.lexicon, self.book.closed, self.listener.frames
-        return [
-            token
-            for token in tokens.items
-            if token.word not in lexicon
-            and token.word not in closed
-            and token.word not in framed.words
-        ]
+        return [token for token in tokens.items if not self._is_known(token.word)]
+
+    def _is_known(self, word: str) -> bool:
+        framed = self.listener.frames.words
+        return word in self.listener.lexicon or word in self.book.closed or word in framed
 
     def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
         found = {
@@ -238,6 +238,15 @@ class Hearing:
                 if names:
                     found[place] = [*found.get(place, ()), *names]
         return found
+
+    def _may_be_a_thing(self, word: str) -> bool:
+        return word in self._things | self.book.names_too or not self._is_known(word)
+
+    @cached_property
+    def _things(self) -> frozenset[str]:
+        """The words, in all forms, that name objects and parts."""
+        names = self.listener.lexicon.names
+        return frozenset[str]().union(*(names.get(kind, ()) for kind in ("N", "NS", "P")))
 
     def _may_be_named(self, word: str) -> bool:
         """Whether a word may end the name of a thing: "territory", which adds nothing, does not."""

@@ -39,7 +39,7 @@ _BINDER = Functor(Atom("WITH"), Atom("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "asides", "endings", "names_too"),
+    *("constructions", "asides", "endings", "names_too", "denying"),
 )
 
 
@@ -78,6 +78,7 @@ class WordBook:
         self.asides = Asides()
         self.endings: dict[str, str] = {}
         self.names_too: frozenset[str] = frozenset()
+        self.denying: frozenset[str] = frozenset()
         self.turns = Lexicon()
         self.lexicon = Lexicon(base=self.turns)
 
@@ -92,10 +93,9 @@ class WordBook:
             self.contractions[short] = tuple(field.text().split())
         for short, field in _entries(parts, "endings"):
             self.endings[short] = field.text()
-        if "closed" in parts:
-            self.closed |= set(parts["closed"].texts())
-        if "names_too" in parts:
-            self.names_too |= set(parts["names_too"].texts())
+        for key in ("closed", "names_too", "denying"):
+            if key in parts:
+                setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):
             self.templates[name] = self._template(name, field)
         for field in _items(parts, "verbs"):
