@@ -98,6 +98,7 @@ class Asides:
             tokens: the utterance.
             kept_whole: phrases in which nothing is an aside, as "ever" in "hardly ever".
         """
+        tokens = _begun_once(tokens)
         words = tokens.words
         edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
         edges |= {place for place, word in enumerate(words) if word == BREAK}
@@ -137,6 +138,19 @@ class Asides:
 
 _LONGEST = 8
 """No aside but a clause is longer [words]."""
+
+
+def _begun_once(tokens: Tokens) -> Tokens:
+    """The utterance without what was begun twice: "you can, you can pound with it"."""
+    words = tokens.words
+    again = {
+        place
+        for pause in tokens.pauses
+        for length in range(1, min(pause, _LONGEST) + 1)
+        if words[pause - length : pause] == words[pause : pause + length]
+        for place in range(pause - length, pause)
+    }
+    return _only(tokens, [each for each in enumerate(tokens.items) if each[0] not in again])
 
 
 def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:

@@ -71,6 +71,14 @@ def test_a_pause_may_end_a_sentence() -> None:
     assert known.parted(tokenize("forget that it cuts", {})).words[2] == "it"
 
 
+def test_what_is_begun_twice_is_said_once() -> None:
+    """Only with a pause between the two: doubled words are a mistake."""
+    known = asides("anywhere", "really")
+
+    assert said("you can, you can cut", known) == "you can cut"
+    assert said("you can you can cut", known) == "you can you can cut"
+
+
 def test_one_adverb_may_go_to_the_front() -> None:
     """Where there are two, neither moves."""
     often = {("often",)}
