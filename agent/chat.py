@@ -86,6 +86,8 @@ class Chat:
             return
         spoken = Text.assemble(("Hilt: ", "bold green"), reply.said)
         self.out.print(spoken if self.talking else shown.turn(reply))
+        if reply.hint:
+            self.out.print(Text(f'Try: "{reply.hint}"', "dim"))
 
     def _turn_to(self, speaker: str) -> Text:
         """Let somebody else speak from now on."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..kb.rule import Rule
+from ..nlu.meaning import Misunderstanding
 from ..nlu.understanding import Understanding
 from .outcome import Achievement, Ending, Json
 
@@ -42,6 +43,13 @@ class Reply:
     def is_done(self) -> bool:
         """Whether what was asked for was done; decides the exit code."""
         return self.ending == "done"
+
+    @property
+    def hint(self) -> str:
+        """What may be said instead of what was not understood; else empty."""
+        meant = self.understanding.meaning
+        nearest = meant.nearest if isinstance(meant, Misunderstanding) else ()
+        return nearest[0] if nearest else ""
 
     def with_pictures(self, *files: str) -> Reply:
         """This reply with files in which what was done is seen; nothing to see is nothing."""

@@ -104,10 +104,11 @@ class Grammar:
         return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
 
     def described(self, category: Category) -> str:
-        """A category in words, for a person who does not know the grammar."""
+        """A category in words, for a person who does not know it; empty where nobody expects it."""
         while isinstance(category, Functor):
             category = category.result
-        return self.descriptions.get(category.name) or _shortened(category.name)
+        said = self.descriptions.get(category.name)
+        return _shortened(category.name) if said is None else said
 
 
 def _shortened(words: str) -> str:
@@ -131,7 +132,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     )
     atoms = entries["categories"].entries()
     parts = {
-        name: field.entries(required=("type", "means"), optional=())
+        name: field.entries(required=("type",), optional=("means",))
         for name, field in atoms.items()
     }
     types = {name: read_type(part["type"]) for name, part in parts.items()}
@@ -140,7 +141,9 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         signature[name] = [read_type(item) for item in field.items()]
     grammar = Grammar(
         types=MappingProxyType(types),
-        descriptions=MappingProxyType({name: part["means"].text() for name, part in parts.items()}),
+        descriptions=MappingProxyType(
+            {name: part["means"].text() if "means" in part else "" for name, part in parts.items()}
+        ),
         signature=MappingProxyType(signature),
         unary=(),
         roots=_roots(entries["roots"], types),

@@ -132,7 +132,7 @@ class Listener:
             for category in categories
             if isinstance(category, Functor) and category.forward
         )
-        return tokens.span(start, end), _each_once(expected)[:MAX_EXPECTED]
+        return tokens.span(start, end), _each_once(filter(None, expected))[:MAX_EXPECTED]
 
     def nearest(self, words: Iterable[str]) -> tuple[str, ...]:
         """The example sentences that share most words with an utterance."""

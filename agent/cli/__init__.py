@@ -104,4 +104,6 @@ def _reordered(arguments: Sequence[str]) -> list[str]:
     while at < len(arguments) and arguments[at].split("=")[0] in MAY_LEAD:
         name, _, value = arguments[at].partition("=")
         at += 1 if value else 1 + MAY_LEAD[name]
-    return [*arguments[at : at + 1], *arguments[:at], *arguments[at + 1 :]]
+    if at >= len(arguments):
+        return []  # options alone
+    return [arguments[at], *arguments[:at], *arguments[at + 1 :]]

@@ -154,17 +154,10 @@ def converse(
         if as_json:
             show(as_json(reply))
         elif reply.ending == "not_understood":
-            complain(" ".join([reply.said, *_nearest(reply)]))
+            complain(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
         else:
             _show_reply(agent, reply)
     return done
-
-
-def _nearest(reply: Reply) -> Iterator[str]:
-    """What may be said instead of what was not understood."""
-    found = getattr(reply.understanding.meaning, "nearest", ())
-    if found:
-        yield f'Try: "{found[0]}"'
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:

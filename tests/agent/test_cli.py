@@ -312,6 +312,7 @@ def test_debug_shows_the_traceback_and_changes_nothing_else(hilt: Hilt):
         (["tel"], "hilt: No such command 'tel'. Did you mean 'tell'? Run: hilt --help"),
         (["tell"], "hilt: Missing argument 'text'. Run: hilt tell --help"),
         (["lexicon"], "hilt: Missing command. Run: hilt lexicon --help"),
+        (["--kb", "mine"], "hilt: Missing command. Run: hilt --help"),
         (["forget", "word"], 'Which word? "hilt words" lists those that were learned.'),
     ],
 )

@@ -343,6 +343,15 @@ def test_nonsense_changes_nothing_and_is_told(taught: Agent, text: str):
     assert taught.base.rules() == before
 
 
+def test_nobody_is_expected_to_make_a_slip(agent: Agent):
+    """That one could go on with "no, sorry" is no help."""
+    reply = agent.hear("the mug")
+
+    assert reply.said == 'I do not understand "the mug".'
+    assert reply.hint == "Point to the mug."
+    assert agent.hear("hello").hint == ""
+
+
 def test_forbidden_act_is_not_carried_out(taught: Agent):
     """A negated command is acknowledged and refused."""
     reply = taught.hear("do not pass me the knife")
