@@ -125,6 +125,7 @@ class Agent:
         dialogue: protocols.Dialogue | None = None,
         actions: Path | None = None,
         contexts: Mapping[Atom, Interval] | None = None,
+        lexicon: Path | None = None,
     ) -> Agent:
         """An agent over a knowledge base.
 
@@ -145,9 +146,10 @@ class Agent:
             dialogue: somebody else's language part, which is asked first.
             actions: a YAML file with actions of one's own.
             contexts: what holds in this situation: places, roles, with how surely.
+            lexicon: a YAML file with words and turns of phrase of one's own.
 
         Raises:
-            DataError: the scene, the objects, the noise or the actions are wrong.
+            DataError: the scene, the objects, the noise, the actions or the lexicon are wrong.
             UnknownNameError: there is no such object, robot or source of vision.
             StoreError: the base cannot be opened.
         """
@@ -164,7 +166,7 @@ class Agent:
         trees = actions_with(actions)
         return cls(
             open_base(location, embodiment.household, trees),
-            language_of(embodiment.household),
+            language_of(embodiment.household, lexicon),
             trees,
             embodiment,
             induces=induces,
@@ -269,6 +271,7 @@ class Agent:
             self._vision or self.embodiment.vision(body),
             body or self._motion,
             grips=_grips(self.objects),
+            parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
         )
 
     @contextmanager

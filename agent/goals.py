@@ -8,7 +8,7 @@ itself is in `walk`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ..inference.affordance import FIND, Affordances
@@ -68,6 +68,7 @@ class GoalManager:
         motion: the hands; None decides but does not move.
         grips: object -> the part that is made for holding it, by which a tool is taken when
             nobody has said by which.
+        parts: object -> its parts, as far as they are known; the hands do not look for others.
 
     Attributes:
         watchers: called at every node of a walk before its action is done, when `Step.action` is
@@ -82,8 +83,10 @@ class GoalManager:
         motion: Motion | None,
         *,
         grips: Mapping[str, str] | None = None,
+        parts: Mapping[str, Collection[str]] | None = None,
     ) -> None:
         self.grips = grips or {}
+        self.parts = parts or {}
         self.actions = actions
         self.affordances = affordances
         self.vision = vision

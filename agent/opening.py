@@ -30,21 +30,31 @@ def default_location() -> Path:
     return user_data_path("hilt") / "kb"
 
 
-def language_of(kinds: Household) -> Language:
-    """The language, with the names of the objects there are."""
-    return _language() if kinds is household() else _loaded(kinds)
+def language_of(kinds: Household, lexicon: Path | None = None) -> Language:
+    """The language, with the names of the objects there are.
+
+    Args:
+        kinds: the objects.
+        lexicon: a lexicon file of the user's own, added to that of the language.
+
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    is_own = lexicon is not None or kinds is not household()
+    return _loaded(kinds, lexicon) if is_own else _language()
 
 
 @cache
 def _language() -> Language:
-    return _loaded(household())
+    return _loaded(household(), None)
 
 
-def _loaded(kinds: Household) -> Language:
+def _loaded(kinds: Household, lexicon: Path | None) -> Language:
     from ..nlu.language import Language
     from ..nlu.vocabulary import household_vocabulary
 
-    return Language.load(vocabulary=household_vocabulary(kinds.objects))
+    vocabulary = household_vocabulary(kinds.objects)
+    return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
 
 
 def actions_with(path: Path | None) -> Actions:

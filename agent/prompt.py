@@ -29,6 +29,7 @@ def lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> It
             try:
                 line = input(prompt())
             except EOFError:
+                sys.stdout.write("\n")  # the shell's prompt stands on a line of its own
                 return
             except KeyboardInterrupt:
                 sys.stdout.write("\n")

@@ -280,10 +280,18 @@ class Walk:
         if self.decision:
             self.decision = replace(self.decision, part=inference)
         part = self._part(percept, inference)
+        if part and self.hands and self._lacks(percept, part):
+            slots = {"object": percept.object, "part": part}
+            return None, Answer("no_part", slots, "failed", "no_part")
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if part is None and unsure:
             return None, answers.not_sure_how(self.request.action, percept.object, unsure[0])
         return part, None
+
+    def _lacks(self, percept: Percept, part: str) -> bool:
+        """Whether a thing is known to have no such part, rather than that it is not in view."""
+        known = self.manager.parts.get(percept.object)
+        return known is not None and part not in known and part not in percept.parts
 
     def _part(self, percept: Percept, inference: Inference) -> str | None:
         """The part to grasp by: named, concluded, the only one not forbidden, a tool's grip."""

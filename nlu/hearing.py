@@ -119,7 +119,7 @@ class Hearing:
             meaning = self._slip(words, insist) or self._several(clear)
         elif readings:
             slip = self._slip(readings[0].new_words, insist)
-            meaning = slip or self._not_known(tokens, unknown)
+            meaning = slip or self._in_the_way(chart, tokens, unknown, refusal)
         elif unknown:
             meaning = self._slip_anywhere(unknown, insist) or self._not_known(tokens, unknown)
         else:
@@ -258,7 +258,9 @@ class Hearing:
         choices = tuple(self._choice(reading.meaning) for reading in readings)
         return AskBack(self.speech.say("which_meaning", choices=choices), choices)
 
-    def _unclear(self, chart: Chart, tokens: Tokens, refusal: RefusedError | None) -> Meaning:
+    def _unclear(
+        self, chart: Chart, tokens: Tokens, refusal: RefusedError | None
+    ) -> Misunderstanding | AskBack:
         """What to answer when all words are known, but the whole has no meaning."""
         if refusal is not None:
             said = self.speech.say(refusal.key, **refusal.slots)
@@ -273,6 +275,14 @@ class Hearing:
         else:
             message = self.speech.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self.listener.nearest(tokens.words))
+
+    def _in_the_way(
+        self, chart: Chart, tokens: Tokens, unknown: list[Token], refusal: RefusedError | None
+    ) -> Misunderstanding | AskBack:
+        """What to answer when a word would have to be a new name, and may not be."""
+        if unknown:
+            return self._not_known(tokens, unknown)
+        return self._unclear(chart, tokens, refusal)
 
     def _choice(self, meaning: Meaning) -> str:
         if isinstance(meaning, Statement):

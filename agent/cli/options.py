@@ -119,3 +119,6 @@ Choices = Annotated[
         "--set", help="One choice of the inference: fusion=dempster, threshold.pass=0.1, ..."
     ),
 ]
+UserLexicon = Annotated[
+    Path | None, typer.Option("--lexicon", help="A lexicon file of your own, added to English.")
+]

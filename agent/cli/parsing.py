@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from ...ontology.errors import DataError
-from .options import AsJson, Speaker, app, example
+from .options import AsJson, Speaker, UserLexicon, app, example
 from .terminal import complain, finish, show, terminal, utterances, write_picture
 
 if TYPE_CHECKING:
@@ -29,9 +29,6 @@ Jsonl = Annotated[
     typer.Option("--jsonl", help='A file of {"text", "before": [..]} lines; a result line each.'),
 ]
 Svg = Annotated[Path | None, typer.Option("--svg", help="Draw the derivation into this .svg file.")]
-UserLexicon = Annotated[
-    Path | None, typer.Option("--lexicon", help="A lexicon file of your own, added to English.")
-]
 
 
 @app.command(epilog=example('parse "pass it" --before "A knife is for cutting"'))

@@ -20,6 +20,7 @@ from .options import (
     Seed,
     SettingsFile,
     Speaker,
+    UserLexicon,
     app,
     example,
 )
@@ -48,6 +49,7 @@ def explain(
     context: Contexts = None,
     settings: SettingsFile = None,
     choices: Choices = None,
+    lexicon: UserLexicon = None,
     as_json: AsJson = False,
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
@@ -64,6 +66,7 @@ def explain(
         contexts=context,
         settings=settings,
         choices=choices,
+        lexicon=lexicon,
     ) as agent:
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
         decision = reply.achievement.decision if reply.achievement else None

@@ -30,6 +30,7 @@ from .options import (
     Seed,
     SettingsFile,
     Speaker,
+    UserLexicon,
     Utterance,
     app,
     example,
@@ -76,12 +77,13 @@ def tell(
     kb: Kb = None,
     objects: Objects = None,
     actions: ActionsFile = None,
+    lexicon: UserLexicon = None,
     speaker: Speaker = "sam",
     heard: Heard = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
-    with open_agent(kb, objects=objects, actions=actions) as agent:
+    with open_agent(kb, objects=objects, actions=actions, lexicon=lexicon) as agent:
         done = converse(
             agent,
             text,
@@ -112,6 +114,7 @@ def do(
     context: Contexts = None,
     settings: SettingsFile = None,
     choices: Choices = None,
+    lexicon: UserLexicon = None,
     heard: Heard = 1.0,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
@@ -131,6 +134,7 @@ def do(
             contexts=context,
             settings=settings,
             choices=choices,
+            lexicon=lexicon,
         ) as agent,
         _filmed(agent, record),
     ):
@@ -161,10 +165,13 @@ def ask(
     objects: Objects = None,
     seed: Seed = 0,
     speaker: Speaker = "sam",
+    lexicon: UserLexicon = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask what is known: "what is a knife used for?"."""
-    with open_agent(kb, scene=scene, objects=objects, seed=seed, no_sim=True) as agent:
+    with open_agent(
+        kb, scene=scene, objects=objects, seed=seed, no_sim=True, lexicon=lexicon
+    ) as agent:
         done = converse(
             agent,
             text,
@@ -192,6 +199,7 @@ def chat(
     context: Contexts = None,
     settings: SettingsFile = None,
     choices: Choices = None,
+    lexicon: UserLexicon = None,
 ) -> None:
     """Talk: teach, ask and command, a line each; /rules, /why, /scene, /speaker and /quit."""
     from ..chat import run
@@ -211,6 +219,7 @@ def chat(
         contexts=context,
         settings=settings,
         choices=choices,
+        lexicon=lexicon,
     ) as agent:
         run(agent, terminal(), sys.stdin, speaker)
 

@@ -46,6 +46,7 @@ def open_agent(
     contexts: Iterable[str] | None = None,
     settings: Path | None = None,
     choices: Iterable[str] | None = None,
+    lexicon: Path | None = None,
 ) -> Agent:
     """An agent over a knowledge base, as the options of a command say."""
     from ..agent import Agent
@@ -64,6 +65,7 @@ def open_agent(
         actions=actions,
         contexts=dict(_held(text) for text in contexts or ()),
         settings=settings_of(settings, choices),
+        lexicon=lexicon,
     )
 
 

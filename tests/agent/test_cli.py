@@ -403,6 +403,20 @@ def test_dry_run_makes_no_base(
     assert not Path("kb").exists()
 
 
+def test_words_of_ones_own_are_spoken_with_the_robot(hilt: Hilt, tmp_path: Path):
+    """A lexicon file counts wherever somebody talks; a mistake in it is told with its place."""
+    mine, wrong = tmp_path / "mine.yaml", tmp_path / "wrong.yaml"
+    mine.write_text("words: [{says: [cheerio], is: ['ACK : thanks']}]")
+    wrong.write_text("words: [{says: [cheerio], is: ['ACK : thankyou']}]")
+
+    assert hilt("tell", "--json", "cheerio").document["said"].startswith("I do not know")
+    assert hilt("tell", "cheerio", "--lexicon", str(mine)).code == 0
+    assert hilt("ask", "cheerio", "--lexicon", str(mine)).code == 0
+    assert hilt("do", "cheerio", "--no-sim", "--lexicon", str(mine)).code == 0
+    assert hilt("tell", "cheerio", "--lexicon", str(wrong)).code == 2
+    assert "wrong.yaml:1:" in hilt.err
+
+
 def test_rules_are_shown_with_the_digits_that_forget_takes(taught: Hilt):
     """What is seen can be typed."""
     rule = taught("rules", "--json", "--object", "knife").document[0]["id"]

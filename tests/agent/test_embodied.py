@@ -53,6 +53,16 @@ def test_robot_does_not_move_for_what_it_was_not_told():
     assert reply.achievement.world == World()
 
 
+def test_robot_does_not_look_for_a_part_that_is_not_there():
+    """It says so, and leaves the thing where it is."""
+    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+        reply = agent.hear("pass me the knife by the stem")
+
+    assert (reply.ending, reply.said) == ("failed", "A knife has no stem.")
+    assert reply.achievement is not None
+    assert not reply.achievement.world.touched
+
+
 def test_same_seed_gives_the_same_run():
     """Every number of what happened repeats."""
     runs: list[World] = []

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.nlu import AskBack, Language, NewWord
+from hilt.nlu import AskBack, Language, Misunderstanding, NewWord
 from hilt.nlu.unknown import nearest, slips
 
 WORDS = st.text("abc", max_size=6)
@@ -64,6 +64,14 @@ def test_who_does_it_is_no_part(language: Language) -> None:
     """After "by" may stand a part or a doer, so one of a passive's two words must be known."""
     assert language.understand("A mug is washed by the handle").kind == "statement"
     assert language.understand("A mug is washed by the cleaner").kind == "error"
+
+
+def test_what_is_in_the_way_is_not_called_unknown(language: Language) -> None:
+    """Each word is known, only not so."""
+    meaning = language.understand("you may not touch the knife").meaning
+
+    assert isinstance(meaning, Misunderstanding)
+    assert meaning.message == 'I do not understand "you may not touch the knife".'
 
 
 @pytest.mark.parametrize("text", ["cut Kim with the knife", "Poke Bob."])
