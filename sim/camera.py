@@ -9,7 +9,7 @@ as the simulator's stand-in for a perfect detector, which link every pixel shows
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import radians, tan
 
@@ -34,6 +34,21 @@ _EYES = (
     (0.30, -0.82, 0.70),
     (0.30, 0.82, 0.70),
 )  # [m], round the table, two of them facing the robot
+
+
+@dataclass(frozen=True)
+class Window:
+    """A part of an image, in its pixels.
+
+    Attributes:
+        left, top: its first column and row.
+        width, height: how many there are of them.
+    """
+
+    left: int
+    top: int
+    width: int
+    height: int
 
 
 @dataclass(frozen=True)
@@ -85,6 +100,10 @@ class Camera:
         """The focal length in pixels."""
         return self.height / 2 / tan(self.field / 2)
 
+    def depths(self, points: Array) -> Array:
+        """How far before the camera points (n, 3) of the world are (n,) [m]."""
+        return -poses.transform(poses.inverse(self.world_from_camera), points)[:, 2]
+
     def pixels(self, points: Array) -> Array:
         """Where points (n, 3) of the world appear: column, row (n, 2); NaN behind the camera."""
         seen = poses.transform(poses.inverse(self.world_from_camera), points)
@@ -93,17 +112,39 @@ class Camera:
         row = self.height / 2 - self.focal * seen[:, 1] / ahead
         return np.column_stack([column, row])
 
-    def look(self, engine: Engine, *, light: Light = VISION_LIGHT) -> View:
-        """What it sees now."""
+    @property
+    def whole(self) -> Window:
+        """All of its image."""
+        return Window(0, 0, self.width, self.height)
+
+    def coarser(self, times: int) -> Camera:
+        """The same with so many times fewer pixels to each side."""
+        return replace(self, width=self.width // times, height=self.height // times)
+
+    def look(
+        self, engine: Engine, *, light: Light = VISION_LIGHT, window: Window | None = None
+    ) -> View:
+        """What it sees now, or of that what is in a window of its image."""
+        window = window or self.whole
         view = poses.inverse(self.world_from_camera)
-        image = engine.render(view, self.projection, self.width, self.height, light=light)
+        projection = self._through(window) @ self.projection
+        image = engine.render(view, projection, window.width, window.height, light=light)
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
-        return View(self, image.colour, depth, image.labels, image.names)
+        return View(self, image.colour, depth, image.labels, image.names, window)
+
+    def _through(self, window: Window) -> Array:
+        """What moves and widens the image so that the window fills it (4, 4)."""
+        wider, higher = self.width / window.width, self.height / window.height
+        across = 1 - 2 * (window.left + window.width / 2) / self.width
+        upwards = 2 * (window.top + window.height / 2) / self.height - 1
+        result = np.diag([wider, higher, 1.0, 1.0])
+        result[:2, 3] = wider * across, higher * upwards
+        return result
 
 
 @dataclass(frozen=True)
 class View:
-    """What one camera saw at one moment.
+    """What one camera saw at one moment, in a window of its image.
 
     Attributes:
         camera: which one.
@@ -111,6 +152,7 @@ class View:
         depth: distance along the line of sight's z axis, (height, width) [m].
         labels: (height, width) int32; what each pixel shows.
         names: label -> (body, link); pixels of nothing have a label that is not in here.
+        window: which part of the image that is.
     """
 
     camera: Camera
@@ -118,6 +160,7 @@ class View:
     depth: NDArray[np.float32]
     labels: NDArray[np.int32]
     names: Mapping[int, tuple[str, str]]
+    window: Window
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """Which pixels show a body, or one of its links, (height, width)."""
@@ -133,8 +176,8 @@ class View:
         rows, columns = np.nonzero(mask)
         camera = self.camera
         depth = self.depth[rows, columns].astype(np.float64)
-        across = (columns + SAMPLE[0] - camera.width / 2) / camera.focal
-        upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
+        across = (columns + self.window.left + SAMPLE[0] - camera.width / 2) / camera.focal
+        upwards = (camera.height / 2 - rows - self.window.top - SAMPLE[1]) / camera.focal
         seen = np.column_stack([across * depth, upwards * depth, -depth])
         return poses.transform(camera.world_from_camera, seen)
 

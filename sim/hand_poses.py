@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from . import poses
 from .clouds import Label, Surroundings, level_direction, spread
@@ -82,11 +81,17 @@ def propose(
     """
     wanted = surroundings.wanted
     samples = wanted[spread(wanted, count, first=int(rng.integers(len(wanted))))]
-    found: list[Array] = []
-    widths: list[Array] = []
+    found, widths = [np.zeros((0, 4, 4))], [np.zeros(0)]
     too_wide = blocked = 0
-    for rotation in hand_directions(level_direction(wanted) + turn):
-        sections = _Sections.along(rotation, samples, surroundings, gripper)
+    rotations = hand_directions(level_direction(wanted) + turn)
+    depths = _tip_depths(rotations, samples, surroundings.table, gripper)
+    for rotation, tips in zip(rotations, depths, strict=True):
+        possible = tips[:, 0] > 0
+        if not possible.any():
+            continue
+        sections = _Sections.along(
+            rotation, samples[possible], tips[possible], surroundings, gripper
+        )
         too_wide += sections.too_wide
         blocked += sections.blocked
         found.append(poses.pose(rotation, sections.centres @ rotation.T))
@@ -105,77 +110,115 @@ class _Sections:
 
     @classmethod
     def along(
-        cls, rotation: Array, samples: Array, surroundings: Surroundings, gripper: Gripper
+        cls,
+        rotation: Array,
+        samples: Array,
+        tips: Array,
+        surroundings: Surroundings,
+        gripper: Gripper,
     ) -> _Sections:
-        points, starts = surroundings.points @ rotation, samples @ rotation
-        tips = _tip_depths(rotation, samples, surroundings.table, gripper)  # (s, t)
-        possible = tips[:, 0] > 0
-        if not possible.any():
-            return cls(np.zeros((0, 3)), np.zeros(0), 0, 0)
-        starts, tips = starts[possible], tips[possible]
+        points, starts = rotation.T @ surroundings.points.T, samples @ rotation
         starts[:, :2] = np.rint(starts[:, :2] / BIN) * BIN  # bins begin where samples are
-        ahead = _ahead(points, surroundings.labels, starts, gripper.finger_width / 2)
-        nearest = ahead.min(axis=(0, 2))
-        wanted, other = ahead[:, :, None] <= np.maximum.accumulate(tips, axis=1)[..., None]
+        ahead = _Ahead.of(points, surroundings.labels, starts, gripper.finger_width / 2)
         room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
-        left, right = _ends(wanted | other, room)
+        below = starts[:, 2, None] + np.maximum.accumulate(tips, axis=1)  # (s, t)
+        (left, right), alone = ahead.ends(below, room)
         width = (left + right - 1) * BIN
-        reach = np.arange(-HALF_BINS, HALF_BINS + 1)
-        left_end, right_end = -left[..., None], right[..., None]
-        at_left = (reach > left_end - room) & (reach <= left_end + PART_BINS)
-        at_right = (reach < right_end + room) & (reach >= right_end - PART_BINS)
-        clear = ~np.any(other & (at_left | at_right), axis=-1)
+        # Beyond its ends there is room, so that all that could be in the way is what ends there.
+        clear = ~(ahead.is_other(1 - left, below) | ahead.is_other(right - 1, below))
         narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
-        shallow = tips <= (np.minimum(nearest, 0.0) + gripper.tip - gripper.palm)[:, None]
-        ok = clear & narrow & shallow & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
+        nearest = np.minimum(ahead.nearest() - starts[:, 2], 0.0)
+        shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
+        possible = clear & narrow & shallow
+        ok = possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
         row, depth = np.nonzero(ok)
         shift = (right - left)[row, depth] * BIN / 2
         centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
-        alone = (sum(_ends(wanted, room)) - 1) * BIN + 2 * SIDE_CLEARANCE
-        too_wide = int(np.sum(alone > gripper.opening))
-        blocked = int(np.sum(~(clear & narrow & shallow))) - too_wide
+        alone_width = (alone.sum(axis=0) - 1) * BIN + 2 * SIDE_CLEARANCE
+        too_wide = int(np.count_nonzero(alone_width > gripper.opening))
+        blocked = int(np.count_nonzero(~possible)) - too_wide
         return cls(centres, width[row, depth], too_wide, max(0, blocked))
 
 
-def _tip_depths(rotation: Array, samples: Array, table: float, gripper: Gripper) -> Array:
-    """How far the tips go below each sample (s, t) [m]; -1 where the table is in the way."""
-    down = -rotation[2, 2]
-    finger = gripper.finger_width / 2 * abs(rotation[2, 0])
-    finger += gripper.finger_thickness * abs(rotation[2, 1])
+def _tip_depths(rotations: Array, samples: Array, table: float, gripper: Gripper) -> Array:
+    """How far the tips go below each sample (d, s, t) [m]; -1 where the table is in the way."""
+    x, y, z = np.abs(rotations[:, 2, 0]), np.abs(rotations[:, 2, 1]), -rotations[:, 2, 2]
+    finger = gripper.finger_width / 2 * x + gripper.finger_thickness * y
     along_x, along_y = gripper.palm_size
-    palm = along_x / 2 * abs(rotation[2, 0]) + along_y / 2 * abs(rotation[2, 1])
-    palm += (gripper.palm - gripper.tip) * down
-    lowest = max(finger, palm)  # of the hand below its tips
-    room = (samples[:, 2] - table - TABLE_CLEARANCE - lowest) / max(down, 1e-6)
-    depths = np.minimum(np.array(TIP_DEPTHS), room[:, None])
-    fresh = np.diff(depths, prepend=0.0, axis=1) > 0.25 * TIP_DEPTHS[0]
+    palm = along_x / 2 * x + along_y / 2 * y + (gripper.palm - gripper.tip) * z
+    lowest = np.maximum(finger, palm)[:, None]  # of the hand below its tips
+    room = (samples[:, 2] - table - TABLE_CLEARANCE - lowest) / np.maximum(z, 1e-6)[:, None]
+    depths = np.minimum(np.array(TIP_DEPTHS), room[..., None])
+    fresh = np.diff(depths, prepend=0.0, axis=2) > 0.25 * TIP_DEPTHS[0]
     return np.where(fresh, depths, -1.0)
 
 
-def _ahead(points: Array, labels: np.ndarray, starts: Array, half: float) -> Array:
-    """How far below each sample the first point lies that a finger would meet (2, s, bins) [m].
+@dataclass(frozen=True)
+class _Ahead:
+    """Where the first point lies that a finger would meet in each bin, the way the hand comes.
 
-    For the wanted part and for all else, in each bin beside the sample; inf where there is none.
-
-    Args:
-        points: (n, 3), z the way the hand comes, y the way the fingers close [m].
-        labels: (n,) of `Label`.
-        starts: the samples (s, 3), x and y whole multiples of `BIN` [m].
-        half: of the width of a finger along x [m].
+    Attributes:
+        first: (2, columns, rows), of all points and of those of the part [m]; inf where there are
+            none.
+        other: (columns, rows), of the rest [m].
+        x, y: (s,), the bins of the samples.
     """
-    margin = np.array([round(half / BIN), HALF_BINS])
-    corner = starts[:, :2].min(axis=0) - margin * BIN
-    cells = np.rint((points[:, :2] - corner) / BIN).astype(int)
-    middles = np.rint((starts[:, :2] - corner) / BIN).astype(int)
-    size = middles.max(axis=0) + margin + 1
-    inside = np.all((cells >= 0) & (cells < size), axis=1)
-    place = (labels[inside] != Label.WANTED) * size[0] + cells[inside, 0]
-    first = np.full(2 * size[0] * size[1], np.inf)
-    np.minimum.at(first, place * size[1] + cells[inside, 1], points[inside, 2])
-    swept = _least_of(first.reshape(2, *size), 2 * int(margin[0]) + 1)
-    beside = sliding_window_view(swept, 2 * HALF_BINS + 1, axis=2)
-    x, y = (middles - margin).T
-    return beside[:, x, y] - starts[:, 2, None]
+
+    first: Array
+    other: Array
+    x: np.ndarray
+    y: np.ndarray
+
+    @classmethod
+    def of(cls, points: Array, labels: np.ndarray, starts: Array, half: float) -> _Ahead:
+        """What is ahead of samples.
+
+        Args:
+            points: (3, n), z the way the hand comes, y the way the fingers close [m].
+            labels: (n,) of `Label`.
+            starts: the samples (s, 3), x and y whole multiples of `BIN` [m].
+            half: of the width of a finger along x [m].
+        """
+        margin = np.array([round(half / BIN), HALF_BINS])
+        corner = starts[:, :2].min(axis=0) - margin * BIN
+        x, y = (
+            np.rint((each - low) / BIN).astype(int)
+            for each, low in zip(points[:2], corner, strict=True)
+        )
+        middles = np.rint((starts[:, :2] - corner) / BIN).astype(int)
+        columns, rows = middles.max(axis=0) + margin + 1
+        inside = np.flatnonzero((x >= 0) & (x < columns) & (y >= 0) & (y < rows))
+        place = (labels[inside] != Label.WANTED) * columns + x[inside]
+        first = np.full(2 * columns * rows, np.inf)
+        np.minimum.at(first, place * rows + y[inside], points[2, inside])
+        wanted, other = _least_of(first.reshape(2, columns, rows), 2 * int(margin[0]) + 1)
+        at = middles - (margin[0], 0)
+        return cls(np.stack([np.minimum(wanted, other), wanted]), other, at[:, 0], at[:, 1])
+
+    def nearest(self) -> Array:
+        """The first of all points beside each sample (s,) [m]."""
+        beside = np.arange(-HALF_BINS, HALF_BINS + 1)
+        return self.first[0, self.x[:, None], self.y[:, None] + beside].min(axis=1)
+
+    def is_other(self, bins: np.ndarray, below: Array) -> np.ndarray:
+        """Whether what is not wanted is met above `below` (s, t) [m], so many bins aside."""
+        return self.other[self.x[:, None], self.y[:, None] + bins] <= below
+
+    def ends(self, below: Array, room: int) -> np.ndarray:
+        """Bins to the first `room` empty ones, to the left and to the right (2, 2, s, t).
+
+        First among all points, then among those of the part; `HALF_BINS` where there is no room.
+
+        Args:
+            below: down to where (s, t) [m].
+            room: how many bins a finger needs.
+        """
+        met = np.swapaxes(_least_of(np.swapaxes(self.first, 1, 2), room), 1, 2)
+        steps = np.arange(1, HALF_BINS - room + 2)
+        aside = np.stack([1 - room - steps, steps])[:, None]  # (2, 1, n)
+        free = met[:, self.x[:, None], self.y[:, None] + aside][..., None, :] > below[..., None]
+        found = np.argmax(free, axis=-1)  # 0 also where there is none, which `any` finds out slowly
+        return np.where((found > 0) | free[..., 0], found + 1, HALF_BINS)
 
 
 def _least_of(grid: Array, count: int) -> Array:
@@ -186,17 +229,3 @@ def _least_of(grid: Array, count: int) -> Array:
         grid = np.minimum(grid[:, :-step], grid[:, step:])
         size += step
     return grid
-
-
-def _ends(full: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bins from the middle to the first room for a finger, to the left and to the right."""
-    return _first_room(full[..., ::-1], room), _first_room(full, room)
-
-
-def _first_room(full: np.ndarray, room: int) -> np.ndarray:
-    """Bins from the middle to the first run of `room` empty ones; half of them if there is none."""
-    middle = full.shape[-1] // 2
-    total = np.cumsum(full[..., middle:], axis=-1, dtype=np.int16)
-    empty = total[..., room:] == total[..., :-room]  # bins i+1 .. i+room are empty
-    first = np.argmax(empty, axis=-1) + 1
-    return np.where(empty.any(axis=-1), first, middle)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -85,15 +85,20 @@ class Looks(Bodies):
             self._recolour(number, index, own)
 
     @contextmanager
-    def unseen(self, bodies: Sequence[str]) -> Generator[None]:
+    def unseen(
+        self, bodies: Sequence[str], *, but: Collection[tuple[str, str]] = ()
+    ) -> Generator[None]:
         """Inside this block some bodies are not drawn, which saves the time of drawing them.
 
         In a window they stay, or they would flicker there.
 
         Args:
             bodies: their names.
+            but: body and link of those of their links that are drawn all the same.
         """
+        kept = {self._link(body, link) for body, link in but}
         shapes = [] if self.gui else [shape for name in bodies for shape in self._drawn(name)]
+        shapes = [shape for shape in shapes if shape[:2] not in kept]
         try:
             for number, link, index, colour in shapes:
                 self._paint_shape(number, link, index, (*colour[:3], 0.0))
@@ -101,6 +106,10 @@ class Looks(Bodies):
         finally:
             for shape in shapes:
                 self._paint_shape(*shape)
+
+    def seen_links(self, body: str) -> tuple[str, ...]:
+        """The links of a body of which there is something to be seen."""
+        return tuple(dict.fromkeys(self._link_name(body, shape[1]) for shape in self._drawn(body)))
 
     def _drawn(self, name: str) -> Iterator[tuple[int, int, int, Sequence[float]]]:
         """What is drawn of a body: its number, the link, the shape's number there, its colour."""

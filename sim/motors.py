@@ -28,9 +28,16 @@ class Motors(Bodies):
         return self._joint_states(body, joints, 3)
 
     def _joint_states(self, body: str, joints: Sequence[str], column: int) -> Array:
-        indices = [self._joint(body, joint)[1] for joint in joints]
-        states = self._call("getJointStates", self._body(body).number, indices)
+        states = self._call("getJointStates", *self._indices(body, joints))
         return np.array([state[column] for state in states])
+
+    def _indices(self, body: str, joints: Sequence[str]) -> tuple[int, list[int]]:
+        """PyBullet's numbers of a body and of joints of it."""
+        known = self._body(body).joints
+        for joint in joints:
+            if joint not in known:
+                self._joint(body, joint)
+        return self._body(body).number, [known[joint] for joint in joints]
 
     def set_joints(
         self, body: str, joints: Sequence[str], positions: Sequence[float] | Array
@@ -65,12 +72,13 @@ class Motors(Bodies):
         count = len(joints)
         self._call(
             "setJointMotorControlArray",
-            self._body(body).number,
-            [self._joint(body, joint)[1] for joint in joints],
+            *self._indices(body, joints),
             self._p.POSITION_CONTROL,
-            targetPositions=[float(v) for v in positions],
-            targetVelocities=[0.0] * count if speeds is None else [float(v) for v in speeds],
-            forces=[float(v) for v in forces],
+            targetPositions=np.asarray(positions, float).tolist(),
+            targetVelocities=np.zeros(count).tolist()
+            if speeds is None
+            else np.asarray(speeds, float).tolist(),
+            forces=np.asarray(forces, float).tolist(),
             positionGains=[gain] * count,
             velocityGains=[damping] * count,
         )

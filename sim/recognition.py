@@ -28,7 +28,7 @@ from .noise import Noise
 from .percept import PartPercept, Percept, visible_features
 from .poses import Array
 from .segmentation import TABLE_MARGIN, Segment, cube_numbers, segments
-from .vision import OBSTACLE_SPACING, look, thinned
+from .vision import OBSTACLE_SPACING, thinned, with_noise
 
 NETWORKS_FILE = Path(__file__).with_name("recognition.npz")
 LEAST_PART = 12  # points; fewer are a slip of the part network
@@ -173,7 +173,8 @@ class LearnedVision:
 
     def look(self) -> tuple[View, ...]:
         """What all cameras see now."""
-        return look(self.engine, self.cameras, self.noise)
+        views = (camera.look(self.engine) for camera in self.cameras)
+        return with_noise(views, self.noise, self.engine.steps)
 
     def search(
         self, features: Iterable[str], *, views: Sequence[View] | None = None

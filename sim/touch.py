@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from .bodies import Bodies
 from .poses import Array
 from .readings import Contact, Hit
@@ -40,6 +42,11 @@ class Touch(Bodies):
             **options,
         )
         return tuple(self._contact(each) for each in raw)
+
+    def bounds(self, body: str, link: str) -> tuple[Array, Array]:
+        """The lowest and the highest corner (3,) of a box round what is felt of a link [m]."""
+        low, high = self._call("getAABB", *self._link(body, link))
+        return np.array(low), np.array(high)
 
     def _contact(self, raw: Sequence[Any]) -> Contact:
         body, other = self._names[raw[1]], self._names[raw[2]]

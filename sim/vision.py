@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..ontology.objects import ObjectType
+from .attention import Attention
 from .camera import Camera, View, cameras_round_table
 from .engine import Engine
 from .models import Model
@@ -41,7 +42,8 @@ class Vision:
         models: type -> its model, for the silhouette to be expected.
         cameras: the eyes.
         noise: of which the cameras have the depth noise; the rest is `NoisyVision`'s.
-        room: bodies that hide nothing, and of which no mask is asked for: they are not drawn.
+        room: bodies that hide nothing. Where it is told, no more is drawn of an image than things
+            and what may hide them (see `attention`).
     """
 
     engine: Engine
@@ -53,9 +55,13 @@ class Vision:
 
     def look(self) -> tuple[View, ...]:
         """What all cameras see now."""
-        with self.engine.unseen(self.room):
-            views = look(self.engine, self.cameras, self.noise)
-        return tuple(self._smooth(view) for view in views) if self.noise.depth_m else views
+        if self.room:
+            attention = Attention.on(self.kinds, self.engine, room=self.room)
+            views = [attention.look(camera) for camera in self.cameras]
+        else:
+            views = [camera.look(self.engine) for camera in self.cameras]
+        seen = with_noise(views, self.noise, self.engine.steps)
+        return tuple(self._smooth(view) for view in seen) if self.noise.depth_m else seen
 
     def _smooth(self, view: View) -> View:
         """The same without most of the noise of its depths on things."""
@@ -98,11 +104,10 @@ class Vision:
         return thinned(np.vstack([np.empty((0, 3)), *clouds]), OBSTACLE_SPACING)
 
 
-def look(engine: Engine, cameras: Sequence[Camera], noise: Noise) -> tuple[View, ...]:
-    """What some cameras see now, with the noise of their depths."""
-    views = (camera.look(engine) for camera in cameras)
+def with_noise(views: Iterable[View], noise: Noise, moment: int) -> tuple[View, ...]:
+    """Some views with the noise of the cameras' depths at the moment of a look."""
     return tuple(
-        replace(view, depth=with_depth_noise(view.depth, noise, view.camera.name, engine.steps))
+        replace(view, depth=with_depth_noise(view.depth, noise, view.camera.name, moment))
         for view in views
     )
 

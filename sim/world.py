@@ -27,7 +27,9 @@ FLOOR, TABLE = "floor", "table"
 FLOOR_HEIGHT = -0.72  # [m], where the legs of the table end
 TABLE_CENTRE = (0.40, 0.0, 0.0)  # [m], so that the robot stands on the table near its edge
 SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists turning
-ROLLING_FRICTION = 0.0003  # [m]; lets round things come to rest
+# [m]; lets round things come to rest. The table has it, and not the things, which then would also
+# resist rolling between the fingers: there it helps nothing and keeps contacts from being solved.
+ROLLING_FRICTION = 0.0003
 
 MOUNT_FORCE = 20_000.0  # [N], what holds the socket of a nail in its block: more than any blow
 
@@ -93,6 +95,7 @@ class World:
         self.engine.load(
             TABLE, self.models[TABLE].urdf, poses.translation(*TABLE_CENTRE), fixed=True
         )
+        self.engine.set_surface(TABLE, rolling=ROLLING_FRICTION)
 
     def _add(self, spot: Spot) -> None:
         name, model = spot.placement.name, self.models[spot.placement.object]
@@ -102,7 +105,7 @@ class World:
         else:
             self.engine.load(name, model.mounted, spot.world_from_object)
             self._mount(name, mount, support)
-        self.engine.set_surface(name, spinning=SPINNING_FRICTION, rolling=ROLLING_FRICTION)
+        self.engine.set_surface(name, spinning=SPINNING_FRICTION)
 
     def _mount(self, name: str, mount: Mount, support: str) -> None:
         """Let an object stand in another one, which holds it by friction."""

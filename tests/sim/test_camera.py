@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
-from hilt.sim.camera import SAMPLE, Camera, View, cameras_round_table
+from hilt.sim.camera import SAMPLE, Camera, View, Window, cameras_round_table
 from hilt.sim.engine import Engine
 from hilt.sim.models import model_of
 
@@ -90,6 +90,20 @@ def test_mask_of_what_is_not_there_is_empty(view: View):
     """Nothing shows a body that does not exist."""
     assert not view.mask("mug").any()
     assert not view.mask("block", "handle").any()
+
+
+@pytest.mark.sim
+def test_window_shows_its_part_of_the_image():
+    """The same pixels, and the same points in the world behind them."""
+    with Engine() as engine:
+        engine.load("block", BLOCK.urdf, fixed=True)
+        whole = CAMERA.look(engine)
+        view = CAMERA.look(engine, window=Window(300, 200, 90, 70))
+
+    mask = np.zeros_like(whole.labels, dtype=bool)
+    mask[200:270, 300:390] = True
+    assert (view.labels == whole.labels[200:270, 300:390]).mean() > 0.999
+    assert view.points(view.labels == view.labels) == pytest.approx(whole.points(mask), abs=1e-4)
 
 
 def test_four_cameras_watch_the_table():

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from hilt.sim import poses
-from hilt.sim.clearance import arm_spheres, clearance, finger_spheres, on_hand, self_clearance
+from hilt.sim.clearance import (
+    FAR,
+    arm_spheres,
+    clearance,
+    finger_spheres,
+    on_hand,
+    self_clearance,
+)
 from hilt.sim.robots import find_robot
 
 PANDA = find_robot("panda")
@@ -31,6 +38,19 @@ def test_gap_of_a_ball_to_a_point_is_what_geometry_says():
     found = clearance(ARM, ball, HOME, world_from_base=np.eye(4), seen=point, table=-9.0)
 
     assert found == pytest.approx(0.015 * np.sqrt(3) - 0.02)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gap_to_many_points_is_that_to_the_nearest(seed: int):
+    """It agrees with the distances of all balls to all points, up to where no way needs more."""
+    rng = np.random.default_rng(seed)
+    points = ARM.forward(HOME)[0, :3, 3] + rng.normal(0.0, 0.2, (800, 3))
+    balls = arm_spheres(ARM, PANDA.spheres)
+    centres = balls.placed(ARM.frames(HOME))[0]
+
+    apart = np.linalg.norm(centres[:, None] - points, axis=2) - balls.radius[:, None]
+
+    assert gap(points, table=-9.0) == pytest.approx(min(FAR, apart.min()))
 
 
 def test_point_inside_the_hand_gives_a_negative_gap():

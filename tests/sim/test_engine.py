@@ -225,6 +225,30 @@ def test_what_is_unseen_is_only_not_drawn(engine: Engine):
     assert np.array_equal(before.colour, after.colour)
 
 
+def test_some_links_of_the_unseen_may_be_seen(engine: Engine):
+    """Only the blade of a knife is drawn; there are two links to be seen of it."""
+    engine.load("knife", KNIFE)
+    camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
+
+    with engine.unseen(["knife"], but=[("knife", "blade")]):
+        view = camera.look(engine)
+
+    assert view.mask("knife", "blade").any()
+    assert not view.mask("knife", "handle").any()
+    assert set(engine.seen_links("knife")) == {"handle", "blade"}
+
+
+def test_bounds_are_round_the_corners(engine: Engine):
+    """A block on the floor fills the box that its corners do, to the margin of its hull."""
+    engine.load("block", BLOCK, poses.translation(0.2, 0.0, 0.0), fixed=True)
+
+    low, high = engine.bounds("block", "body")
+
+    corners = model_of(OBJECTS["block"]).points + np.array([0.2, 0.0, 0.0])
+    assert low == pytest.approx(corners.min(axis=0), abs=0.01)
+    assert high == pytest.approx(corners.max(axis=0), abs=0.01)
+
+
 def test_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch):
     """It is one error, where PyBullet would end the process."""
     monkeypatch.setattr(display.sys, "platform", "linux")

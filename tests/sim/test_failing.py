@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.body import MAX_ATTEMPTS, Body
-from hilt.sim.engine import Engine
+from hilt.sim.camera import Camera, View
 from hilt.sim.report import MotionReport
 from hilt.sim.robot import NAME
 from hilt.sim.scene import Placement, Scene, parse_scene
@@ -113,19 +115,24 @@ def test_thing_torn_away_on_the_way_is_taken_and_given_all_the_same():
 
 
 def test_run_that_is_not_recorded_draws_only_what_the_eyes_need(monkeypatch: pytest.MonkeyPatch):
-    """Four pictures, one of each camera, from the search to the hand-over."""
+    """A glance and a look of each of four cameras, together less than one whole image."""
     drawn: list[int] = []
-    render = Engine.render
-    monkeypatch.setattr(
-        Engine, "render", lambda *args, **options: drawn.append(1) or render(*args, **options)
-    )
+    look = Camera.look
+
+    def counted(*args: Any, **options: Any) -> View:
+        view = look(*args, **options)
+        drawn.append(view.labels.size)
+        return view
+
+    monkeypatch.setattr(Camera, "look", counted)
 
     with body_with("objects:spatula", seed=4) as body:
         assert grasped(body, "spatula", "handle").ok
         assert body.lift().ok
         assert body.hand_over().ok
 
-    assert len(drawn) == 4
+    assert len(drawn) == 8
+    assert sum(drawn) < 640 * 480
 
 
 def test_second_robot_takes_by_the_part_too():

@@ -9,6 +9,7 @@ import pytest
 from hilt.sim import poses
 from hilt.sim.clouds import Label, Surroundings, spread, surround, thin
 from hilt.sim.grasp import GraspPlan, plan_grasps
+from hilt.sim.hand_poses import BIN, propose
 from hilt.sim.hold import OBSTACLES, hits_table, judge, turning_arm
 from hilt.sim.poses import Array
 from hilt.sim.robots import find_robot
@@ -125,6 +126,23 @@ def test_part_hardly_seen_gives_no_grasp_and_no_reason():
 
     assert found == GraspPlan((), {})
     assert found.reason == ""
+
+
+def test_proposed_fingers_come_down_beside_all_there_is():
+    """Between the fingers is the bar; where they are, from their tips upwards, is no point."""
+    block = box((0.5, 0.04, 0.012), (0.03, 0.02, 0.022))
+    around = bar(near=block).thinned(0.0035, reach=0.15, most=2000)
+
+    found = propose(around, GRIPPER, rng=np.random.default_rng(2), count=20)
+
+    local = (around.points - found.world_from_grip[:, None, :3, 3]) @ found.world_from_grip[
+        :, :3, :3
+    ]
+    aside = np.abs(local[..., 1]) - found.width[:, None] / 2
+    on_finger = np.abs(local[..., 0]) < GRIPPER.finger_width / 2 - BIN
+    on_finger &= (aside > BIN) & (aside < GRIPPER.finger_thickness)
+    assert len(found.width) > 100
+    assert not (on_finger & (local[..., 2] < GRIPPER.tip)).any()
 
 
 def test_judging_centres_the_hand_on_the_part():
