@@ -9,7 +9,7 @@ from time import process_time
 from types import TracebackType
 from typing import Any
 
-from hilt.sim import body, hold
+from hilt.sim import aim, hold
 from hilt.sim.engine import Engine
 from hilt.sim.kinematics import Chain
 from hilt.sim.reach import Reacher
@@ -21,7 +21,7 @@ WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("seeing", Vision, "look"),
     ("seeing", Vision, "search"),
     ("seeing", Vision, "obstacles"),
-    ("candidates", body, "plan_grasps"),
+    ("candidates", aim, "plan_grasps"),
     ("judging", hold, "judge"),
     ("joints", Chain, "solve"),
     ("joints", Chain, "track"),

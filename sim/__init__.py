@@ -6,11 +6,13 @@ world     the table, what stands on it, and time
 engine    the physics engine behind names; of what it is made only `simulator` imports PyBullet
 percept   what has been seen of an object, part by part, and how sure that is
 vision    searches for the features it is asked for, in camera images only
+attention draws no more of those images than things, and what may hide them
 grasp     a pose of the hand from which its fingers close on one part, and how well they would hold
 reach     a way of the arm to a grasp that hits nothing
 motion    takes, lifts, carries, gives, puts back, points; nothing is ever fixed to the hand
 striking  brings a face of what is held above something, and down on it
 report    what came of a motion: whether it worked, why not, what was touched, how high
+handling  takes by the part, lifts, gives; what is lost is taken again
 body      eyes, arm and hand together, as the agent uses them
 
 The body knows nothing of rules. It is told which object and which part:

@@ -9,7 +9,7 @@ from PIL import Image
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.outcome import World
-from hilt.sim.body import MEETING
+from hilt.sim.handling import MEETING
 
 pytestmark = pytest.mark.sim
 

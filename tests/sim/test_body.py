@@ -12,7 +12,8 @@ import pytest
 from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
 from hilt.sim import poses
-from hilt.sim.body import MEETING, Body
+from hilt.sim.body import Body
+from hilt.sim.handling import MEETING
 from hilt.sim.percept import Percept
 from hilt.sim.report import REASONS
 from hilt.sim.robots import find_robot

@@ -10,7 +10,8 @@ import pytest
 
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
-from hilt.sim.body import MAX_ATTEMPTS, Body
+from hilt.sim.aim import MAX_ATTEMPTS
+from hilt.sim.body import Body
 from hilt.sim.camera import Camera, View
 from hilt.sim.report import MotionReport
 from hilt.sim.robot import NAME
