@@ -205,6 +205,9 @@ def _grasps(holds: Holds) -> Iterator[Grasp]:
 
 
 def _near(chosen: Array, candidate: Array) -> bool:
-    close = np.linalg.norm(chosen[:, :3, 3] - candidate[:3, 3], axis=1) < APART
-    turned = poses.angle_between(chosen[:, :3, :3], candidate[:3, :3])
-    return bool(np.any(close & (turned < APART_ANGLE)))
+    aside = chosen[:, :3, 3] - candidate[:3, 3]
+    close = np.flatnonzero((aside * aside).sum(axis=1) < APART**2)
+    if not len(close):
+        return False
+    turned = poses.angle_between(chosen[close, :3, :3], candidate[:3, :3])
+    return bool((turned < APART_ANGLE).any())

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .clouds import Label, Surroundings
 from .poses import Array
@@ -51,12 +52,17 @@ class Near:
         points = (surroundings.points - middle).astype(np.float32).T
         axes = np.swapaxes(world_from_grip[:, :3, :3], 1, 2)
         origin = axes @ (world_from_grip[:, :3, 3] - middle)[..., None]
-        # One product a hand: a product of all of them would be shared out among threads.
-        local = axes.astype(np.float32) @ points - origin.astype(np.float32)  # (c, 3, n)
-        x, y, z = local[:, 0], local[:, 1], local[:, 2]
-        hand, point = np.nonzero((np.abs(x) <= aside) & (z <= ahead))
-        x, y, z = (each[hand, point] for each in (x, y, z))
-        return cls(len(world_from_grip), hand, x, y, z, surroundings.labels[point])
+        found = [
+            _near(turned, start, points, aside, ahead)
+            for turned, start in zip(
+                axes.astype(np.float32), origin.astype(np.float32), strict=True
+            )
+        ]
+        point = np.concatenate([np.zeros(0, dtype=int), *(index for index, _ in found)])
+        nothing = np.zeros((3, 0), dtype=np.float32)
+        x, y, z = np.concatenate([nothing, *(local for _, local in found)], axis=1)
+        hand = np.repeat(np.arange(len(found)), [len(index) for index, _ in found])
+        return cls(len(found), hand, x, y, z, surroundings.labels[point])
 
     def moved(self, shift: Array) -> Near:
         """The same for hands that have moved sideways by `shift` (c,) [m]."""
@@ -74,3 +80,18 @@ class Near:
             np.abs(self.z) <= gripper.pad_length / 2
         )
         return band & (self.label == Label.WANTED)
+
+
+def _near(
+    axes: NDArray[np.float32],
+    origin: NDArray[np.float32],
+    points: NDArray[np.float32],
+    aside: float,
+    ahead: float,
+) -> tuple[np.ndarray, NDArray[np.float32]]:
+    """Which points (3, n) matter to one hand, and where they are in its frame (3, p) [m]."""
+    local = axes @ points
+    local -= origin
+    x, _, z = local
+    index = np.flatnonzero((np.abs(x) <= aside) & (z <= ahead))
+    return index, local[:, index]
