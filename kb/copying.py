@@ -10,30 +10,33 @@ A rule that stands there in another way, or breaks a law, is not copied but read
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from datetime import datetime
 from decimal import Decimal
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 from ..ontology.errors import HiltError
 from ..ontology.vocabulary import PREFIXES, Iri, split
 from . import stars
 from .interval import DIGITS
+from .nquads import Block
 from .rule import Atom
 from .stamps import OWN, Frame, Seen, Stamps, Star, make_room
-from .terms import Quad, Term
+from .stars import BELIEFS
+from .terms import DECIMAL, Quad, Term, as_sparql
 
 Pair: TypeAlias = "tuple[Iri, Term]"
 
 _RULES = PREFIXES["rule"]
-# Where the statements of a rule are put; what it shares with others comes last.
-_PLACES = {
-    key: place
-    for place, key in enumerate(
-        (stars.FEATURE, stars.LOWER, stars.UPPER, stars.DERIVED_FROM, stars.GENERATED_AT)
-    )
-}
-_SHARED = len(_PLACES)
+_PLACES = (stars.FEATURE, stars.LOWER, stars.UPPER, stars.DERIVED_FROM, stars.GENERATED_AT)
+_FEATURE, _LOWER, _UPPER, _SOURCE, _TIME = _PLACES
+_SHARED = "shared"  # stands for all other properties
+_BOUND = re.compile(
+    f"({as_sparql(_LOWER)}|{as_sparql(_UPPER)}) "
+    rf'"([01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>(?: {as_sparql(BELIEFS)})? \.'
+)
+_MAX_TOLD = 4  # characters of a bound as people say it: 0.95
 # Stands for what a rule does not share.
 _ANY: tuple[Pair, ...] = (
     (stars.FEATURE, stars.atom_iri(Atom("object", "any"))),
@@ -47,58 +50,84 @@ class Copier:
 
     def __init__(self) -> None:
         self._stamps = Stamps()
-        self._frames: dict[tuple[Pair, ...], Frame] = {}
-        self._seen: dict[tuple[Pair, ...], Seen] = {}
+        self._frames: dict[tuple[str, ...], Frame] = {}
+        self._seen: dict[tuple[str, ...], Seen] = {}
+        self._known: dict[str, tuple[str, Term]] = {}
 
-    def star(self, node: Iri, pairs: Sequence[Pair]) -> Star | None:
-        """The rule of a node; None where it has to be read in full."""
+    def star(self, block: Block) -> Star | None:
+        """The rule of a block; None where it has to be read in full."""
         try:
-            star = self._star(pairs)
-        except (HiltError, ValueError):
+            star = self._star(block)
+        except (HiltError, KeyError, ValueError):
             return None
-        return star if f"{node}" == f"{_RULES}{star.number:016x}" else None
+        return star if f"{block.node}" == f"{_RULES}{star.number:016x}" else None
 
-    def _star(self, pairs: Sequence[Pair]) -> Star:
-        found: tuple[list[Pair], ...] = ([], [], [], [], [], [])
-        for pair in pairs:
-            found[_PLACES.get(pair[0], _SHARED)].append(pair)
-        features, lowers, uppers, sources, times, shared = found
-        ((_, low),), ((_, high),) = lowers, uppers
+    def _star(self, block: Block) -> Star:
+        shared, features, own = list[str](), list[str](), dict[str, Term]()
+        known = self._known
+        for tail in block.tails:
+            place, value = known.get(tail) or self._learn(tail, block)
+            if place is _SHARED:
+                shared.append(tail)
+            elif place is _FEATURE:
+                features.append(tail)
+            elif place in own:
+                raise ValueError(tail)
+            else:
+                own[place] = value
         return self._stamps.star(
-            *(self._frame(tuple(shared)), self._features(tuple(features))),
-            *(_bound(low), _bound(high)),
-            time=_time(times),
-            utterance=_utterance(sources),
+            *(self._frame(tuple(shared), block), self._features(tuple(features), block)),
+            *(cast(str, own[_LOWER]), cast(str, own[_UPPER])),
+            time=cast("datetime | None", own.get(_TIME)),
+            utterance=cast("int | None", own.get(_SOURCE)),
         )
 
-    def _frame(self, shared: tuple[Pair, ...]) -> Frame:
-        known = self._frames.get(shared)
+    def _learn(self, tail: str, block: Block) -> tuple[str, Term]:
+        """Which of the properties of a rule a line tells, and what of it."""
+        if bound := _BOUND.fullmatch(tail):
+            place = _LOWER if bound[1] == f"<{_LOWER}>" else _UPPER
+            found = place, f"{float(bound[2]):.{DIGITS}f}"
+            if len(bound[2]) > _MAX_TOLD:  # it hardly comes again
+                return found
+        else:
+            found = _placed(*block.pair(tail))
+        make_room(self._known)
+        self._known[tail] = found
+        return found
+
+    def _frame(self, tails: tuple[str, ...], block: Block) -> Frame:
+        known = self._frames.get(tails)
         if known is None:
             make_room(self._frames)
-            rule = stars.read_rule([*shared, *_ANY])
-            _refuse_others(shared, [q for q in stars.star(rule) if q.predicate not in OWN])
-            known = self._frames[shared] = self._stamps.frame(rule)
+            pairs = [block.pair(tail)[0] for tail in tails]
+            rule = stars.read_rule([*pairs, *_ANY])
+            _refuse_others(pairs, [q for q in stars.star(rule) if q.predicate not in OWN])
+            known = self._frames[tails] = self._stamps.frame(rule)
         return known
 
-    def _features(self, pairs: tuple[Pair, ...]) -> Seen:
-        known = self._seen.get(pairs)
+    def _features(self, tails: tuple[str, ...], block: Block) -> Seen:
+        known = self._seen.get(tails)
         if known is None:
             make_room(self._seen)
+            pairs = [block.pair(tail)[0] for tail in tails]
             atoms = {stars.atom_of(value) for _, value in pairs if isinstance(value, Iri)}
             written = [Quad(Iri(""), stars.FEATURE, stars.atom_iri(atom)) for atom in atoms]
             _refuse_others(pairs, written)
-            known = self._seen[pairs] = self._stamps.seen(frozenset(atoms))
+            known = self._seen[tails] = self._stamps.seen(frozenset(atoms))
         return known
 
 
-def _time(pairs: Sequence[Pair]) -> datetime | None:
-    """When a rule was first believed."""
-    if not pairs:
-        return None
-    ((_, time),) = pairs
-    if not isinstance(time, datetime):
-        raise ValueError(time)
-    return time
+def _placed(pair: Pair, graph: Iri) -> tuple[str, Term]:
+    """Which of the properties of a rule a statement tells, and what of it."""
+    key, value = pair
+    if graph != BELIEFS or key in {_LOWER, _UPPER}:  # a bound, and not as Hilt writes it
+        raise ValueError(pair)
+    place = next((place for place in _PLACES if place == key), _SHARED)
+    if place is _SOURCE:
+        return place, _utterance(value)
+    if place is _TIME and not isinstance(value, datetime):
+        raise ValueError(pair)
+    return place, value
 
 
 def _refuse_others(pairs: Sequence[Pair], written: Sequence[Quad]) -> None:
@@ -107,18 +136,7 @@ def _refuse_others(pairs: Sequence[Pair], written: Sequence[Quad]) -> None:
         raise ValueError(pairs)
 
 
-def _bound(value: Term) -> str:
-    """A bound as it stands in the content of a rule and in its line."""
-    text = f"{value:.{DIGITS}f}" if isinstance(value, Decimal) else ""
-    if not text or Decimal(text) != value:
-        raise ValueError(value)
-    return text
-
-
-def _utterance(sources: Sequence[Pair]) -> int | None:
-    if not sources:
-        return None
-    ((_, node),) = sources
+def _utterance(node: Term) -> int:
     kind, name = split(node) if isinstance(node, Iri) else ("", "")
     if kind != "utterance" or not name.isdecimal():
         raise ValueError(node)

@@ -14,7 +14,7 @@ from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 from itertools import chain, islice
 from pathlib import Path
-from typing import BinaryIO, TypeVar, cast
+from typing import BinaryIO, TypeAlias, TypeVar, cast
 
 from ..ontology.vocabulary import split, term
 from . import stars
@@ -26,7 +26,7 @@ from .formats import FORMATS, RULE_FORMATS, Format, format_of
 from .history import HISTORY
 from .lines import Lines
 from .merging import Merged, Summary, merge
-from .nquads import Group
+from .nquads import Block, Group, in_full
 from .recall import TRUST_LOWER, TRUST_UPPER, Recall
 from .rule import Rule
 from .staging import GRAPHS, findings, stage, stage_rules
@@ -37,6 +37,7 @@ from .terms import Quad, as_sparql
 from .validation import RULE_CLASSES, refuse, rule_nodes
 
 Thing = TypeVar("Thing")
+Read: TypeAlias = Group | Block | Reified
 
 # What stands among the beliefs besides the stars of rules.
 _BESIDE_RULES = (
@@ -183,9 +184,9 @@ def _import(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: boo
     return _take(base, _settled(_flat(first), name), name, dry_run=dry_run).summary
 
 
-def _first(groups: Iterator[Group | Reified], most: int) -> list[Group | Reified]:
+def _first(groups: Iterator[Read], most: int) -> list[Read]:
     """Some groups, of more than `most` statements where there are so many."""
-    found: list[Group | Reified] = []
+    found: list[Read] = []
     count = 0
     while count <= most and (group := next(groups, None)) is not None:
         found.append(group)
@@ -193,12 +194,18 @@ def _first(groups: Iterator[Group | Reified], most: int) -> list[Group | Reified
     return found
 
 
-def _size(groups: Iterable[Group | Reified]) -> int:
-    return sum(len(group.pairs) if isinstance(group, Group) else 1 for group in groups)
+def _size(things: Iterable[Read]) -> int:
+    return sum(map(_count, things))
 
 
-def _flat(groups: Iterable[Group | Reified]) -> Iterator[Quad | Reified]:
-    for group in groups:
+def _count(one: Read) -> int:
+    if isinstance(one, Block):
+        return len(one.tails)
+    return len(one.pairs) if isinstance(one, Group) else 1
+
+
+def _flat(things: Iterable[Read]) -> Iterator[Quad | Reified]:
+    for group in in_full(things):
         yield from group.quads() if isinstance(group, Group) else (group,)
 
 
@@ -249,7 +256,7 @@ def read_rules(source: Source, chosen: Format) -> Iterator[Star]:
             yield from map(Stamps().of, rules)
 
 
-def read_groups(source: Source, chosen: Format) -> Iterator[Group | Reified]:
+def read_groups(source: Source, chosen: Format) -> Iterator[Read]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
     from . import oxigraph
 

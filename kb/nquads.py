@@ -2,7 +2,8 @@
 """Statements read node by node, and fast from the lines of N-Quads and N-Triples.
 
 A line in the plain form that exports have, all of whose terms came before, is taken apart as text;
-any other line is given to a parser, and what it made of the terms is remembered.
+any other line is given to a parser, and what it made of the terms is remembered. The lines about a
+rule are handed on as they are, because most can be copied (`copying`).
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ MAX_KNOWN = 200_000  # terms that are remembered
 _MAX_TOLD = 4  # characters of a bound as people say it: 0.95
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 _RULE = re.compile(f"<({re.escape(PREFIXES['rule'])}[0-9a-f]{{16}})>")
+_TO_RULE = re.compile(rf"(<[^ ]+>) {_RULE.pattern}(?: (<[^ ]+>))? \.")
 _NUMBER = re.compile(rf'"([0-9]{{1,9}}(?:\.[0-9]{{1,9}})?)"\^\^<{re.escape(DECIMAL)}>', re.ASCII)
 # As the same objects, they are found in dictionaries without being compared.
 _KEYS = (
@@ -47,6 +49,44 @@ class Group(NamedTuple):
         """They one by one."""
         node, graph, pairs = self
         return (Quad(node, key, value, graph) for key, value in pairs)
+
+
+class Block(NamedTuple):
+    """The lines about a rule that stand together, as they are written.
+
+    Attributes:
+        node: the rule.
+        tails: what follows it in each line.
+        line: 1-based number of the first of them.
+        reader: reads them in full.
+    """
+
+    node: Iri
+    tails: Sequence[str]
+    line: int
+    reader: Reader
+
+    def groups(self) -> Iterator[Group | Reified]:
+        """What they say."""
+        return self.reader.in_full(f"<{self.node}>", self.tails, self.line)
+
+    def pair(self, tail: str) -> tuple[tuple[Iri, Term], Iri]:
+        """Property and object, and the graph, of one of them.
+
+        Raises:
+            DataError: it is wrong.
+            KeyError, ValueError: it is not written plainly.
+        """
+        return self.reader.pair(f"<{self.node}>", tail)
+
+
+def in_full(things: Iterable[Group | Block | Reified]) -> Iterator[Group | Reified]:
+    """The same without blocks."""
+    for one in things:
+        if isinstance(one, Block):
+            yield from one.groups()
+        else:
+            yield one
 
 
 def grouped(statements: Iterable[Quad | Reified]) -> Iterator[Group | Reified]:
@@ -92,7 +132,7 @@ class Reader:
         self._values = _Values()
         self._tails = _Tails(self._nodes, self._values, None if has_graphs else default)
         self._rest = b""
-        self._at: tuple[str, Iri | None] = ("", None)  # node, as it is written, and graph at hand
+        self._node, self._lines = "", list[str]()  # the lines about a node at hand
         self._group: Group | None = None
 
     @property
@@ -100,45 +140,79 @@ class Reader:
         """How many bytes of a line are there that is not complete."""
         return len(self._rest)
 
-    def feed(self, chunk: bytes) -> Iterator[Group | Reified]:
-        """The groups that are complete with this chunk.
+    def feed(self, chunk: bytes) -> Iterator[Group | Block | Reified]:
+        """What is complete with this chunk.
 
         Raises:
             UnicodeDecodeError: it is no UTF-8.
         """
         lines, self._rest = whole_lines(self._rest, chunk)
-        yield from self._read(lines)
+        return self._read(lines)
 
-    def finish(self) -> Iterator[Group | Reified]:
+    def finish(self) -> Iterator[Group | Block | Reified]:
         """What is left at the end."""
         yield from self.feed(b"\n")
+        yield from self._block(self._node, self._lines, self.line - len(self._lines))
+
+    def pair(self, node: str, tail: str) -> tuple[tuple[Iri, Term], Iri]:
+        """As `Block.pair`."""
+        try:
+            return self._tails[tail]
+        except KeyError:
+            line = f"{node} {tail}"
+            for one in self._parse(line):
+                if isinstance(one, Quad):
+                    self._remember(line, one)
+        return self._tails[tail]
+
+    def in_full(self, node: str, tails: Sequence[str], line: int) -> Iterator[Group | Reified]:
+        """What lines about a node say, given the number of the first."""
+        last, self.line = self.line, line - 1
+        known, place, pairs = self._tails, None, list[tuple[Iri, Term]]()
+        for tail in tails:
+            self.line += 1
+            try:
+                pair, graph = known[tail]
+                if graph is not place:
+                    if graph != place:
+                        subject = self._nodes[node]
+                        yield from self._ended()
+                        self._group = Group(subject, graph, [])
+                        pairs = self._group.pairs
+                    place = graph
+                pairs.append(pair)
+            except (KeyError, ValueError):
+                yield from self._learnt(f"{node} {tail}")
+                group = self._group
+                is_same = group is not None and node == f"<{group.node}>"
+                place, pairs = (group.graph, group.pairs) if group and is_same else (None, [])
+        yield from self._ended()
+        self.line = last
+
+    def _ended(self) -> Iterator[Group]:
+        """The group at hand, if there is any."""
         if self._group is not None:
             yield self._group
         self._group = None
 
-    def _read(self, lines: Sequence[str]) -> Iterator[Group | Reified]:
-        tails, nodes = self._tails, self._nodes
-        pairs = self._group.pairs if self._group else []
-        node, place = self._at
+    def _read(self, lines: Sequence[str]) -> Iterator[Group | Block | Reified]:
+        node, tails = self._node, self._lines
         for line in lines:
             self.line += 1
-            try:
-                subject, tail = line.split(" ", 1)
-                pair, graph = tails[tail]
-                is_same = subject == node and (graph is place or graph == place)
-                if is_same and len(pairs) < MAX_GROUP:
-                    pairs.append(pair)
-                    continue
-                group = Group(nodes[subject], graph, [pair])
-            except (KeyError, ValueError):
-                yield from self._learnt(line)
-                pairs = self._group.pairs if self._group else []
-                node, place = self._at
+            subject, _, tail = line.partition(" ")
+            if subject == node and len(tails) < MAX_GROUP:
+                tails.append(tail)
                 continue
-            if self._group is not None:
-                yield self._group
-            node, place = self._at = subject, graph
-            self._group, pairs = group, group.pairs
+            yield from self._block(node, tails, self.line - len(tails))
+            self._node, self._lines = node, tails = subject, [tail]
+
+    def _block(
+        self, node: str, tails: Sequence[str], line: int
+    ) -> Iterator[Group | Block | Reified]:
+        if rule := _RULE.fullmatch(node):
+            yield Block(Iri(rule[1]), tails, line, self)
+        elif tails:
+            yield from self.in_full(node, tails, line)
 
     def _learnt(self, line: str) -> Iterator[Group | Reified]:
         """What a line says that is not plain; how its terms are written is remembered."""
@@ -150,11 +224,8 @@ class Reader:
                 yield one
                 continue
             if self._group is None or _is_over(self._group, one.subject, one.graph):
-                if self._group is not None:
-                    yield self._group
-                graph = self._nodes.get(f"<{one.graph}>") or one.graph or BELIEFS
-                self._at = f"<{one.subject}>", graph
-                self._group = Group(one.subject, graph, [])
+                yield from self._ended()
+                self._group = Group(one.subject, one.graph or BELIEFS, [])
             self._group.pairs.append((one.predicate, one.object))
 
     def _remember(self, line: str, quad: Quad) -> None:
@@ -191,6 +262,8 @@ class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
         self._nodes, self._values, self._graph = nodes, values, graph
 
     def __missing__(self, text: str) -> tuple[tuple[Iri, Term], Iri]:
+        if rule := _TO_RULE.fullmatch(text):  # they are many, and do not come again
+            return (self._nodes[rule[1]], Iri(rule[2])), self._place(rule[3])
         key, rest = text.split(" ", 1)
         value, graph = self._ended(rest)
         found = (self._nodes[key], self._values[value]), graph
@@ -199,6 +272,12 @@ class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
                 self.clear()
             self[text] = found
         return found
+
+    def _place(self, text: str | None) -> Iri:
+        """The graph that a line names, or may not name."""
+        if (text is None) != (self._graph is not None):
+            raise ValueError(text)
+        return self._graph or self._nodes[text or ""]
 
     def _ended(self, text: str) -> tuple[str, Iri]:
         if self._graph is None:

@@ -19,6 +19,7 @@ import tempfile
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -34,7 +35,7 @@ from .failures import line_of, open_error, reading_text, reported, syntax_error
 from .folders import is_base, remove_leftovers, undo_replacement
 from .journal import Journal
 from .limits import Limits
-from .nquads import Group, Reader, grouped
+from .nquads import Block, Group, Reader
 from .results import RDF_12, Found, Solutions
 from .sparql import delete_insert, words
 from .store import MEMORY
@@ -44,6 +45,7 @@ from .texts import fit_for_xml, with_sorted_prefixes
 _MAX_KNOWN = 100_000  # terms that are remembered
 _MAX_TERM = 2**24  # bytes of a line with one statement, as the engine has it
 _CHUNK = 2**18  # bytes that are read at once
+_BATCH = 2_000  # statements that are made into lines at once
 _PREFIXES = dict(PREFIXES)
 _ABBREVIATED = frozenset({"turtle", "trig"})  # formats with prefixes
 _OF_LINES = frozenset({"nquads", "ntriples"})  # formats with one statement a line
@@ -403,13 +405,13 @@ def read_groups(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Group | Reified]:
+) -> Iterator[Group | Block | Reified]:
     """As `read_rdf`, the statements of one node together where they stand so."""
-    if format in _OF_LINES:
-        with reading_text(source):
+    with reading_text(source):
+        if format in _OF_LINES:
             yield from _read_lines(stream, format=format, source=source, default=default)
-    else:
-        yield from grouped(read_rdf(stream, format=format, source=source, default=default))
+        else:
+            yield from _read_other(stream, format=format, source=source, default=default)
 
 
 def _read_lines(
@@ -418,13 +420,36 @@ def _read_lines(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Group | Reified]:
+) -> Iterator[Group | Block | Reified]:
     """As `read_groups`, for the formats with one statement a line."""
     reader = line_reader(format, source=source, default=default)
     while chunk := stream.read(_CHUNK):
         yield from reader.feed(chunk)
         if reader.held > _MAX_TERM:
             raise MemoryError
+    yield from reader.finish()
+
+
+def _read_other(
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+) -> Iterator[Group | Block | Reified]:
+    """As `read_groups`, for the other formats: the engine makes lines of them."""
+    chosen = RDF_FORMATS[format]
+    lines = "nquads" if chosen.supports_datasets else "ntriples"
+    reader = line_reader(lines, source=source, default=default)
+    try:
+        quads = engine.parse(stream, format=chosen)
+        while some := list(islice(quads, _BATCH)):
+            if not chosen.supports_datasets:
+                some = [quad.triple for quad in some]
+            text = cast(bytes, engine.serialize(some, format=RDF_FORMATS[lines]))
+            yield from reader.feed(text)
+    except SyntaxError as error:
+        raise syntax_error(error, source, line_of(stream, error.lineno or 0)) from error
     yield from reader.finish()
 
 

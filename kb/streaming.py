@@ -39,7 +39,7 @@ from .merging import (
     plan_rest,
     plan_trust,
 )
-from .nquads import Group
+from .nquads import Block, Group
 from .recall import BASE_GRAPH, BASE_NODE, Recall
 from .rule import Rule
 from .staging import check_graph, findings, stage
@@ -123,7 +123,11 @@ class _Held:
 
 
 def import_groups(
-    base: KnowledgeBase, groups: Iterable[Group | Reified], *, source: str, dry_run: bool
+    base: KnowledgeBase,
+    groups: Iterable[Group | Block | Reified],
+    *,
+    source: str,
+    dry_run: bool,
 ) -> Summary:
     """Take over a large RDF file; see `exchange.import_file`.
 
@@ -134,7 +138,7 @@ def import_groups(
         dry_run: only say what would come of it.
     """
     read = _Read()
-    rules = _rules(_placed(groups, source), read, source)
+    rules = _rules(groups, read, source)
     return _import(base, rules, read, source=source, dry_run=dry_run)
 
 
@@ -197,33 +201,38 @@ def _lines(
     yield from held.taken()
 
 
-def _placed(groups: Iterable[Group | Reified], source: str) -> Iterator[Group]:
-    """The groups, as long as they are in graphs of a base."""
-    for group in groups:
-        if isinstance(group, Reified):
-            raise DataError(
-                "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
-                source=source,
-            )
-        check_graph(group.graph, source=source)
-        yield group
-
-
-def _rules(groups: Iterable[Group], read: _Read, source: str) -> Iterator[Star]:
+def _rules(things: Iterable[Group | Block | Reified], read: _Read, source: str) -> Iterator[Star]:
     """The rules among statements; what belongs to none is put aside."""
     copier, stamps = Copier(), Stamps()
-    for group in groups:
-        if group.node.startswith(_RULES):
-            star = copier.star(group.node, group.pairs)
-            yield star or stamps.of(_rule(group.node, group.pairs))
-            continue
-        read.rest += _beside_rules(group, read)
+    for one in things:
+        if isinstance(one, Block):
+            star = copier.star(one)
+            if star:
+                yield star
+                continue
+        for group in one.groups() if isinstance(one, Block) else [one]:
+            group = _checked(group, source)  # noqa: PLW2901
+            if group.node.startswith(_RULES):
+                yield stamps.of(_rule(group.node, group.pairs))
+            else:
+                read.rest += _beside_rules(group, read)
         if len(read.rest) > MAX_REST:
             raise DataError(
                 f"has more than {MAX_REST} statements besides its rules; import the rules alone "
                 "(hilt export --rules), or restore a backup.",
                 source=source,
             )
+
+
+def _checked(group: Group | Reified, source: str) -> Group:
+    """Refuse what stands in no graph of a base, or cannot be read as it streams by."""
+    if isinstance(group, Reified):
+        raise DataError(
+            "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
+            source=source,
+        )
+    check_graph(group.graph, source=source)
+    return group
 
 
 def _beside_rules(group: Group, read: _Read) -> Iterator[Quad]:

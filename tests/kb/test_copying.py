@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from datetime import datetime, timezone
 from decimal import Decimal
@@ -13,9 +14,11 @@ from hypothesis import strategies as st
 
 from hilt.kb import stars
 from hilt.kb.copying import Copier, Pair
+from hilt.kb.oxigraph import line_reader, write_rdf
 from hilt.kb.rule import Rule
-from hilt.kb.stamps import Printer, Stamps
-from hilt.kb.terms import Literal
+from hilt.kb.stamps import Printer, Stamps, Star
+from hilt.kb.stars import BELIEFS
+from hilt.kb.terms import Literal, Quad
 from hilt.ontology.vocabulary import Iri, iri, term
 
 from .conftest import BLADE
@@ -37,6 +40,14 @@ def pairs(rule: Rule) -> list[Pair]:
     return [(quad.predicate, quad.object) for quad in stars.star(rule)]
 
 
+def star(node: Iri, some: Iterable[Pair], copier: Copier | None = None) -> Star | None:
+    """What is made of a rule that stands in a file."""
+    text = write_rdf((Quad(node, *pair, BELIEFS) for pair in some), format="nquads")
+    reader = line_reader("nquads", source="x", default=BELIEFS)
+    blocks = [*reader.feed(text), *reader.finish()]
+    return (copier or Copier()).star(*blocks)  # pyright: ignore[reportArgumentType]
+
+
 def in_full(some: list[Rule]) -> set[str]:
     """The lines of rules as they are written one by one."""
     stamps, printer = Stamps(), Printer()
@@ -49,19 +60,19 @@ def test_copies_are_the_lines_that_are_written_in_full(some: list[Rule]):
     """Statement for statement, with everything that they mention."""
     copier, printer = Copier(), Printer()
 
-    found = [copier.star(stars.rule_iri(rule.id), pairs(rule)) for rule in some]
+    found = [star(stars.rule_iri(rule.id), pairs(rule), copier) for rule in some]
 
-    assert [star and star.rule for star in found] == some
-    assert [star and star.id for star in found] == [rule.id for rule in some]
-    assert [star and star.utterance for star in found] == [rule.utterance for rule in some]
-    copied = {line for star in found if star for line in printer.lines(star).splitlines()}
+    assert [one and one.rule for one in found] == some
+    assert [one and one.id for one in found] == [rule.id for rule in some]
+    assert [one and one.utterance for one in found] == [rule.utterance for rule in some]
+    copied = {line for one in found if one for line in printer.lines(one).splitlines()}
     assert copied == in_full(some)
 
 
 @pytest.mark.parametrize("lost", [key for key, _ in pairs(BLADE) if key != stars.CONTEXT])
 def test_what_is_not_whole_is_not_copied(lost: Iri):
     """It is read in full, which says what is missing."""
-    assert Copier().star(NODE, [pair for pair in pairs(BLADE) if pair[0] != lost]) is None
+    assert star(NODE, [pair for pair in pairs(BLADE) if pair[0] != lost]) is None
 
 
 @pytest.mark.parametrize(
@@ -81,7 +92,7 @@ def test_what_is_not_whole_is_not_copied(lost: Iri):
 )
 def test_what_says_more_is_not_copied(more: Pair):
     """Neither under a name that is not that of its content, nor with what Hilt does not write."""
-    assert Copier().star(NODE, [*pairs(BLADE), more]) is None
+    assert star(NODE, [*pairs(BLADE), more]) is None
 
 
 @pytest.mark.parametrize(
@@ -105,11 +116,11 @@ def test_what_stands_there_otherwise_is_not_copied(key: Iri, value: object):
     """Other values, other types, and other spellings of the same."""
     changed = [(one, value if one == key else old) for one, old in pairs(BLADE)]
 
-    assert Copier().star(NODE, changed) is None  # pyright: ignore[reportArgumentType]
+    assert star(NODE, changed) is None  # pyright: ignore[reportArgumentType]
 
 
 def test_name_of_another_rule_is_not_copied():
     """Rules have their names from their content."""
     other = replace(BLADE, speaker="eve")
 
-    assert Copier().star(stars.rule_iri(other.id), pairs(BLADE)) is None
+    assert star(stars.rule_iri(other.id), pairs(BLADE)) is None

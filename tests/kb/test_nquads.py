@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.nquads import Group, grouped
+from hilt.kb.annotated import Reified
+from hilt.kb.nquads import Block, Group, grouped, in_full
 from hilt.kb.oxigraph import line_reader, read_groups, read_rdf, write_rdf
 from hilt.kb.rule import Rule
 from hilt.kb.stars import BELIEFS, statements
@@ -27,7 +28,7 @@ GRAPH = "<https://w3id.org/hilt/graph/beliefs>"
 def fast(text: bytes, form: str = "nquads") -> list[Quad]:
     """The statements as the fast reader finds them."""
     groups = read_groups(io.BytesIO(text), format=form, source="x", default=BELIEFS)
-    return [quad for group in groups if isinstance(group, Group) for quad in group.quads()]
+    return [quad for one in in_full(groups) if isinstance(one, Group) for quad in one.quads()]
 
 
 def plain(text: bytes, form: str = "nquads") -> list[object]:
@@ -98,12 +99,12 @@ def test_chunks_may_end_anywhere(size: int):
     text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
     reader = line_reader("nquads", source="x", default=BELIEFS)
 
-    def read() -> Iterator[object]:
+    def read() -> Iterator[Group | Block | Reified]:
         for start in range(0, len(text), size):
             yield from reader.feed(text[start : start + size])
         yield from reader.finish()
 
-    assert list(read()) == list(grouped(q for q in plain(text) if isinstance(q, Quad)))
+    assert list(in_full(read())) == list(grouped(q for q in plain(text) if isinstance(q, Quad)))
 
 
 def test_an_endless_line_is_refused():
