@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -159,7 +160,17 @@ def converse(
             complain(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
         else:
             _show_reply(agent, reply)
+            _tell_of_trust(agent, reply)
     return done
+
+
+def _tell_of_trust(agent: Agent, reply: Reply) -> None:
+    """How somebody who was refused can be heard."""
+    if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
+        name = shlex.quote(reply.speaker)
+        typer.echo(
+            f"Nobody has said how far to trust them. Run: hilt trust {name} DEGREE", err=True
+        )
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:

@@ -417,6 +417,15 @@ def test_words_of_ones_own_are_spoken_with_the_robot(hilt: Hilt, tmp_path: Path)
     assert "wrong.yaml:1:" in hilt.err
 
 
+def test_who_is_refused_hears_what_can_be_done(hilt: Hilt):
+    """As long as nobody has said how far to trust that speaker."""
+    assert "Run: hilt trust 'Kim Q' DEGREE" in hilt("tell", LESSONS[0], "--speaker", "Kim Q").err
+
+    hilt("trust", "Kim Q", "0")
+
+    assert hilt("tell", LESSONS[0], "--speaker", "Kim Q").err == ""
+
+
 def test_rules_are_shown_with_the_digits_that_forget_takes(taught: Hilt):
     """What is seen can be typed."""
     rule = taught("rules", "--json", "--object", "knife").document[0]["id"]
