@@ -15,6 +15,7 @@ from ..ontology.errors import ValidationError
 from . import console as shown
 from .agent import Agent
 from .prompt import lines
+from .wording import printable
 
 QUIT = "/quit"
 LAST_WORDS = {QUIT, "/exit", "quit", "exit"}  # none of the three others is an utterance
@@ -34,7 +35,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
     if chat.talking:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
     said = lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.talking else source
-    for line in (line.strip() for line in said):
+    for line in (line.removeprefix("\ufeff").strip() for line in said):
         if line in LAST_WORDS:
             return
         if line:
@@ -84,7 +85,7 @@ class Chat:
         except ValidationError as error:  # what is no text ends no conversation
             self.out.print(Text(str(error)))
             return
-        spoken = Text.assemble(("Hilt: ", "bold green"), reply.said)
+        spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
         self.out.print(spoken if self.talking else shown.turn(reply))
         if reply.hint:
             self.out.print(Text(f'Try: "{reply.hint}"', "dim"))

@@ -20,8 +20,8 @@ from ..kb.history import Utterance
 from ..kb.interval import Interval
 from ..kb.rule import Rule
 from .console import Quote, achievement, conflicts, rule_text, whole
-from .counting import counted
 from .merging import Report
+from .wording import counted, printable
 
 if TYPE_CHECKING:
     from .replay import Replay
@@ -32,7 +32,7 @@ def history(found: Sequence[Utterance]) -> Table:
     table = Table("", "when", "who", "said", "did", caption=counted(len(found), "utterance"))
     for said in found:
         when = said.time.astimezone().strftime("%Y-%m-%d %H:%M:%S")
-        row = (str(said.sequence), when, said.speaker, said.text, _effect(said))
+        row = (str(said.sequence), when, said.speaker, printable(said.text), _effect(said))
         table.add_row(*map(escape, row))
     return whole(table)
 
@@ -41,7 +41,7 @@ def change(found: Change) -> RenderableType:
     """One utterance as it happens, with the rules that it touched below."""
     said = found.utterance
     head = Text.assemble(
-        (f"{said.sequence} ", "dim"), (said.speaker, "bold cyan"), f": {said.text}"
+        (f"{said.sequence} ", "dim"), (said.speaker, "bold cyan"), f": {printable(said.text)}"
     )
     told = (("+", "green", found.told), ("-", "red", found.retracted + found.superseded))
     lines = [Text(f"  {mark} {_weighed(r)}", style) for mark, style, rules in told for r in rules]

@@ -30,9 +30,9 @@ from ..kb.terms import Iri, Term
 from ..kb.words import Word
 from ..nlu.understanding import Understanding
 from ..ontology.vocabulary import prefixed
-from .counting import counted
 from .outcome import Achievement, Decision, Step, World
 from .reply import Reply
+from .wording import counted, printable
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of a rule's id; any 4 that are unlike those of other rules name it
@@ -49,10 +49,10 @@ def whole(table: Table) -> Table:
 def turn(reply: Reply) -> RenderableType:
     """One turn of a dialogue: what was said, its predicate form, and the answer."""
     grid = Table.grid(padding=(0, 2))
-    grid.add_row(Text(reply.speaker.capitalize(), "bold cyan"), Text(reply.text))
+    grid.add_row(Text(reply.speaker.capitalize(), "bold cyan"), Text(printable(reply.text)))
     if reply.understanding.pragmatics:
         grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
-    grid.add_row(Text("Hilt", "bold green"), Text(reply.said))
+    grid.add_row(Text("Hilt", "bold green"), Text(printable(reply.said)))
     return whole(grid)
 
 

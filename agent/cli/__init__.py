@@ -12,6 +12,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Sequence
+from io import TextIOWrapper
 
 import typer
 
@@ -55,6 +56,8 @@ COMMANDS = (
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command and exit with its code; the entry point of `hilt`."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    if isinstance(sys.stdout, TextIOWrapper):  # what it cannot show is spelt out, as on stderr
+        sys.stdout.reconfigure(errors="backslashreplace")
     debug = "--debug" in given
     code = _run([word for word in given if word != "--debug"] or ["--help"], debug=debug)
     sys.exit(code if given else WRONG_USAGE)

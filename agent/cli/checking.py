@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from ..counting import counted
+from ..wording import counted
 from .options import AsJson, Kb, app, example
 from .terminal import finish, open_for_reading, show, terminal
 

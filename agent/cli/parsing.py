@@ -146,7 +146,7 @@ def _parse_file(session: Session, path: Path, speaker: str) -> None:
 
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
     try:
-        lines = path.read_text(encoding="utf-8").split("\n")
+        lines = path.read_text(encoding="utf-8-sig").split("\n")
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
     except UnicodeDecodeError as error:

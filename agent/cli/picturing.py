@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from ..counting import counted
+from ..wording import counted
 from .options import AsJson, Kb, app, example
 from .terminal import open_for_reading, show
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
+from ..wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -193,7 +194,7 @@ def utterances(text: str) -> Iterator[str]:
 def _lines(stream: Iterable[bytes]) -> Iterator[str]:
     for number, line in enumerate(stream, start=1):
         try:
-            yield line.decode("utf-8")
+            yield line.decode("utf-8-sig" if number == 1 else "utf-8")
         except UnicodeDecodeError as error:
             raise DataError("expected UTF-8 text.", source="<stdin>", line=number) from error
 
@@ -243,7 +244,7 @@ def complain(error: HiltError | str) -> None:
     """A line on stderr for each mistake; on a terminal also the line of the file, with a caret."""
     several = _mistakes(error)
     for one in several[:MOST_MISTAKES]:
-        typer.echo(f"hilt: {one}", err=True)
+        typer.echo(f"hilt: {printable(str(one))}", err=True)
         if isinstance(one, DataError) and one.text and sys.stderr.isatty():
             typer.echo(one.excerpt(), err=True)
     if len(several) > MOST_MISTAKES:

@@ -426,6 +426,14 @@ def test_who_is_refused_hears_what_can_be_done(hilt: Hilt):
     assert hilt("tell", LESSONS[0], "--speaker", "Kim Q").err == ""
 
 
+def test_mark_at_the_start_of_stdin_does_not_matter(hilt: Hilt, monkeypatch: pytest.MonkeyPatch):
+    """Editors of Windows write one."""
+    lines = io.TextIOWrapper(io.BytesIO(b"\xef\xbb\xbfhello\r\nhello\r\n"))
+    monkeypatch.setattr("sys.stdin", lines)
+
+    assert hilt("tell", "-").code == 0
+
+
 def test_rules_are_shown_with_the_digits_that_forget_takes(taught: Hilt):
     """What is seen can be typed."""
     rule = taught("rules", "--json", "--object", "knife").document[0]["id"]
@@ -463,6 +471,14 @@ def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]
         check=False,
         env=os.environ | environment,
     )
+
+
+def test_terminal_without_greek_letters_gets_them_spelt_out():
+    """Rather than a traceback; in JSON it is the same text."""
+    shown = run("parse", "pass me the knife", PYTHONIOENCODING="latin-1")
+
+    assert shown.returncode == 0
+    assert "\\u03bbx.pass(self,x)" in shown.stdout
 
 
 def test_help_lists_every_command():

@@ -19,6 +19,18 @@ SHOWN: dict[str, Callable[[Agent], RenderableType]] = {
 }
 
 
+def test_what_somebody_said_commands_no_terminal(agent: Agent):
+    """Nor what the history of a stranger's base holds."""
+    text = io.StringIO()
+    reply = agent.hear("hello\x1b[2J\x07 there")
+    agent.base.believe("\x1b]0;title\x07", "", "sam", [])
+
+    Console(file=text).print(console.turn(reply), chronicle.history(tuple(agent.base.history())))
+
+    assert "there" in text.getvalue() and "title" in text.getvalue()
+    assert not {"\x1b", "\x07"} & {*text.getvalue()}
+
+
 @pytest.mark.parametrize("name", SHOWN)
 def test_narrow_terminal_wraps_and_cuts_nothing(taught: Agent, name: str):
     """A cell that does not fit goes on in the next line; no ellipsis takes the place of its end."""
