@@ -356,8 +356,20 @@ def _write_rules(
         case _:
             from .sheet import write_sheet
 
+            if is_large(base.store, MAX_SORTED):
+                return _write_large_sheet(base.store, stream, progress)
             stream.writelines(line.encode() for line in write_sheet(rules))
     return count.total
+
+
+def _write_large_sheet(store: Store, stream: BinaryIO, progress: Progress | None) -> int:
+    from .columns import scan_rules
+    from .sheet import BEGIN, HEAD, write_row
+
+    stream.write((HEAD + BEGIN).encode())
+    return scan_rules(
+        store, lambda rows: stream.write("".join(map(write_row, rows)).encode()), progress
+    )
 
 
 def _write_table(base: KnowledgeBase, stream: BinaryIO, progress: Progress | None) -> int:

@@ -11,13 +11,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 
 from ..ontology.errors import DataError, HiltError
 from ..ontology.source import Field, parse_yaml
 from . import notation
 from .interval import Interval
 from .rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from .tables import read_row
 from .terms import write_time
 
 _CONCLUSIONS = ("affordance", "part", "functor")
@@ -42,17 +44,38 @@ def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
     yield from notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
+HEAD = "# Rules of Hilt, one a line: what is seen, in which context, what follows, how sure.\n"
+BEGIN = "rules:\n"  # of a sheet that has some
+
+
 def write_sheet(rules: Iterable[Rule]) -> Iterator[str]:
     """The lines of a sheet with these rules."""
-    yield "# Rules of Hilt, one a line: what is seen, in which context, what follows, how sure.\n"
+    yield HEAD
     first = True
     for rule in rules:
         if first:
-            yield "rules:\n"
+            yield BEGIN
         first = False
         yield f"  - {{{', '.join(_entries(rule))}}}\n"
     if first:
         yield "rules: []\n"
+
+
+def write_row(cells: Sequence[str]) -> str:
+    """The line of a rule given as `tables.write_table` writes it; as `write_sheet`."""
+    features, contexts, functor, argument, lower, upper, speaker, status, time = cells
+    told = f"interval: [{lower}, {upper}], speaker: {_quoted(speaker)}"
+    if status != "active":
+        told += f", status: {status}"
+    if time:
+        told += f", time: {_quoted(time)}"
+    return f"  - {{{_claim(features, contexts, functor, argument)}, {told}}}\n"
+
+
+@lru_cache(maxsize=2**16)
+def _claim(*cells: str) -> str:
+    """The entries of a rule that say what it claims."""
+    return ", ".join(_claims(read_row((*cells, "1", "", "", "", ""))))
 
 
 def _rule(entry: Field, speaker: str | None) -> Rule:
@@ -134,6 +157,17 @@ def _optional(found: Mapping[str, Field], key: str) -> str | None:
 
 def _entries(rule: Rule) -> Iterator[str]:
     """The keys and values of a rule; what is plain is left out."""
+    yield from _claims(rule)
+    yield f"interval: [{_number(rule.interval.lower)}, {_number(rule.interval.upper)}]"
+    yield f"speaker: {_quoted(rule.speaker)}"
+    if rule.status != "active":
+        yield f"status: {rule.status}"
+    if rule.time:
+        yield f"time: {_quoted(write_time(rule.time))}"
+
+
+def _claims(rule: Rule) -> Iterator[str]:
+    """What is seen, in which context, and what follows."""
     yield from _written_atoms("object", "features", rule.features)
     yield from _written_atoms("context", "contexts", rule.contexts)
     if rule.affordance and rule.functor == USED_FOR:
@@ -144,12 +178,6 @@ def _entries(rule: Rule) -> Iterator[str]:
         yield f"functor: {rule.functor}"
         if rule.argument:
             yield f"argument: {_quoted(str(rule.argument))}"
-    yield f"interval: [{_number(rule.interval.lower)}, {_number(rule.interval.upper)}]"
-    yield f"speaker: {_quoted(rule.speaker)}"
-    if rule.status != "active":
-        yield f"status: {rule.status}"
-    if rule.time:
-        yield f"time: {_quoted(write_time(rule.time))}"
 
 
 def _written_atoms(one: str, several: str, atoms: frozenset[Atom]) -> Iterator[str]:

@@ -11,11 +11,13 @@ The statements of one rule must stand together, as they do in every export.
 
 from __future__ import annotations
 
+import gc
 import re
 import tempfile
 from array import array
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
@@ -154,7 +156,7 @@ def _import(
 ) -> Summary:
     """Load the lines of all that is new while they are made; a mistake in any loads none."""
     store = base.store
-    with store.writing():
+    with store.writing(), _uncollected():
         plan = _Plan(base.sequence)
         lines = _lines(base, rules, read, plan, source)
         if dry_run:
@@ -171,6 +173,18 @@ def _import(
         tuple(sorted(read.speakers - read.trusted)),
         tuple(read.conflicts),
     )
+
+
+@contextmanager
+def _uncollected() -> Generator[None]:
+    """Look for no cycles meanwhile: millions of values are made, and none refers to itself."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
 
 
 def _lines(

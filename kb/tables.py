@@ -152,14 +152,19 @@ class _Rows:
             if 0.0 <= belief <= plausibility <= 1.0:
                 seen = self._stamps.seen(_atoms(features, notation.FEATURE_KIND))
                 return self._stamps.star(frame, seen, low, high)
-        rule = _rule(cells)  # which also says what is wrong
+        rule = read_row(cells)  # which also says what is wrong
         if not frame:
             make_room(self._frames)
             self._frames[key] = self._stamps.frame(rule)
         return self._stamps.of(rule)
 
 
-def _rule(cells: Sequence[str]) -> Rule:
+def read_row(cells: Sequence[str]) -> Rule:
+    """The rule of a row with all columns.
+
+    Raises:
+        HiltError: something is wrong with a cell.
+    """
     features, contexts, functor, argument, lower, upper, *told = map(str.strip, cells)
     speaker, status, time = told
     return notation.make_rule(

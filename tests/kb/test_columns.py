@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 from dataclasses import replace
 from datetime import datetime, timezone
@@ -18,6 +19,7 @@ from hilt.kb import columns, stars
 from hilt.kb.columns import write_columns
 from hilt.kb.oxigraph import open_folder, open_memory
 from hilt.kb.rule import Rule, Status
+from hilt.kb.sheet import write_row, write_sheet
 from hilt.kb.store import Store
 from hilt.kb.tables import write_table
 from hilt.ontology.errors import ValidationError
@@ -57,6 +59,8 @@ def test_columns_say_what_the_rules_say(some: list[Rule]):
 
     assert lines[0] == expected([])[0]
     assert sorted(lines) == sorted(expected(told))
+    rows = [write_row(row) for row in csv.reader(lines[1:])]
+    assert sorted(rows) == sorted(line for line in write_sheet(told) if line.startswith(" "))
 
 
 def test_order_is_that_of_the_base_and_not_of_its_making(tmp_path: Path):

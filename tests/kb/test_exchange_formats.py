@@ -107,7 +107,7 @@ def test_large_files_bring_the_same(paper: KnowledgeBase, tmp_path: Path, suffix
     assert import_file(again, tmp_path / f"base.{suffix}").known == 3
 
 
-@pytest.mark.parametrize("suffix", ["nq", "trig.gz", "ttl", "nt", "csv"])
+@pytest.mark.parametrize("suffix", ["nq", "trig.gz", "ttl", "nt", "csv", "yaml"])
 @pytest.mark.usefixtures("streamed")
 def test_large_folders_are_written_as_small_ones(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
