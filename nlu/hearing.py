@@ -240,7 +240,8 @@ class Hearing:
         return found
 
     def _may_be_a_thing(self, word: str) -> bool:
-        return word in self._things | self.book.names_too or not self._is_known(word)
+        names = self._things | self.book.names_too | self.book.denied
+        return word in names or not self._is_known(word)
 
     @cached_property
     def _things(self) -> frozenset[str]:

@@ -39,7 +39,7 @@ _BINDER = Functor(Atom("WITH"), Atom("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "asides", "endings", "names_too", "denying"),
+    *("constructions", "asides", "endings", "names_too", "denying", "denied"),
 )
 
 
@@ -79,6 +79,7 @@ class WordBook:
         self.endings: dict[str, str] = {}
         self.names_too: frozenset[str] = frozenset()
         self.denying: frozenset[str] = frozenset()
+        self.denied: frozenset[str] = frozenset()
         self.turns = Lexicon()
         self.lexicon = Lexicon(base=self.turns)
 
@@ -93,7 +94,7 @@ class WordBook:
             self.contractions[short] = tuple(field.text().split())
         for short, field in _entries(parts, "endings"):
             self.endings[short] = field.text()
-        for key in ("closed", "names_too", "denying"):
+        for key in ("closed", "names_too", "denying", "denied"):
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):
