@@ -8,18 +8,17 @@ slip away from a known one Hilt asks whether that was meant.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 from ..ontology.errors import UnknownNameError
 from .chart import Chart
-from .denials import denies_a_thing, is_denial
+from .denials import is_denial
 from .expression import Expression
+from .familiar import Familiar
 from .generation import Speech
 from .inflection import Inflection
-from .lexicon import Entry
 from .listening import Listener, Situation, after, decide
 from .meaning import (
     AskBack,
@@ -37,9 +36,6 @@ from .tokens import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from .understanding import Reading, Understanding
 from .unknown import (
     MAX_NEW_WORDS,
-    NOUNS,
-    compounds,
-    guesses,
     is_word,
     misspelt,
     names_like,
@@ -47,8 +43,6 @@ from .unknown import (
     slips,
 )
 from .words import WordBook
-
-_KNOWN_COST = 1.0  # a word of a turn of phrase hardly ever names something, too
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,7 +73,7 @@ class Hearing:
             return Misunderstanding(self.speech.say("too_long", limit=f"{MAX_TOKENS} words"))
         if not tokens.items:
             return Misunderstanding(self.speech.say("empty"), nearest=())
-        unknown = self._unknown(tokens)
+        unknown = self.familiar.unknown(tokens)
         strange = [token for token in unknown if not is_word(token)]
         if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
             return self._not_known(tokens, strange or unknown)
@@ -101,10 +95,10 @@ class Hearing:
             insist: words that are new although they are close to known ones.
             in_frames: whether to go by the things named, in any order, and not by the grammar.
         """
-        unknown = self._unknown(tokens)
+        unknown = self.familiar.unknown(tokens)
         chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
-        if denies_a_thing(tokens, self.book.denying, self._may_be_a_thing):
+        if self.familiar.denies_a_thing(tokens):
             readings = [each for each in readings if is_denial(each.meaning)]
         clear = [each for each in readings if self._may_bring(each, tokens, in_frames=in_frames)]
         chosen = decide(clear)
@@ -153,9 +147,15 @@ class Hearing:
         key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
         found = situation.charts.get(key)
         if found is None:
-            found = self.listener.chart(tokens, self._guesses(tokens, unknown))
+            found = self.listener.chart(tokens, self.familiar.guesses(tokens, unknown))
             situation.charts[key] = found
         return found
+
+    @cached_property
+    def familiar(self) -> Familiar:
+        """The words that are known."""
+        listener = self.listener
+        return Familiar(listener.lexicon, listener.frames.words, self.book, self.inflection)
 
     def topic(self, tokens: Tokens, situation: Situation) -> Form | None:
         """The thing that tokens only name, None when they do not."""
@@ -164,24 +164,6 @@ class Hearing:
     def is_general(self, tokens: Tokens) -> bool:
         """Whether what tokens name is any object of a kind."""
         return self.listener.is_general(self.listener.chart(tokens, {}))
-
-    @cached_property
-    def known_words(self) -> frozenset[str]:
-        """Every single word that the lexicon has."""
-        return frozenset(self.listener.lexicon.words())
-
-    @cached_property
-    def named_words(self) -> frozenset[str]:
-        """Every single word that is part of a name: of an object, a use, a property, ..."""
-        names = self.listener.lexicon.names
-        return frozenset(
-            word for kind in NOUNS for name in names.get(kind, ()) for word in name.split(" ")
-        )
-
-    @cached_property
-    def _unnamed_words(self) -> frozenset[str]:
-        """Words of turns of phrase that name nothing yet, and may be taught as names."""
-        return self.book.names_too - self.named_words
 
     def _slip(self, words: Iterable[NewWord], insist: Collection[str]) -> AskBack | None:
         """The question back when a new word is close to a known one of its kind."""
@@ -194,7 +176,7 @@ class Hearing:
             if close is not None:
                 return self._did_you_mean(word.said, close)
             for part in word.said.split(" ") if " " in word.said else ():
-                close = None if part in self.known_words else nearest(part, self.named_words)
+                close = None if part in self.familiar.words else nearest(part, self.familiar.named)
                 if close is not None:
                     return self._did_you_mean(part, close)
         return None
@@ -204,56 +186,18 @@ class Hearing:
         for token in unknown:
             if token.word in insist:
                 continue
-            close = nearest(token.word, self.named_words) or misspelt(token.word, self.known_words)
+            close = nearest(token.word, self.familiar.named) or misspelt(
+                token.word, self.familiar.words
+            )
             if close is not None:
                 return self._did_you_mean(token.word, close)
         return None
 
     def _did_you_mean(self, word: str, close: str) -> AskBack:
         for singular in self.inflection.origins(close, "plural"):
-            if singular in self.named_words and slips(word, singular, 1) <= 1:
+            if singular in self.familiar.named and slips(word, singular, 1) <= 1:
                 close = singular
         return AskBack(self.speech.say("did_you_mean", word=word, suggestion=close), (close,))
-
-    def _unknown(self, tokens: Tokens) -> list[Token]:
-        return [token for token in tokens.items if not self._is_known(token.word)]
-
-    def _is_known(self, word: str) -> bool:
-        framed = self.listener.frames.words
-        return word in self.listener.lexicon or word in self.book.closed or word in framed
-
-    def _guesses(self, tokens: Tokens, unknown: list[Token]) -> Mapping[int, Sequence[Entry]]:
-        found = {
-            place: guesses(
-                token, self.book, self.inflection, cost=0.0 if token in unknown else _KNOWN_COST
-            )
-            for place, token in enumerate(tokens.items)
-            if token in unknown or token.word in self._unnamed_words
-        }
-        for place, pair in enumerate(pairwise(tokens.items)):
-            is_cut = place + 1 in tokens.pauses
-            first, second = (token.word for token in pair)
-            if not is_cut and first not in self.book.closed and self._may_be_named(second):
-                names = compounds(first, second, self.book, self.inflection, self.listener.lexicon)
-                if names:
-                    found[place] = [*found.get(place, ()), *names]
-        return found
-
-    def _may_be_a_thing(self, word: str) -> bool:
-        names = self._things | self.book.names_too | self.book.denied
-        return word in names or not self._is_known(word)
-
-    @cached_property
-    def _things(self) -> frozenset[str]:
-        """The words, in all forms, that name objects and parts."""
-        names = self.listener.lexicon.names
-        return frozenset[str]().union(*(names.get(kind, ()) for kind in ("N", "NS", "P")))
-
-    def _may_be_named(self, word: str) -> bool:
-        """Whether a word may end the name of a thing: "territory", which adds nothing, does not."""
-        lexicon, framed = self.listener.lexicon, self.listener.frames.words
-        is_empty = word in framed and word not in lexicon and word not in self.book.names_too
-        return not is_empty and word not in self.book.closed
 
     def _several(self, readings: Sequence[Reading]) -> AskBack:
         choices = tuple(self._choice(reading.meaning) for reading in readings)

@@ -188,7 +188,7 @@ class Language:
     @property
     def known_words(self) -> frozenset[str]:
         """Every single word that the lexicon has."""
-        return self.hearing.known_words
+        return self.hearing.familiar.words
 
     def say(self, key: str, **slots: Slot) -> str:
         """An answer of `answers.yaml`, with its slots filled."""

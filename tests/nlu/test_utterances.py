@@ -135,6 +135,7 @@ OTHERWISE = {
     "It is false that a shoe is used for cutting": "a belief is taken back",
     "Yeah right, a spoon is for cutting": "irony",
     "The mug needs cutting": "a command to cut it",
+    "By no means is every knife used for cutting.": "of none, not of some",
     "and a mug, what about that one": "the question before is not asked again",
 }
 
