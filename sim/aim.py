@@ -16,7 +16,7 @@ MAX_ATTEMPTS = 3  # how often the hand closes for one thing
 SAME_PLACE = 0.015  # [m], a grasp so near to one that failed is not tried again
 # Efforts of plans, and the scores from which on a grasp is good enough not to make the next one:
 # where little effort finds no way, or only to a poor grasp, more may find a better one.
-EFFORTS = {1: 0.5, 2: 0.3, 4: 0.0}
+EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
 
 
 @dataclass(frozen=True)
