@@ -89,23 +89,6 @@ def in_full(things: Iterable[Group | Block | Reified]) -> Iterator[Group | Reifi
             yield one
 
 
-def grouped(statements: Iterable[Quad | Reified]) -> Iterator[Group | Reified]:
-    """Statements by their node, as far as those of one node stand together."""
-    group = None
-    for one in statements:
-        if isinstance(one, Reified):
-            yield one
-            continue
-        subject, key, value, graph = one
-        if group is None or _is_over(group, subject, graph):
-            if group is not None:
-                yield group
-            group = Group(subject, graph or BELIEFS, [])
-        group.pairs.append((key, value))
-    if group is not None:
-        yield group
-
-
 def _is_over(group: Group, subject: Iri, graph: Iri | None) -> bool:
     is_full = len(group.pairs) >= MAX_GROUP
     return is_full or group.node != subject or group.graph != (graph or BELIEFS)
