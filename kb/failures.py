@@ -103,4 +103,4 @@ def line_of(stream: BinaryIO, number: int) -> str:
 
 def _short(error: Exception) -> str:
     text = getattr(error, "strerror", None) or str(error)
-    return text.strip().rstrip(".").splitlines()[0] + "."
+    return next(iter(text.strip().rstrip(".").splitlines()), type(error).__name__) + "."
