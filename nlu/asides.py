@@ -32,6 +32,9 @@ class Asides:
         wishing: a beginning and the tag with which it asks for what stands between: "you could not
             ..., could you?", with the end of a sentence between the two.
         clauses: patterns of reasons that add nothing before a pause or the end.
+        reasons: patterns of reasons for what is asked for, up to a word like "so".
+        doubts: words with which a reason is no longer the speaker's own, like "said".
+        stand_ins: words like "it", which may stand for what a reason names.
     """
 
     anywhere: frozenset[Phrase] = frozenset()
@@ -41,6 +44,9 @@ class Asides:
     ending: frozenset[Phrase] = frozenset()
     wishing: frozenset[Phrase] = frozenset()
     clauses: tuple[Steps, ...] = ()
+    reasons: tuple[Steps, ...] = ()
+    doubts: frozenset[Phrase] = frozenset()
+    stand_ins: frozenset[Phrase] = frozenset()
 
     def reading(self, kind: str, field: Field) -> Asides:
         """These asides, and further ones of a kind.
@@ -48,11 +54,11 @@ class Asides:
         Raises:
             DataError: there is no such kind, or a pattern is not as expected.
         """
-        if kind == "clauses":
-            return replace(self, clauses=(*self.clauses, *map(checked, field.items())))
-        known = {"anywhere", "apart", "asking", "telling", "ending", "wishing"}
-        if kind not in known:
-            raise field.fail(f'expected "clauses" or one of {sorted(known)}, found "{kind}".')
+        if kind in {"clauses", "reasons"}:
+            return replace(self, **{kind: (*getattr(self, kind), *map(checked, field.items()))})
+        if kind not in _PHRASES:
+            expected = sorted({*_PHRASES, "clauses", "reasons"})
+            raise field.fail(f'expected one of {expected}, found "{kind}".')
         phrases = {words for each in field.items() for words in spellings(each)}
         return replace(self, **{kind: getattr(self, kind) | phrases})
 
@@ -76,6 +82,15 @@ class Asides:
         if place is None:
             return tokens
         return replace(tokens.part(0, place), asks=tokens.words[place:] in self.asking)
+
+    def after_reason(self, tokens: Tokens) -> Tokens | None:
+        """What a reason at the beginning leads to: "..., so pass me the mug"; None without one."""
+        words = tokens.words
+        for end in sorted({end for steps in self.reasons for _, end in matches(steps, words, 0)}):
+            reason, rest = words[:end], words[end:]
+            if rest and not _any_of(self.doubts, reason) and not _any_of(self.stand_ins, rest):
+                return tokens.part(end, len(words))
+        return None
 
     def requested(self, tokens: Tokens) -> Tokens | None:
         """The utterance without a tag that may only urge: "..., will you?"; None without one."""
@@ -136,6 +151,10 @@ class Asides:
         )
 
 
+_PHRASES = frozenset(
+    {"anywhere", "apart", "asking", "telling", "ending", "wishing", "doubts", "stand_ins"}
+)
+
 _LONGEST = 8
 """No aside but a clause is longer [words]."""
 
@@ -151,6 +170,10 @@ def _begun_once(tokens: Tokens) -> Tokens:
         for place in range(pause - length, pause)
     }
     return _only(tokens, [each for each in enumerate(tokens.items) if each[0] not in again])
+
+
+def _any_of(phrases: Collection[Phrase], words: Phrase) -> bool:
+    return any((word,) in phrases for word in words)
 
 
 def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:

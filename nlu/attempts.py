@@ -56,6 +56,8 @@ class Attempts:
         again = self._in_turn(tokens, situation) or self._without_asides(tokens, situation)
         if not again and not (found.readings and _is_slip(found.meaning)):
             again = self._in_frames(tokens, situation)
+            if again is None or again.reading is None:
+                again = self._after_reason(tokens, situation) or again
         return replace(again, text=tokens.text) if _is_better(again, found) else found
 
     def _without_asides(self, tokens: Tokens, situation: Situation) -> Understanding | None:
@@ -73,6 +75,13 @@ class Attempts:
             if again is not None:
                 return again
         return None
+
+    def _after_reason(self, tokens: Tokens, situation: Situation) -> Understanding | None:
+        """What is asked for after a reason of the speaker's own; None when nothing is."""
+        book = self._hearing.book
+        rest = book.asides.after_reason(book.lengthened(tokens))
+        found = self._tried(rest, situation) if rest else None
+        return found if found and isinstance(found.meaning, (Command, ToolCommand)) else None
 
     def _in_frames(self, tokens: Tokens, situation: Situation) -> Understanding | None:
         """An utterance by the things that it names; None when that is nothing either."""

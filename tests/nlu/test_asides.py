@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hilt.nlu import Language
@@ -51,6 +53,23 @@ def test_a_reason_is_set_aside_up_to_a_pause() -> None:
 
     assert said("because it is sharp, use it", known) == "use it"
     assert said("because it is not, use it", known) == "because it is not use it"
+
+
+def test_what_is_asked_for_comes_after_a_reason() -> None:
+    """It is kept when it is hearsay, or when "it" may stand for what it names."""
+    known = replace(
+        asides("reasons", "the * * so"),
+        doubts=frozenset({("said",)}),
+        stand_ins=frozenset({("it",)}),
+    )
+
+    def after(text: str) -> str | None:
+        rest = known.after_reason(tokenize(text, {}))
+        return " ".join(rest.words) if rest else None
+
+    assert after("the soup boils, so pass the mug") == "pass the mug"
+    assert after("the boss said so, so pass the mug") is None
+    assert after("the soup boils, so pass it") is None
 
 
 @pytest.mark.parametrize(("kind", "asks"), [("asking", True), ("telling", False)])
