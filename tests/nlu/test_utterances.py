@@ -137,6 +137,9 @@ OTHERWISE = {
     "The mug needs cutting": "a command to cut it",
     "By no means is every knife used for cutting.": "of none, not of some",
     "and a mug, what about that one": "the question before is not asked again",
+    "To pass a screwdriver hold the shaft, and when you use it hold the handle instead.": (
+        "a correction of both"
+    ),
 }
 
 
