@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .agent import Agent
+    from .dialogue.reply import Reply
     from .protocols import Motion, Vision
-    from .reply import Reply
 
 __all__ = ["Agent", "Motion", "Reply", "Vision"]
 
-_HOMES = {"Agent": "agent", "Motion": "protocols", "Reply": "reply", "Vision": "protocols"}
+_HOMES = {"Agent": "agent", "Motion": "protocols", "Reply": "dialogue.reply", "Vision": "protocols"}
 
 
 def __getattr__(name: str) -> object:

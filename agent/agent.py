@@ -22,28 +22,28 @@ from ..inference.affordance import Affordances
 from ..inference.induction import Inducing
 from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
-from ..kb.beliefs import KnowledgeBase
 from ..kb.interval import Interval
+from ..kb.knowledge_base import KnowledgeBase
 from ..kb.rule import Atom
 from ..nlu.language import Language
 from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType
 from . import protocols
-from .dialogue import Dialogue
-from .embodiment import EYES, ROBOT, Embodiment
-from .episodes import Diary
-from .goals import GoalManager, Request
-from .keeping import file_as_json, settings_as_choices
+from .config import EYES, ROBOT, Embodiment
+from .dialogue.manager import Dialogue
+from .dialogue.reply import Reply
+from .episodes.keeping import file_as_json, settings_as_choices
+from .episodes.recorder import EpisodeRecorder
+from .execution.goal_manager import GoalManager, Request
+from .execution.outcome import GoalResult, Json
 from .opening import actions_with, language_of, open_base
-from .outcome import Achievement, Json
 from .protocols import Motion, Vision
-from .reply import Reply
 from .translation import words_of
 
 if TYPE_CHECKING:
     from ..sim.body import Body
-    from ..sim.scene import Scene
-    from .filming import Film
+    from ..sim.scene.scene import Scene
+    from .presentation.video import Film
 
 
 class Agent:
@@ -93,7 +93,7 @@ class Agent:
         self._vision, self._motion = vision, motion
         self._actions_file = actions_file
         self._film: Film | None = None
-        diary = Diary(base, self.circumstances, self.state)
+        diary = EpisodeRecorder(base, self.circumstances, self.state)
         self.dialogue = Dialogue(
             base,
             language.with_words(words_of(actions, language)),
@@ -204,7 +204,7 @@ class Agent:
             reply = reply.with_pictures(str(self._film.path))
         return reply
 
-    def attempt(self, text: str, request: Request) -> tuple[Achievement, str]:
+    def attempt(self, text: str, request: Request) -> tuple[GoalResult, str]:
         """Carry out a request as it is; what came of it, and what is said about it.
 
         Args:
@@ -233,7 +233,7 @@ class Agent:
         """In what state the world is, in a word; empty when nothing has moved yet."""
         if "body" not in self.__dict__:
             return ""
-        from ..sim.fingerprint import fingerprint
+        from ..sim.state_hash import fingerprint
 
         return fingerprint(self.body)
 
@@ -305,7 +305,7 @@ class Agent:
         Raises:
             DataError: the file cannot be written.
         """
-        from .filming import Film
+        from .presentation.video import Film
 
         with Film(self.body, self.goals, path) as film:
             self._film = film

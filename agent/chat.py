@@ -12,10 +12,10 @@ from rich.text import Text
 
 from ..kb.rule import check_speaker
 from ..ontology.errors import ValidationError
-from . import console as shown
 from .agent import Agent
+from .presentation import console as shown
+from .presentation.wording import printable
 from .prompt import lines
-from .wording import printable
 
 QUIT = "/quit"
 LAST_WORDS = {QUIT, "/exit", "quit", "exit"}  # none of the three others is an utterance

@@ -12,10 +12,10 @@ from rich.console import Console
 from rich.panel import Panel
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from . import console as shown
 from .agent import Agent
-from .outcome import Json, Step
-from .reply import Reply
+from .dialogue.reply import Reply
+from .execution.outcome import Json, Step
+from .presentation import console as shown
 
 LESSONS = (
     "A knife is used for cutting",

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from platformdirs import user_data_path
 
-from ..kb.beliefs import KnowledgeBase
+from ..kb.knowledge_base import KnowledgeBase
 from ..ontology.action_sheet import load_actions
 from ..ontology.actions import Actions
 from ..ontology.objects import Household, load_household
@@ -51,7 +51,7 @@ def _language() -> Language:
 
 def _loaded(kinds: Household, lexicon: Path | None) -> Language:
     from ..nlu.language import Language
-    from ..nlu.vocabulary import household_vocabulary
+    from ..nlu.lexicon.vocabulary import household_vocabulary
 
     vocabulary = household_vocabulary(kinds.objects)
     return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)

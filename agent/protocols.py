@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from ..sim.percept import Percept
-from ..sim.report import MotionReport
+from ..sim.manipulation.report import MotionReport
+from ..sim.vision.percept import Percept
 
 if TYPE_CHECKING:
-    from ..nlu.meaning import Meaning
-    from .outcome import Answer, Constraint
+    from ..nlu.semantics.meaning import Meaning
+    from .execution.outcome import Answer, Constraint
 
 
 class Vision(Protocol):

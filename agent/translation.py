@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..inference.goal import Target
+from ..inference.types import Target
 from ..kb.interval import Interval
 from ..kb.rule import Rule, functional, grasping
-from ..nlu import meaning
-from ..nlu.interpretation import GOALS
 from ..nlu.language import Language
+from ..nlu.semantics import meaning
+from ..nlu.semantics.interpretation import GOALS
 from ..ontology.actions import Actions
-from .goals import Argument, Request
+from .execution.goal_manager import Argument, Request
 
 
 def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:

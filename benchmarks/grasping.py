@@ -28,12 +28,12 @@ from stopwatch import Stopwatch
 
 from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim.body import Body
-from hilt.sim.noise import Noise
-from hilt.sim.report import MotionReport
-from hilt.sim.robot import Robot
-from hilt.sim.robots import find_robot
-from hilt.sim.scene import graspable, scene_of
-from hilt.sim.world import World
+from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.robot.models import find_robot
+from hilt.sim.robot.robot import Robot
+from hilt.sim.scene.scene import graspable, scene_of
+from hilt.sim.scene.world import World
+from hilt.sim.vision.noise import Noise
 
 
 @dataclass(frozen=True)

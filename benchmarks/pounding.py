@@ -19,7 +19,7 @@ from time import process_time
 
 from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim.body import Body
-from hilt.sim.scene import parse_scene
+from hilt.sim.scene.scene import parse_scene
 
 MOST_BLOWS = 12  # a nail that is not in by then does not go in
 DEEP_ENOUGH = 0.010  # [m]

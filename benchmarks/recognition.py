@@ -20,11 +20,11 @@ import numpy as np
 
 from hilt.ontology.objects import load_objects
 from hilt.sim.body import Body
-from hilt.sim.camera import View
-from hilt.sim.noise import Noise, with_depth_noise
-from hilt.sim.percept import Percept
-from hilt.sim.recognition import LearnedVision
-from hilt.sim.scene import graspable, parse_scene
+from hilt.sim.scene.scene import graspable, parse_scene
+from hilt.sim.vision.camera import View
+from hilt.sim.vision.learned_detector import LearnedVision
+from hilt.sim.vision.noise import Noise, with_depth_noise
+from hilt.sim.vision.percept import Percept
 
 OBJECTS = load_objects()
 ALL = [f"object:{name}" for name in OBJECTS]

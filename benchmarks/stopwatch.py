@@ -9,11 +9,11 @@ from time import process_time
 from types import TracebackType
 from typing import Any
 
-from hilt.sim import aim, hold
-from hilt.sim.engine import Engine
-from hilt.sim.kinematics import Chain
-from hilt.sim.reach import Reacher
-from hilt.sim.vision import Vision
+from hilt.sim.grasping import scoring, selection
+from hilt.sim.physics.engine import Engine
+from hilt.sim.robot.kinematics import Chain
+from hilt.sim.robot.path_planner import Reacher
+from hilt.sim.vision.detector import Vision
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("stepping", Engine, "step"),
@@ -21,8 +21,8 @@ WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("seeing", Vision, "look"),
     ("seeing", Vision, "search"),
     ("seeing", Vision, "obstacles"),
-    ("candidates", aim, "plan_grasps"),
-    ("judging", hold, "judge"),
+    ("candidates", selection, "plan_grasps"),
+    ("judging", scoring, "judge"),
     ("joints", Chain, "solve"),
     ("joints", Chain, "track"),
     ("paths", Reacher, "transit"),

@@ -23,7 +23,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.evaluation.scenarios import load_scenarios
-from hilt.inference import Affordances, Goal, Observation, Target, vectorised
+from hilt.inference import Affordances, Goal, Observation, Target, evidence_batch
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom
 
@@ -143,8 +143,8 @@ def applied(count: int) -> Callable[[], np.ndarray]:
     starts = np.arange(0, count, 2)
 
     def apply() -> np.ndarray:
-        concluded = vectorised.modus_ponens(vectorised.conjunction(premises), rules)
-        return vectorised.fuse_yager(concluded, starts)
+        concluded = evidence_batch.modus_ponens(evidence_batch.conjunction(premises), rules)
+        return evidence_batch.fuse_yager(concluded, starts)
 
     return apply
 

@@ -26,8 +26,8 @@ SECONDS = 120 * max(RULES, 100_000) / 1_000_000
 MEGABYTES = 3072
 RUN = """
 import json, resource, sys, time
-from hilt.kb.beliefs import KnowledgeBase
-from hilt.kb.exchange import export_file, import_file
+from hilt.kb.knowledge_base import KnowledgeBase
+from hilt.kb.formats.transfer import export_file, import_file
 doing, base, file = sys.argv[1:]
 with KnowledgeBase.open(base) as kb:
     start, cpu = time.perf_counter(), time.process_time()

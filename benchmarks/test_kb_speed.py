@@ -24,14 +24,14 @@ import pytest
 from rdflib import Graph, URIRef
 
 from hilt.agent.agent import Agent
-from hilt.kb import stars
-from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.interval import Interval
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.migration import FORMAT, version_quad
-from hilt.kb.oxigraph import save_quads, write_rdf
-from hilt.kb.recall import BASE_GRAPH, BASE_NODE
+from hilt.kb.rdf import rule_mapping
+from hilt.kb.rdf.terms import Quad
+from hilt.kb.reader import BASE_GRAPH, BASE_NODE
 from hilt.kb.rule import Rule, grasping
-from hilt.kb.terms import Quad
+from hilt.kb.stores.oxigraph import save_quads, write_rdf
 from hilt.ontology.vocabulary import iri, term
 
 FEW = 1_000
@@ -50,12 +50,12 @@ def rules(count: int) -> Iterator[Rule]:
 
 def statements(count: int) -> Iterator[Quad]:
     """A base of so many rules."""
-    yield Quad(BASE_NODE, stars.TYPE, term("Base"), BASE_GRAPH)
+    yield Quad(BASE_NODE, rule_mapping.TYPE, term("Base"), BASE_GRAPH)
     yield version_quad(FORMAT)
     for rule in rules(count):  # without the names of what they speak of, which nobody asks here
-        yield from stars.star(rule)
-        yield stars.hanging(rule)
-        yield from stars.plain_edges(rule)
+        yield from rule_mapping.star(rule)
+        yield rule_mapping.hanging(rule)
+        yield from rule_mapping.plain_edges(rule)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,9 @@ def test_rules_of_a_node(
         while kind == "memory" and (some := list(islice(rest, 10_000))):
             kb.store.apply(insert=some)
 
-        found = benchmark.pedantic(lambda: kb.rules_of([NODE]), rounds=3_000, warmup_rounds=200)
+        found = benchmark.pedantic(
+            lambda: kb.rules_at_nodes([NODE]), rounds=3_000, warmup_rounds=200
+        )
 
     assert [rule.object for rule in found] == ["needle"]
     took = MEDIANS[kind, count] = benchmark.stats.stats.median
@@ -100,7 +102,7 @@ def test_rules_of_a_node_in_rdflib(benchmark: Any, way: str):
     """The peer: rdflib's own store in memory, the same statements, without making rules of them."""
     graph = Graph()
     graph.parse(data=write_rdf(statements(FEW), format="ntriples"), format="nt")
-    node, edge = URIRef(iri("node", NODE)), URIRef(stars.RULE)
+    node, edge = URIRef(iri("node", NODE)), URIRef(rule_mapping.RULE)
     query = f"SELECT ?r ?p ?o {{ <{node}> <{edge}> ?r . ?r ?p ?o }}"
 
     def by_patterns() -> list[Any]:
@@ -169,7 +171,7 @@ def test_opening(benchmark: Any, folder_of: Callable[[int], Path]):
 
 def test_question_in_a_process_of_its_own(benchmark: Any, folder_of: Callable[[int], Path]):
     """What it costs that a query can be stopped: by the running worker, and the first time."""
-    from hilt.kb.limits import Limits
+    from hilt.kb.sparql.limits import Limits
 
     with KnowledgeBase.open(folder_of(MANY)) as kb:
         start = time.perf_counter()

@@ -17,10 +17,10 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.exchange import write_text
+from hilt.kb.formats.transfer import write_text
 from hilt.kb.interval import Interval
+from hilt.kb.rdf.rule_mapping import statements
 from hilt.kb.rule import grasping
-from hilt.kb.stars import statements
 
 pytestmark = pytest.mark.timeout(0)  # a busy machine takes several times as long
 
@@ -28,8 +28,8 @@ RULES = 10_000
 SECONDS = 30
 RUN = """
 import json, resource, sys, time
-from hilt.kb.exchange import import_file, read_file
-from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.formats.transfer import import_file, read_file
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.staging import findings
 doing, file = sys.argv[1:]
 told, start, cpu = [], time.perf_counter(), time.process_time()

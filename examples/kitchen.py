@@ -10,7 +10,7 @@ from pathlib import Path
 from hilt.agent import Agent
 from hilt.inference.explanation import why
 from hilt.kb import Interval
-from hilt.kb.exchange import import_file
+from hilt.kb.formats.transfer import import_file
 from hilt.kb.rule import Atom
 
 HERE = Path(__file__).parent

@@ -10,10 +10,10 @@ Run: python examples/own_robot.py
 from collections.abc import Mapping, Sequence
 
 from hilt.agent import Agent
-from hilt.agent.outcome import Answer, Constraint
-from hilt.nlu.meaning import Command, Meaning, Target
-from hilt.sim.percept import Percept
-from hilt.sim.report import MotionReport
+from hilt.agent.execution.outcome import Answer, Constraint
+from hilt.nlu.semantics.meaning import Command, Meaning, Target
+from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.vision.percept import Percept
 
 DETECTIONS = (("knife", 0.91), ("spoon", 0.97))  # what your detector sees: class, confidence
 LESSONS = (

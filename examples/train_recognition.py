@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the networks of `hilt.sim.recognition` on rendered scenes and keeps them in a file.
+"""Train the networks of `hilt.sim.vision.learned_detector` on rendered scenes.
 
     python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--objects MY] [--out OUT]
 
@@ -18,16 +18,16 @@ import numpy as np
 
 from hilt.ontology.errors import SimulationError
 from hilt.ontology.objects import ObjectType, load_household
-from hilt.sim.camera import View
-from hilt.sim.descriptors import describe
-from hilt.sim.familiarity import Familiarity
-from hilt.sim.network import fit
-from hilt.sim.noise import Noise
-from hilt.sim.recognition import NETWORKS_FILE, Recogniser, point_inputs
-from hilt.sim.scene import Placement, Scene, graspable, scene_of
-from hilt.sim.segmentation import TABLE_MARGIN, Segment, segments
-from hilt.sim.vision import Vision
-from hilt.sim.world import World
+from hilt.sim.scene.scene import Placement, Scene, graspable, scene_of
+from hilt.sim.scene.world import World
+from hilt.sim.vision.camera import View
+from hilt.sim.vision.classifier import fit
+from hilt.sim.vision.descriptors import describe
+from hilt.sim.vision.detector import Vision
+from hilt.sim.vision.familiarity import Familiarity
+from hilt.sim.vision.learned_detector import NETWORKS_FILE, Recogniser, point_inputs
+from hilt.sim.vision.noise import Noise
+from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, segments
 
 UNUSUAL = 0.3  # how often a thing lies in any way it can, usual or not
 NAIL, LOOSE_NAIL = 0.25, 0.15  # how often there is one

@@ -24,8 +24,8 @@ threshold    what lambda must exceed before the robot acts
 
 from .affordance import Affordances, RuleSource
 from .evidence import Operators
-from .goal import Candidate, Conclusion, Goal, Inference, Observation, Target
 from .settings import Settings
+from .types import Candidate, Conclusion, Goal, Inference, Observation, Target
 
 __all__ = [
     "Affordances",

@@ -13,13 +13,13 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ..kb.formats.notation import read_atom
 from ..kb.interval import Interval
-from ..kb.notation import read_atom
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from .evidence import relative_plausibility
-from .goal import Conclusion
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
+from .types import Conclusion
 
 Json = dict[str, object]
 

@@ -18,12 +18,12 @@ from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import Atom, Rule
-from .goal import Candidate, Goal, Inference, Observation
-from .judging import Applicable, Judge
+from .decision import Applicable, Judge
 from .proof import Proof, derived, told, unknown
 from .selection import FIND, Shown, Situation, closure, nearest
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
+from .types import Candidate, Goal, Inference, Observation
 
 PERCEIVED = ("object", "part", "property")  # kinds of atoms that eyes report
 
@@ -36,7 +36,7 @@ class RuleSource(Protocol):
         """The number of the last change; equal numbers mean equal rules."""
         ...
 
-    def rules_of(self, nodes: Sequence[str]) -> Sequence[Rule]:
+    def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
         """The active rules that hang on any of these nodes."""
         ...
 
@@ -123,7 +123,7 @@ class Affordances:
 
     def _rules_at(self, key: str) -> Sequence[Rule]:
         if key not in self._rules:
-            self._rules[key] = tuple(self.source.rules_of([key]))
+            self._rules[key] = tuple(self.source.rules_at_nodes([key]))
         return self._rules[key]
 
     # --- Concluding ----------------------------------------------------------------------

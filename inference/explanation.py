@@ -13,10 +13,10 @@ from itertools import pairwise
 
 from ..kb.interval import Interval
 from ..ontology.errors import UnknownNameError
-from .goal import Candidate, Inference
-from .judging import Judge
+from .decision import Judge
 from .proof import Json, Proof
 from .settings import Settings
+from .types import Candidate, Inference
 
 HALVINGS = 40  # of a stretch of a path, when the turning point is searched: to 1e-12
 STRETCHES = 64  # of a path that are looked at

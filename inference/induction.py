@@ -43,7 +43,7 @@ class TaughtRules(Protocol):
         """All rules that hold."""
         ...
 
-    def rules_of(self, nodes: Sequence[str]) -> Sequence[Rule]:
+    def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
         """The rules that hang on these nodes."""
         ...
 
@@ -132,7 +132,7 @@ class Inducing:
         """The number of the last change of what was taught."""
         return self.source.sequence
 
-    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The rules that hang on these nodes, taught and induced ones."""
         if self.sequence != self._sequence:
             self._sequence = self.sequence
@@ -140,7 +140,7 @@ class Inducing:
             for each in induce(self.source.rules(), self._objects, classes=self._classes):
                 self._induced.setdefault(each.rule.node, []).append(each.rule)
         added = [rule for node in dict.fromkeys(nodes) for rule in self._induced.get(node, ())]
-        return [*self.source.rules_of(nodes), *added]
+        return [*self.source.rules_at_nodes(nodes), *added]
 
 
 def ontology_graph(

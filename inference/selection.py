@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 
 from ..kb.rule import USED_FOR, Atom, Rule
-from .goal import Conclusion, Goal
-from .judging import Applicable
+from .decision import Applicable
 from .settings import Settings
 from .taxonomy import Taxonomy
+from .types import Conclusion, Goal
 
 FIND = "findObject"  # the action whose rules say which thing: usedFor(object, affordance)
 

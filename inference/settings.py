@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..kb.rule import Atom
 from ..ontology.errors import DataError, HiltError, UnknownNameError
-from ..ontology.source import Field, read_yaml
+from ..ontology.yaml_reader import Field, read_yaml
 from .evidence import Operators
 
 SETTINGS_FILE = Path(__file__).parents[1] / "ontology" / "settings.yaml"

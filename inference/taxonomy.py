@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from ..kb.beliefs import KnowledgeBase
+from ..kb.knowledge_base import KnowledgeBase
 from ..kb.rule import Atom
 from ..ontology.errors import DataError
 from ..ontology.vocabulary import Iri, split

@@ -16,7 +16,7 @@ base        a folder, the memory, or an endpoint that keeps all of it
 >>> kb = KnowledgeBase.open("memory:")
 >>> rule = grasping("knife", "blade", "pass", interval=Interval(0.95, 1))
 >>> told = kb.believe("To pass a knife grab the knife by the blade", "implies(...)", "sam", [rule])
->>> kb.rules_of(["pass.graspObject"])
+>>> kb.rules_at_nodes(["pass.graspObject"])
 [<Rule pass, object:knife => graspObject(blade) [0.95, 1.00]>]
 """
 
@@ -28,7 +28,7 @@ from .interval import CERTAIN, VACUOUS, Interval
 from .rule import Atom, Rule, functional, grasping
 
 if TYPE_CHECKING:
-    from .beliefs import KnowledgeBase
+    from .knowledge_base import KnowledgeBase
 
 __all__ = [
     "CERTAIN",
@@ -45,7 +45,7 @@ __all__ = [
 def __getattr__(name: str) -> object:
     # The base brings the store engine with it; who needs only the values does not pay for that.
     if name == "KnowledgeBase":
-        from .beliefs import KnowledgeBase
+        from .knowledge_base import KnowledgeBase
 
         return KnowledgeBase
     raise AttributeError(name)

@@ -17,8 +17,7 @@ from typing import cast
 from ..ontology.vocabulary import Iri, external, iri, split, term
 from .history import ANSWER, TEXT, utterance_iri
 from .interval import Interval
-from .rule import Atom
-from .stars import (
+from .rdf.rule_mapping import (
     ATTRIBUTED_TO,
     FEATURE,
     GENERATED_AT,
@@ -30,9 +29,10 @@ from .stars import (
     atom_of,
     rule_id,
 )
-from .stars import rule_iri as _rule_iri
-from .store import Store
-from .terms import Quad, Term
+from .rdf.rule_mapping import rule_iri as _rule_iri
+from .rdf.terms import Quad, Term
+from .rule import Atom
+from .stores.base import Store
 
 EPISODES = iri("graph", "episodes")
 

@@ -19,10 +19,10 @@ from typing import TypeVar, cast
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, iri, shortened, split, term
-from .formats import STREAM
+from .formats.registry import STREAM
+from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
+from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
-from .stars import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
-from .terms import Quad, Term, lexical
 
 T = TypeVar("T", int, str, bool, Iri, datetime, Decimal)
 

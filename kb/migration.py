@@ -14,10 +14,10 @@ from collections.abc import Mapping
 
 from ..ontology.errors import StoreError
 from ..ontology.vocabulary import term
-from .recall import BASE_GRAPH, BASE_NODE
-from .sparql import delete_insert, joined
-from .store import Store
-from .terms import Quad, Term
+from .rdf.terms import Quad, Term
+from .reader import BASE_GRAPH, BASE_NODE
+from .sparql.text import delete_insert, joined
+from .stores.base import Store
 
 FORMAT = 1  # raised when earlier programs would misread what is written
 FORMAT_VERSION = term("formatVersion")

@@ -12,16 +12,16 @@ from itertools import islice
 
 from ..ontology.errors import DataError, ValidationError
 from ..ontology.vocabulary import GRAPH_NAMES, Iri, iri, shortened, term
-from . import stars
 from .episodes import EPISODES
 from .history import HISTORY
-from .recall import BASE_GRAPH
+from .learned_words import LEXICON
+from .rdf import rule_mapping
+from .rdf.rule_mapping import BELIEFS, TYPE
+from .rdf.terms import Quad
+from .reader import BASE_GRAPH
 from .rule import Rule
-from .stars import BELIEFS, TYPE
-from .store import MEMORY, Store, open_store
-from .terms import Quad
+from .stores.base import MEMORY, Store, open_store
 from .validation import Finding, Progress, lawful, rule_nodes, shapes
-from .words import LEXICON
 
 MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
 WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
@@ -53,7 +53,7 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
 def stage_rules(rules: Iterable[Rule]) -> Store:
     """Rules in a store of their own."""
     staging = open_store(MEMORY)
-    staging.apply(insert=(quad for rule in rules for quad in stars.statements(rule)))
+    staging.apply(insert=(quad for rule in rules for quad in rule_mapping.statements(rule)))
     return staging
 
 
@@ -112,11 +112,11 @@ def _rename(staging: Store) -> None:
     names: dict[Iri, Iri] = {}
     for node in rule_nodes(staging):
         try:
-            rule = stars.read_rule(staging.properties(node, BELIEFS))
+            rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
         except ValidationError:
             continue  # validation will say it
-        if stars.rule_iri(rule.id) != node:
-            names[node] = stars.rule_iri(rule.id)
+        if rule_mapping.rule_iri(rule.id) != node:
+            names[node] = rule_mapping.rule_iri(rule.id)
     if names:
         old = [q for q in staging.quads() if q.subject in names or q.object in names]
         staging.apply(insert=[_renamed(quad, names) for quad in old], delete=old)

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import ATOM_KINDS, SHAPES_FILE, Iri, shortened, split, term
-from . import stars
 from .history import HISTORY, read_utterance, utterance_quads
-from .recall import TRUST_LOWER, TRUST_UPPER
-from .stars import BELIEFS, TYPE
-from .store import Store
-from .telling import speaker_quads
-from .terms import STRING, Quad, Term, lexical
+from .rdf import rule_mapping
+from .rdf.rule_mapping import BELIEFS, TYPE
+from .rdf.terms import STRING, Quad, Term, lexical
+from .reader import TRUST_LOWER, TRUST_UPPER
+from .stores.base import Store
+from .writer import speaker_quads
 
 if TYPE_CHECKING:
     from rdflib import Graph
@@ -32,7 +32,7 @@ PORTION = 1000  # nodes that SHACL checks at a time
 Progress = Callable[[int, int], None]  # is told how many are done, and of how many
 
 _SUBJECT = re.compile(r"\s*(<[^<>\s]+>|[\w-]+:[^\s;,<>]+)\s")  # that of a statement, in Turtle
-_OF_SPEAKERS = frozenset({TYPE, stars.LABEL, TRUST_LOWER, TRUST_UPPER})
+_OF_SPEAKERS = frozenset({TYPE, rule_mapping.LABEL, TRUST_LOWER, TRUST_UPPER})
 _NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
 
 
@@ -156,10 +156,10 @@ def _gather(
 
 
 def _rule_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:
-    rule = stars.read_rule(properties)
-    if stars.rule_iri(rule.id) != node:
+    rule = rule_mapping.read_rule(properties)
+    if rule_mapping.rule_iri(rule.id) != node:
         raise ValidationError([f"Its content makes it {rule.id.replace('/', ':')}."])
-    yield from stars.statements(rule)
+    yield from rule_mapping.statements(rule)
 
 
 def _utterance_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:
@@ -175,7 +175,7 @@ def _stands_alone(quad: Quad) -> bool:
     kind, _ = split(quad.subject)
     if kind == "speaker":
         return quad.predicate in _OF_SPEAKERS
-    return kind in _NAMED and quad.predicate in {TYPE, stars.LABEL}
+    return kind in _NAMED and quad.predicate in {TYPE, rule_mapping.LABEL}
 
 
 def _shown(quad: Quad) -> str:

@@ -19,10 +19,10 @@ from ..ontology.errors import DataError, NotFoundError
 from ..ontology.vocabulary import Iri, split
 from .history import ASSERTS, HISTORY, KIND, RETRACTS, SEQUENCE, SUPERSEDES
 from .interval import CERTAIN, Interval
-from .recall import Recall
+from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id
+from .reader import RuleReader
 from .rule import DEFAULT_SPEAKER, Atom, Rule
-from .stars import ATTRIBUTED_TO, GENERATED_AT, rule_id
-from .telling import trust_said
+from .writer import trust_said
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
@@ -46,7 +46,7 @@ class View:
         part: str | None = None,
         speaker: str | None = None,
     ) -> list[Rule]:
-        """Those that match, as `Recall.rules` has it."""
+        """Those that match, as `RuleReader.rules` has it."""
         argument = _atom("affordance", affordance) or _atom("part", part)
         seen, done = _atom("object", object), _atom("action", context)
         return [
@@ -58,14 +58,14 @@ class View:
             and (speaker is None or speaker == rule.speaker)
         ]
 
-    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
-        """Those that hang on action-tree nodes, as `Recall.rules_of` has it."""
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
+        """Those that hang on action-tree nodes, as `RuleReader.rules_at_nodes` has it."""
         wanted = frozenset(nodes)
         return sorted((rule for rule in self.all if rule.node in wanted), key=lambda one: one.id)
 
 
 def view(
-    base: Recall, *, at: datetime | int | None = None, according_to: str | None = None
+    base: RuleReader, *, at: datetime | int | None = None, according_to: str | None = None
 ) -> View:
     """The rules as they were, or as one person sees them, or both.
 
@@ -139,7 +139,7 @@ class _Said:
     ends: list[str]
 
 
-def _said(base: Recall) -> list[_Said]:
+def _said(base: RuleReader) -> list[_Said]:
     """All utterances in their order; one scan for each property, so that it is cheap anywhere."""
     links = {key: _objects(base, key) for key in (ASSERTS, RETRACTS, SUPERSEDES)}
     once = {key: _objects(base, key) for key in (GENERATED_AT, ATTRIBUTED_TO, KIND)}
@@ -157,7 +157,7 @@ def _said(base: Recall) -> list[_Said]:
     return sorted(found, key=lambda one: (one.time, one.sequence))
 
 
-def _objects(base: Recall, key: Iri) -> defaultdict[Iri, list[object]]:
+def _objects(base: RuleReader, key: Iri) -> defaultdict[Iri, list[object]]:
     found: defaultdict[Iri, list[object]] = defaultdict(list)
     for quad in base.store.quads(None, key, None, HISTORY):
         found[quad.subject].append(quad.object)
@@ -168,7 +168,7 @@ def _rules(nodes: list[object]) -> list[str]:
     return [rule_id(cast(Iri, node)) for node in nodes]
 
 
-def _ended_elsewhere(base: Recall, said: list[_Said], held: dict[str, _Said]) -> list[str]:
+def _ended_elsewhere(base: RuleReader, said: list[_Said], held: dict[str, _Said]) -> list[str]:
     """The rules among these that do not hold now although nothing that was said here ended them.
 
     They came with a file or another base, where they were taken back; when is not known.
@@ -178,7 +178,7 @@ def _ended_elsewhere(base: Recall, said: list[_Said], held: dict[str, _Said]) ->
 
 
 def _check(
-    base: Recall, said: list[_Said], at: datetime | int | None, according_to: str | None
+    base: RuleReader, said: list[_Said], at: datetime | int | None, according_to: str | None
 ) -> None:
     last = max((one.sequence for one in said), default=0)
     if isinstance(at, int) and not 0 <= at <= last:
@@ -196,7 +196,7 @@ def _is_until(one: _Said, at: datetime | int | None) -> bool:
     return one.sequence <= at if isinstance(at, int) else one.time <= at
 
 
-def _replayed(base: Recall, heard: list[_Said], according_to: str | None) -> dict[str, _Said]:
+def _replayed(base: RuleReader, heard: list[_Said], according_to: str | None) -> dict[str, _Said]:
     """The ids of the rules that held in the end, with what said each of them last."""
     held: dict[str, _Said] = {}
     for one in heard:
@@ -210,7 +210,7 @@ def _replayed(base: Recall, heard: list[_Said], according_to: str | None) -> dic
 
 
 def _trust(
-    base: Recall, speakers: set[str], said: list[_Said], heard: list[_Said]
+    base: RuleReader, speakers: set[str], said: list[_Said], heard: list[_Said]
 ) -> dict[str, float]:
     """How far each speaker was trusted.
 
@@ -221,14 +221,14 @@ def _trust(
 
 
 def _then(
-    base: Recall, name: str, ever: dict[str, Interval], then: dict[str, Interval]
+    base: RuleReader, name: str, ever: dict[str, Interval], then: dict[str, Interval]
 ) -> Interval:
     start = CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0)
     now = base.trust(name) or Interval(0, 0)
     return then.get(name, start if name in ever else now)
 
 
-def _trusts(base: Recall, said: list[_Said]) -> Iterator[tuple[str, Interval]]:
+def _trusts(base: RuleReader, said: list[_Said]) -> Iterator[tuple[str, Interval]]:
     for one in said:
         if one.is_trust:
             found = trust_said(base.utterance(one.sequence))

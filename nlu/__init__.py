@@ -21,7 +21,9 @@ meaning         what it comes to for Hilt: a rule, a command, a question, ...
 from __future__ import annotations
 
 from .language import Language
-from .meaning import (
+from .lexicon.vocabulary import Vocabulary
+from .semantics.coreference import Discourse
+from .semantics.meaning import (
     ANY_OBJECT,
     Acknowledgement,
     ActionRule,
@@ -38,10 +40,8 @@ from .meaning import (
     Target,
     ToolCommand,
 )
-from .reference import Discourse
 from .session import Session
 from .understanding import Reading, Understanding
-from .vocabulary import Vocabulary
 
 __all__ = [
     "ANY_OBJECT",

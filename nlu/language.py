@@ -15,34 +15,34 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from ..ontology.confidence import Degrees, load_degrees
 from ..ontology.errors import UnknownNameError
-from ..ontology.qualifiers import Degrees, load_degrees
-from ..ontology.source import read_yaml
-from .attempts import Attempts
+from ..ontology.yaml_reader import read_yaml
 from .building import building, without_collecting
-from .combinators import Combinator
-from .expression import Expression, load_expression
-from .framing import load_frames
-from .generation import Slot, Speech, load_speech
-from .grammar import load_grammar
-from .hearing import Hearing, without_reading
-from .inflection import Inflection, load_inflection
-from .interpretation import Interpreter
-from .lexicon import Lexicon
-from .listening import Listener, Situation
-from .meaning import (
+from .generation.realizer import Expression, load_expression
+from .generation.templates import Slot, Speech, load_speech
+from .grammar.grammar import load_grammar
+from .grammar.notation import keep_lines
+from .lexicon.inflection import Inflection, load_inflection
+from .lexicon.lexicon import Lexicon
+from .lexicon.loader import WordBook
+from .lexicon.vocabulary import Vocabulary, household_vocabulary
+from .parsing.combinators import Combinator
+from .parsing.framing import load_frames
+from .parsing.hearing import Hearing, without_reading
+from .parsing.parser import Listener, Situation
+from .parsing.strategies import Attempts
+from .parsing.tokenizer import tokenize
+from .semantics.coreference import Discourse
+from .semantics.interpretation import Interpreter
+from .semantics.meaning import (
     AskBack,
     Meaning,
     NewWord,
     Rule,
 )
-from .notation import keep_lines
-from .pragmatics import load_pragmatics
-from .reference import Discourse
-from .tokens import tokenize
+from .semantics.pragmatics import load_pragmatics
 from .understanding import Understanding
-from .vocabulary import Vocabulary, household_vocabulary
-from .words import WordBook
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from .language import Language
-from .meaning import Statement
-from .reference import Discourse
+from .semantics.coreference import Discourse
+from .semantics.meaning import Statement
 from .understanding import Understanding
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .chart import Derivation
-from .derivation import Step, steps
-from .meaning import Confidence, Json, Meaning, NewWord
-from .predicates import Form
-from .reference import Discourse
+from .parsing.chart import Derivation
+from .parsing.derivation import Step, steps
+from .semantics.coreference import Discourse
+from .semantics.meaning import Confidence, Json, Meaning, NewWord
+from .semantics.predicates import Form
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from .actions import (
     Step,
 )
 from .errors import UnknownNameError
-from .source import Field, read_yaml
+from .yaml_reader import Field, read_yaml
 
 ACTIONS_FILE = Path(__file__).with_name("actions.yaml")
 MAX_REPEAT = 100

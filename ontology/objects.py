@@ -16,8 +16,8 @@ from functools import cached_property
 from pathlib import Path
 
 from .errors import UnknownNameError
-from .solids import MAX_LENGTH, Colour, Point3, Solid, read_colour, read_solid, read_turn
-from .source import Field, read_yaml
+from .geometry import MAX_LENGTH, Colour, Point3, Solid, read_colour, read_solid, read_turn
+from .yaml_reader import Field, read_yaml
 
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
 MAX_MASS = 500.0  # [kg]

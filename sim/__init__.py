@@ -38,12 +38,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .body import Body
-    from .percept import PartPercept, Percept
-    from .report import REASONS, MotionReport
-    from .robots import RobotType, find_robot, load_robots
-    from .scene import Placement, Scene, parse_scene
-    from .vision import Vision
-    from .world import World
+    from .manipulation.report import REASONS, MotionReport
+    from .robot.models import RobotType, find_robot, load_robots
+    from .scene.scene import Placement, Scene, parse_scene
+    from .scene.world import World
+    from .vision.detector import Vision
+    from .vision.percept import PartPercept, Percept
 
 __all__ = [
     "REASONS",
@@ -63,12 +63,12 @@ __all__ = [
 
 _HOMES = {
     "body": ("Body",),
-    "percept": ("PartPercept", "Percept"),
-    "report": ("REASONS", "MotionReport"),
-    "robots": ("RobotType", "find_robot", "load_robots"),
-    "scene": ("Placement", "Scene", "parse_scene"),
-    "vision": ("Vision",),
-    "world": ("World",),
+    "vision.percept": ("PartPercept", "Percept"),
+    "manipulation.report": ("REASONS", "MotionReport"),
+    "robot.models": ("RobotType", "find_robot", "load_robots"),
+    "scene.scene": ("Placement", "Scene", "parse_scene"),
+    "vision.detector": ("Vision",),
+    "scene.world": ("World",),
 }
 
 

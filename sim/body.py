@@ -16,18 +16,18 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from ..ontology.objects import ObjectType
-from .eyes import open_eyes
-from .handling import LOST, Handling
-from .noise import Noise
-from .percept import Percept, visible_features
-from .report import MotionReport
-from .robots import find_robot
-from .scene import Scene
-from .target import Target
-from .world import World
+from .manipulation.pick_and_place import LOST, Handling
+from .manipulation.report import MotionReport
+from .manipulation.target import Target
+from .robot.models import find_robot
+from .scene.scene import Scene
+from .scene.world import World
+from .vision.noise import Noise
+from .vision.percept import Percept, visible_features
+from .vision.sensors import open_eyes
 
 if TYPE_CHECKING:
-    from .recording import Recorder
+    from .media.recording import Recorder
 
 HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lower"}
 AFTER_BLOW = 0.15  # [s], until all is quiet
@@ -101,14 +101,14 @@ class Body(Handling):
 
     def picture(self, path: Path) -> Path:
         """Write a picture of the scene as it is now; gives the path back."""
-        from .pictures import save_picture, take_picture
+        from .media.pictures import save_picture, take_picture
 
         save_picture(take_picture(self.world.engine), path)
         return path
 
     def record(self, path: Path) -> Recorder:
         """A recorder of all that happens inside its `with` block."""
-        from .recording import Recorder
+        from .media.recording import Recorder
 
         return Recorder(self.world, path)
 

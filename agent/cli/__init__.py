@@ -26,30 +26,30 @@ from ...ontology.errors import (
     UnknownNameError,
 )
 
-# The order in which help lists them.
-from . import talking, parsing, knowledge, exchanging, history, picturing, checking  # isort: skip
-from . import querying, safety, reasoning, seeing, episodes, measuring  # isort: skip
+# Each module adds its commands to `app`; help lists them in this order.
+from . import conversation, language, rules, files, history, picturing, checking  # isort: skip
+from . import query, safety, reasoning, scene, episodes, evaluate  # isort: skip
+from .common import FAILED, complain
 from .options import app
-from .terminal import FAILED, complain
 
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
 MISSED = (NotFoundError, StoppedError)  # what was asked for in the right way, and not got
 COMMANDS = (
-    talking,
-    parsing,
-    knowledge,
-    exchanging,
+    conversation,
+    language,
+    rules,
+    files,
     history,
     picturing,
     checking,
-    querying,
+    query,
     safety,
     reasoning,
-    seeing,
+    scene,
     episodes,
-    measuring,
+    evaluate,
 )  # imported for what they add to `app`
 
 

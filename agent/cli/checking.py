@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from ..wording import counted
+from ..presentation.wording import counted
+from .common import finish, open_for_reading, show, terminal
 from .options import AsJson, Kb, app, example
-from .terminal import finish, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
     from ...kb.validation import Finding
@@ -59,7 +59,7 @@ def _as_json(error: DataError) -> dict[str, object]:
 
 
 def _of_file(file: str, file_format: str | None) -> list[Finding]:
-    from ...kb.exchange import read_file
+    from ...kb.formats.transfer import read_file
     from ...kb.staging import findings
     from ...kb.validation import located
 

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from .common import busy, finish, open_for_reading, show, terminal
 from .options import AsJson, Gui, Kb, Record, app, example
-from .terminal import busy, finish, open_for_reading, show, terminal
 
 
 @app.command(epilog=example("episodes --last 5"))
@@ -20,7 +20,7 @@ def episodes(
     as_json: AsJson = False,
 ) -> None:
     """List what was done about commands: when, what came of it, with which object and part."""
-    from .. import chronicle
+    from ..presentation import history
 
     with open_for_reading(kb) as base:
         found = list(base.episodes())
@@ -32,7 +32,7 @@ def episodes(
             for one in shown
         ])  # fmt: skip
     else:
-        terminal().print(chronicle.episodes(shown))
+        terminal().print(history.episodes(shown))
 
 
 @app.command(epilog=example("replay last --record again.gif"))
@@ -47,8 +47,8 @@ def replay(
     as_json: AsJson = False,
 ) -> None:
     """Run an episode again from its seed and its rules; exit code 1 when it comes out otherwise."""
-    from .. import chronicle
-    from ..replay import replay as run
+    from ..episodes.replay import replay as run
+    from ..presentation import history
 
     with open_for_reading(kb) as base:
         with busy(f"Running {which} again"):
@@ -56,5 +56,5 @@ def replay(
         if as_json:
             show(came.as_json())
         else:
-            terminal().print(chronicle.replayed(came, lambda said: base.utterance(said).text))
+            terminal().print(history.replayed(came, lambda said: base.utterance(said).text))
     finish(not came.differences)

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError, HiltError
+from .common import finish, open_base, open_for_reading, show, terminal
 from .options import AsJson, Kb, Speaker, app, example
-from .terminal import finish, open_base, open_for_reading, show, terminal
 
 if TYPE_CHECKING:
-    from ...kb.beliefs import KnowledgeBase
-    from ...kb.changes import Change
+    from ...kb.diff import Change
     from ...kb.history import Utterance
+    from ...kb.knowledge_base import KnowledgeBase
     from ...kb.rule import Rule
 
 ADDRESSES = ("http://", "https://", "memory:")
@@ -39,8 +39,8 @@ def history(
     as_json: AsJson = False,
 ) -> None:
     """List what was said, by whom, when, and what it did to the rules."""
-    from ...kb.changes import find_rule
-    from .. import chronicle
+    from ...kb.diff import find_rule
+    from ..presentation import history
 
     with open_for_reading(kb) as base:
         rule = find_rule(base, about) if about else None
@@ -49,7 +49,7 @@ def history(
     if as_json:
         show([utterance.as_json() for utterance in shown])
     else:
-        terminal().print(chronicle.history(shown))
+        terminal().print(history.history(shown))
 
 
 @app.command(epilog=example("forget last"))
@@ -68,7 +68,7 @@ def forget(
     as_json: AsJson = False,
 ) -> None:
     """Take back a rule, the last thing that was told, or a learned word; the history keeps it."""
-    from ...kb.changes import changes
+    from ...kb.diff import changes
 
     with open_base(kb) as base:
         before = base.sequence
@@ -94,14 +94,12 @@ def watch(
     as_json: AsJson = False,
 ) -> None:
     """Show changes as they happen, until Ctrl-C; others may go on teaching meanwhile."""
-    from .. import chronicle
+    from ..presentation import history
 
     out = terminal()
     try:
         for change in _changes(_location(kb), since, every, seconds):
-            show(change.as_json()) if as_json else out.print(
-                chronicle.change(change), soft_wrap=True
-            )
+            show(change.as_json()) if as_json else out.print(history.change(change), soft_wrap=True)
     except KeyboardInterrupt:
         return
 
@@ -113,15 +111,15 @@ def diff(
     as_json: AsJson = False,
 ) -> None:
     """Show how what B believes differs from what A believes; exit code 1 when it does."""
-    from ...kb.changes import difference
-    from .. import chronicle
+    from ...kb.diff import difference
+    from ..presentation import history
 
     with _opened(one) as before, _opened(other) as after:
         found = difference(before, after)
     if as_json:
         show(found.as_json())
     else:
-        terminal().print(chronicle.difference(found), soft_wrap=True)
+        terminal().print(history.difference(found), soft_wrap=True)
     finish(found.is_empty)
 
 
@@ -134,15 +132,16 @@ def merge(
     as_json: AsJson = False,
 ) -> None:
     """Take over into A what B knows, whole or not at all, and tell what contradicts what."""
-    from .. import chronicle, merging
+    from .. import merge_report
+    from ..presentation import history
 
     opened = open_for_reading if dry_run else open_base
     with opened(into) as base, _opened(other) as source:
-        found = merging.merge(base, source, name=other, dry_run=dry_run)
+        found = merge_report.merge(base, source, name=other, dry_run=dry_run)
     if as_json:
         show(found.as_json())
     else:
-        terminal().print(chronicle.merged(found))
+        terminal().print(history.merged(found))
 
 
 def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:
@@ -154,8 +153,8 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     """Forget what was named; what was done, as a sentence."""
-    from ...kb.changes import find_rule, last_told
-    from ..console import rule_text
+    from ...kb.diff import find_rule, last_told
+    from ..presentation.console import rule_text
 
     said, speaker = f"forget {' '.join(what)}", base.known_as(speaker)
     match what:
@@ -192,8 +191,8 @@ def _changes(
 
     A folder is looked at through a snapshot each time, so that whoever writes to it may go on.
     """
-    from ...kb.beliefs import KnowledgeBase
-    from ...kb.changes import changes
+    from ...kb.diff import changes
+    from ...kb.knowledge_base import KnowledgeBase
 
     end = None if seconds is None else time.monotonic() + seconds
     last = since
@@ -210,8 +209,8 @@ def _changes(
 
 def _opened(name: str) -> KnowledgeBase:
     """A base that is only read, or a base in memory with what a file holds."""
-    from ...kb.beliefs import KnowledgeBase
-    from ...kb.exchange import import_file
+    from ...kb.formats.transfer import import_file
+    from ...kb.knowledge_base import KnowledgeBase
 
     if name.startswith(ADDRESSES) or Path(name).is_dir():
         return KnowledgeBase.open(name, read_only=True)

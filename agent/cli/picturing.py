@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from ..wording import counted
+from ..presentation.wording import counted
+from .common import open_for_reading, show
 from .options import AsJson, Kb, app, example
-from .terminal import open_for_reading, show
 
 if TYPE_CHECKING:
-    from ...kb.drawing import Picture
+    from ...kb.formats.drawing import Picture
 
 MOST_RULES = 500  # in one picture; nobody finds anything in more
 STREAM = "-"
@@ -37,7 +37,7 @@ def graph(
     as_json: AsJson = False,
 ) -> None:
     """Draw the rules as a graph, coloured by context; --json prints it and draws nothing."""
-    from ...kb.graph import graph_of
+    from ...kb.formats.graphml import graph_of
     from ...kb.views import parse_moment, view
 
     moment = None if at is None else parse_moment(at)
@@ -59,14 +59,14 @@ def graph(
             "GraphML.",
             source=file,
         )
-    from ...kb.drawing import picture_of
+    from ...kb.formats.drawing import picture_of
 
     _write(picture_of(found), file)
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
 def _write(picture: Picture, file: str) -> None:
-    from ...kb import painting
+    from ...kb.formats import painting
 
     if file == STREAM:
         sys.stdout.write(painting.svg(picture))

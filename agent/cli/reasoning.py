@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .common import finish, open_agent, open_base, open_for_reading, show, terminal, write_picture
 from .options import (
     ActionsFile,
     AsJson,
@@ -24,12 +25,11 @@ from .options import (
     app,
     example,
 )
-from .terminal import finish, open_agent, open_base, open_for_reading, show, terminal, write_picture
 
 if TYPE_CHECKING:
     from ...inference.explanation import Change
     from ..agent import Agent
-    from ..outcome import Decision
+    from ..execution.outcome import Decision
 
 
 @app.command(epilog=example('explain "pass me something used for cutting"'))
@@ -53,7 +53,7 @@ def explain(
     as_json: AsJson = False,
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
-    from .. import console, drawing
+    from ..presentation import console, proof_svg
 
     with open_agent(
         kb,
@@ -72,7 +72,7 @@ def explain(
         decision = reply.achievement.decision if reply.achievement else None
         changes = _changes(agent, decision)
         if svg and decision:
-            write_picture(svg, drawing.svg(decision))
+            write_picture(svg, proof_svg.svg(decision))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
@@ -96,7 +96,7 @@ def _changes(agent: Agent, decision: Decision | None) -> list[Change]:
 def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that contradict each other, the heaviest conflict first."""
     from ...inference.conflicts import conflicts as find
-    from .. import console
+    from ..presentation import console
 
     with open_for_reading(kb) as base:
         found = find(base.rules())
@@ -111,7 +111,7 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that follow by likeness from those that were taught."""
     from ...inference.induction import induce as find
     from ...ontology.objects import load_household
-    from .. import console
+    from ..presentation import console
 
     household = load_household()
     with open_for_reading(kb) as base:
@@ -139,7 +139,7 @@ def abduce(
     from ...inference.abduction import concluded, hypotheses
     from ...inference.taxonomy import Taxonomy
     from ...kb.rule import Atom
-    from .. import console
+    from ..presentation import console
 
     known = frozenset(Atom.parse(each) for each in given or ())
     with open_base(kb) as base:

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from .common import open_for_reading, show
 from .options import AsJson, Kb, app, example
-from .terminal import open_for_reading, show
 
 
 @app.command(epilog=example("backup saved/"))
@@ -19,7 +19,7 @@ def backup(
     as_json: AsJson = False,
 ) -> None:
     """Copy the knowledge base into a folder, while it is in use; the copy is read back."""
-    from ...kb.safekeeping import backup as save
+    from ...kb.backup import backup as save
 
     with open_for_reading(kb, must_exist=True) as base:
         number = save(base, folder)
@@ -39,7 +39,7 @@ def restore(
     as_json: AsJson = False,
 ) -> None:
     """Make a backup the knowledge base: whole or not at all."""
-    from ...kb.safekeeping import restore as put_back
+    from ...kb.backup import restore as put_back
     from ..opening import default_location
 
     location = kb or str(default_location())

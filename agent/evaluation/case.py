@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, cast
 
-from ..outcome import Json
+from ..execution.outcome import Json
 
 Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
 

@@ -15,7 +15,7 @@ from importlib import import_module
 from typing import ClassVar, cast
 
 from ...ontology.errors import DataError, UnknownNameError
-from ..outcome import Json
+from ..execution.outcome import Json
 from .case import Case, Result
 
 
@@ -59,12 +59,12 @@ class Experiment(ABC):
 
 # Name -> where its class is. Modules are imported when they are needed: some take a second to load.
 EXPERIMENTS: Mapping[str, str] = {
-    "paper": ".paper:PaperRun",
-    "situations": ".situations:Situations",
-    "grasps": ".grasps:Grasps",
-    "all-scenarios": ".all_scenarios:AllScenarios",
-    "noise": ".noise:NoiseRun",
-    "custom": ".custom:Custom",
+    "paper": ".experiments.paper:PaperRun",
+    "situations": ".experiments.situations:Situations",
+    "grasps": ".experiments.grasps:Grasps",
+    "all-scenarios": ".experiments.all_scenarios:AllScenarios",
+    "noise": ".experiments.noise:NoiseRun",
+    "custom": ".experiments.custom:Custom",
 }
 
 

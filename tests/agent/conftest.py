@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Agents that decide without a robot, over a base in memory."""
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from hilt.agent.agent import Agent
-
-# So that tests, and the worker processes that they start, find the modules beside them.
-sys.path.insert(0, str(Path(__file__).parent))
 
 LESSONS = (
     "A knife is used for cutting",

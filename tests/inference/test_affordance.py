@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
-from hilt.inference.goal import Goal, Observation, Target
 from hilt.inference.settings import Settings
+from hilt.inference.types import Goal, Observation, Target
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.errors import UnknownNameError
@@ -34,7 +34,7 @@ class Rules:
         """How many rules there are."""
         return len(self.rules)
 
-    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The rules that hang on these nodes."""
         self.asked += nodes
         return [rule for rule in self.rules if rule.node in nodes]

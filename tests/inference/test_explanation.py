@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
+from hilt.inference.decision import Judge
 from hilt.inference.evidence import Operators
 from hilt.inference.explanation import changes_of_mind, why, why_not
-from hilt.inference.goal import Goal, Inference, Observation, Target
-from hilt.inference.judging import Judge
 from hilt.inference.settings import Settings
+from hilt.inference.types import Goal, Inference, Observation, Target
 from hilt.kb.interval import VACUOUS, Interval
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.ontology.errors import UnknownNameError
@@ -55,7 +55,7 @@ class Told:
     def __init__(self, rules: Sequence[Rule]) -> None:
         self.rules = rules
 
-    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The rules that hang on these nodes."""
         return [rule for rule in self.rules if rule.node in nodes]
 

@@ -5,8 +5,8 @@ import pytest
 
 from hilt.inference.abduction import hypotheses
 from hilt.inference.conflicts import conflicts
-from hilt.inference.goal import Conclusion
 from hilt.inference.induction import CAUTION, Induced, induce
+from hilt.inference.types import Conclusion
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.objects import load_household

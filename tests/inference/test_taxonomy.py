@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import pytest
 
 from hilt.inference.affordance import Affordances
-from hilt.inference.goal import Goal, Observation, Target
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
+from hilt.inference.types import Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.errors import DataError
@@ -29,7 +29,7 @@ class Told:
     def __init__(self, *rules: Rule) -> None:
         self.rules = rules
 
-    def rules_of(self, nodes: Sequence[str]) -> list[Rule]:
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The rules that hang on these nodes."""
         return [rule for rule in self.rules if rule.node in nodes]
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.interval import Interval
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
-from hilt.kb.store import Store, open_store
+from hilt.kb.stores.base import Store, open_store
 
 HIGH = Interval(0.95, 1)
 CUTTING = functional("knife", "cutting", interval=HIGH)

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hilt.kb.beliefs import KnowledgeBase
 from hilt.kb.episodes import Episode, EpisodeStep
 from hilt.kb.interval import Interval
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Atom
 from hilt.kb.validation import shapes
 

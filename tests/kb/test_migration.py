@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.migration import FORMAT, STEPS, format_of, migrate, version_quad
-from hilt.kb.oxigraph import OxigraphStore
+from hilt.kb.stores.oxigraph import OxigraphStore
 from hilt.ontology.errors import StoreError
 from hilt.ontology.vocabulary import iri, term
 

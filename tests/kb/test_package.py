@@ -14,7 +14,7 @@ import pytest
 import hilt.kb
 import hilt.ontology.vocabulary
 
-MODULES = [f"hilt.kb.{module.name}" for module in pkgutil.iter_modules(hilt.kb.__path__)]
+MODULES = [f"hilt.kb.{module.name}" for module in pkgutil.walk_packages(hilt.kb.__path__)]
 
 
 @pytest.mark.parametrize("name", ["hilt.kb", "hilt.ontology.vocabulary", *MODULES])

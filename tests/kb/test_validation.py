@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb import stars, validation
-from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb import validation
+from hilt.kb.knowledge_base import KnowledgeBase
+from hilt.kb.rdf import rule_mapping
+from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
-from hilt.kb.store import open_store
-from hilt.kb.terms import Quad
+from hilt.kb.stores.base import open_store
 from hilt.kb.validation import Finding, lawful, located, refuse, shapes
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, external, iri, term
@@ -21,7 +22,7 @@ from hilt.ontology.vocabulary import Iri, external, iri, term
 from .conftest import BLADE, teach
 from .strategies import rules
 
-NODE = stars.rule_iri(BLADE.id)
+NODE = rule_mapping.rule_iri(BLADE.id)
 
 
 @settings(max_examples=15, deadline=None)
@@ -36,16 +37,16 @@ def test_whatever_is_told_is_valid(taught: list[Rule]):
 
 
 FAULTS = {  # what is done to a rule -> what both checks say
-    "no lower bound": ({stars.LOWER: None}, "hilt:lower"),
-    "lower above upper": ({stars.UPPER: Decimal("0.1")}, "upper"),
-    "bound above one": ({stars.UPPER: Decimal("1.3")}, "1.3"),
-    "bound below zero": ({stars.LOWER: Decimal("-0.1")}, "-0.1"),
-    "no functor": ({stars.FUNCTOR: None}, "hilt:functor"),
-    "no status": ({stars.STATUS: None}, "hilt:status"),
-    "other status": ({stars.STATUS: term("maybe")}, "maybe"),
-    "no speaker": ({stars.ATTRIBUTED_TO: None}, "wasAttributedTo"),
-    "foreign feature": ({stars.FEATURE: Iri("http://example.org/x")}, "example.org/x"),
-    "nothing spoken of": ({stars.FEATURE: None, stars.CONTEXT: None}, "at least one"),
+    "no lower bound": ({rule_mapping.LOWER: None}, "hilt:lower"),
+    "lower above upper": ({rule_mapping.UPPER: Decimal("0.1")}, "upper"),
+    "bound above one": ({rule_mapping.UPPER: Decimal("1.3")}, "1.3"),
+    "bound below zero": ({rule_mapping.LOWER: Decimal("-0.1")}, "-0.1"),
+    "no functor": ({rule_mapping.FUNCTOR: None}, "hilt:functor"),
+    "no status": ({rule_mapping.STATUS: None}, "hilt:status"),
+    "other status": ({rule_mapping.STATUS: term("maybe")}, "maybe"),
+    "no speaker": ({rule_mapping.ATTRIBUTED_TO: None}, "wasAttributedTo"),
+    "foreign feature": ({rule_mapping.FEATURE: Iri("http://example.org/x")}, "example.org/x"),
+    "nothing spoken of": ({rule_mapping.FEATURE: None, rule_mapping.CONTEXT: None}, "at least one"),
 }
 
 
@@ -58,7 +59,8 @@ def test_fault_in_a_rule_is_found_by_both_checks(kb: KnowledgeBase, fault: str, 
     for key, value in changes.items():
         old = list(kb.store.quads(NODE, key))
         kb.store.apply(
-            delete=old, insert=[] if value is None else [Quad(NODE, key, value, stars.BELIEFS)]
+            delete=old,
+            insert=[] if value is None else [Quad(NODE, key, value, rule_mapping.BELIEFS)],
         )
 
     found = [finding for finding in check(kb.store) if finding.node == BLADE.id.replace("/", ":")]
@@ -69,11 +71,18 @@ def test_fault_in_a_rule_is_found_by_both_checks(kb: KnowledgeBase, fault: str, 
 @pytest.mark.parametrize(
     "stray",
     [
-        Quad(Iri("http://x/a"), Iri("http://x/b"), "c", stars.BELIEFS),
-        Quad(iri("object", "mug"), term("usedFor"), iri("affordance", "eating"), stars.BELIEFS),
-        Quad(iri("node", "pass.graspObject"), stars.RULE, iri("rule", "0" * 16), stars.BELIEFS),
-        Quad(NODE, term("colour"), "red", stars.BELIEFS),
-        Quad(NODE, stars.TYPE, term("FunctionalRule"), stars.BELIEFS),
+        Quad(Iri("http://x/a"), Iri("http://x/b"), "c", rule_mapping.BELIEFS),
+        Quad(
+            iri("object", "mug"), term("usedFor"), iri("affordance", "eating"), rule_mapping.BELIEFS
+        ),
+        Quad(
+            iri("node", "pass.graspObject"),
+            rule_mapping.RULE,
+            iri("rule", "0" * 16),
+            rule_mapping.BELIEFS,
+        ),
+        Quad(NODE, term("colour"), "red", rule_mapping.BELIEFS),
+        Quad(NODE, rule_mapping.TYPE, term("FunctionalRule"), rule_mapping.BELIEFS),
     ],
 )
 def test_stray_statement_is_found(kb: KnowledgeBase, stray: Quad):
@@ -122,7 +131,9 @@ def test_nothing_found_is_nothing_raised():
 
 def test_foreign_kinds_of_literals_are_shown(kb: KnowledgeBase):
     """A finding about a literal shows its text."""
-    kb.store.apply(insert=[Quad(iri("object", "x"), external("rdfs:comment"), "hm", stars.BELIEFS)])
+    kb.store.apply(
+        insert=[Quad(iri("object", "x"), external("rdfs:comment"), "hm", rule_mapping.BELIEFS)]
+    )
 
     assert [str(one) for one in lawful(kb.store)] == [
         'object:x: rdfs:comment "hm" belongs to nothing known.'
@@ -135,7 +146,7 @@ def test_shapes_are_checked_in_portions_with_progress(
     """What is wrong is found in whichever portion it is, and the progress is told."""
     monkeypatch.setattr(validation, "PORTION", 3)
     teach(kb, BLADE)
-    kb.store.apply(delete=list(kb.store.quads(NODE, stars.STATUS)))
+    kb.store.apply(delete=list(kb.store.quads(NODE, rule_mapping.STATUS)))
     told: list[tuple[int, int]] = []
 
     found = list(shapes(kb.store, progress=lambda done, total: told.append((done, total))))

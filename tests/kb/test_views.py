@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.beliefs import KnowledgeBase
-from hilt.kb.exchange import import_text
+from hilt.kb.formats.transfer import import_text
 from hilt.kb.interval import Interval
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional
-from hilt.kb.store import open_store
+from hilt.kb.stores.base import open_store
 from hilt.kb.views import parse_moment, view
 from hilt.ontology.errors import DataError, UnknownNameError
 
@@ -108,8 +108,8 @@ def test_view_is_asked_as_a_base_is(paper: KnowledgeBase):
     for wanted in ({"object": "knife"}, {"affordance": "cutting"}, {"context": "pass"},
                    {"part": "handle"}, {"speaker": "sam"}, {"object": "mug"}):  # fmt: skip
         assert past.rules(**wanted) == paper.rules(**wanted)
-    assert past.rules_of(["pass.graspObject"]) == paper.rules_of(["pass.graspObject"])
-    assert ids(past.rules_of(["findObject.cutting"])) == [CUTTING.id]
+    assert past.rules_at_nodes(["pass.graspObject"]) == paper.rules_at_nodes(["pass.graspObject"])
+    assert ids(past.rules_at_nodes(["findObject.cutting"])) == [CUTTING.id]
     assert HANDLE.id in ids(past.all)
 
 

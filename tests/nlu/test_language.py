@@ -71,7 +71,7 @@ def test_importing_reads_no_data_and_no_parser() -> None:
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("name", ["", ".terms", ".predicates", ".language"])
+@pytest.mark.parametrize("name", ["", ".grammar.terms", ".semantics.predicates", ".language"])
 def test_the_examples_in_the_docstrings_run(name: str) -> None:
     """What a docstring shows is what comes out."""
     results = doctest.testmod(importlib.import_module(f"hilt.nlu{name}"))

@@ -13,11 +13,11 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
 from hilt.sim import poses
 from hilt.sim.body import Body
-from hilt.sim.handling import MEETING
-from hilt.sim.percept import Percept
-from hilt.sim.report import REASONS
-from hilt.sim.robots import find_robot
-from hilt.sim.scene import Placement, Scene, parse_scene
+from hilt.sim.manipulation.pick_and_place import MEETING
+from hilt.sim.manipulation.report import REASONS
+from hilt.sim.robot.models import find_robot
+from hilt.sim.scene.scene import Placement, Scene, parse_scene
+from hilt.sim.vision.percept import Percept
 
 pytestmark = pytest.mark.sim
 

@@ -4,9 +4,9 @@
 import re
 from pathlib import Path
 
-from hilt.kb.beliefs import KnowledgeBase
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.ontology.objects import load_household
-from hilt.sim.scene import parse_scene
+from hilt.sim.scene.scene import parse_scene
 
 PAGE = (Path(__file__).parents[2] / "docs" / "seeing.md").read_text(encoding="utf-8")
 

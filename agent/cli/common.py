@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What commands have in common: opening things, reading what is said, printing what came of it."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
+from ..presentation.wording import printable
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ...inference.settings import Settings
+    from ...kb.interval import Interval
+    from ...kb.knowledge_base import KnowledgeBase
+    from ...kb.rule import Atom
+    from ..agent import Agent
+    from ..dialogue.reply import Reply
+    from ..execution.outcome import Json
+
+FAILED = 1  # exit code
+STDIN = "-"  # in place of a text
+MOST_MISTAKES = 20  # that are told one by one
+
+
+def open_agent(
+    kb: str | None,
+    *,
+    scene: str = "all",
+    seed: int = 0,
+    objects: Path | None = None,
+    robot: str = "panda",
+    vision: str = "mask",
+    noise: str = "",
+    gui: bool = False,
+    no_sim: bool = False,
+    induces: bool = False,
+    actions: Path | None = None,
+    contexts: Iterable[str] | None = None,
+    settings: Path | None = None,
+    choices: Iterable[str] | None = None,
+    lexicon: Path | None = None,
+) -> Agent:
+    """An agent over a knowledge base, as the options of a command say."""
+    from ..agent import Agent
+
+    return Agent.open(
+        kb,
+        scene=scene,
+        seed=seed,
+        objects=objects,
+        robot=robot,
+        eyes=vision,
+        noise=noise,
+        gui=gui,
+        simulate=not no_sim,
+        induces=induces,
+        actions=actions,
+        contexts=dict(_held(text) for text in contexts or ()),
+        settings=settings_of(settings, choices),
+        lexicon=lexicon,
+    )
+
+
+def settings_of(path: Path | None, choices: Iterable[str] | None) -> Settings:
+    """The choices of the inference: those of a file, with single ones changed."""
+    from ...inference.settings import SETTINGS_FILE, Settings
+
+    return Settings.load(path or SETTINGS_FILE).with_choices(choices or ())
+
+
+def _held(text: str) -> tuple[Atom, Interval]:
+    """A context and how surely it holds: "place:kitchen", "place:kitchen=0.9"."""
+    from ...kb.interval import Interval
+    from ...kb.rule import Atom
+
+    name, equals, sure = text.partition("=")
+    try:
+        return Atom.parse(name), Interval(float(sure) if equals else 1.0, 1.0)
+    except (HiltError, ValueError) as error:
+        raise DataError(
+            f'expected KIND:NAME or KIND:NAME=DEGREE, as "place:kitchen=0.9": {error}', source=text
+        ) from error
+
+
+def open_base(kb: str | None) -> KnowledgeBase:
+    """Open a knowledge base; None is the user's own."""
+    from .. import opening
+
+    return opening.open_base(kb)
+
+
+def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
+    """Open a knowledge base that is only read; nobody has to wait for that, nor is one made.
+
+    Args:
+        kb: None is the user's own.
+        must_exist: whether a folder without one is an error; else it is read as an empty base.
+    """
+    from ...kb.knowledge_base import KnowledgeBase
+    from .. import opening
+
+    location = kb or str(opening.default_location())
+    if location == "memory:" or location.startswith(("http://", "https://")):
+        return opening.open_base(location)
+    try:
+        return KnowledgeBase.open(location, read_only=True)
+    except StoreError:
+        if _holds_something(Path(location).expanduser()):
+            return opening.open_base(location)  # of an older format, perhaps; or it says what it is
+        if must_exist or ":" in location:
+            raise
+    typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
+    return opening.open_base("memory:")
+
+
+def _holds_something(folder: Path) -> bool:
+    return folder.is_file() or (folder.is_dir() and any(folder.iterdir()))
+
+
+def terminal(*, stderr: bool = False) -> Console:
+    """Where a person reads; colour and width are found out."""
+    from rich.console import Console
+
+    return Console(stderr=stderr, highlight=False)
+
+
+def busy(doing: str) -> AbstractContextManager[object]:
+    """A turning sign on stderr while something is done; nothing where nobody watches."""
+    if not sys.stderr.isatty():
+        return nullcontext()
+    from rich.text import Text
+
+    return terminal(stderr=True).status(Text(doing))
+
+
+def converse(
+    agent: Agent,
+    text: str,
+    hear: Callable[[str], Reply],
+    as_json: Callable[[Reply], Json] | None,
+) -> bool:
+    """Say each utterance and print each reply as soon as it is there; whether all was done."""
+    done = True
+    for said in utterances(text):
+        with busy(said):
+            reply = hear(said)
+        done = done and reply.is_done
+        if as_json:
+            show(as_json(reply))
+        elif reply.ending == "not_understood":
+            complain(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
+        else:
+            _show_reply(agent, reply)
+            _tell_of_trust(agent, reply)
+    return done
+
+
+def _tell_of_trust(agent: Agent, reply: Reply) -> None:
+    """How somebody who was refused can be heard."""
+    if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
+        name = shlex.quote(reply.speaker)
+        typer.echo(
+            f"Nobody has said how far to trust them. Run: hilt trust {name} DEGREE", err=True
+        )
+
+
+def _show_reply(agent: Agent, reply: Reply) -> None:
+    from ..presentation import console
+
+    out = terminal()
+    out.print(console.turn(reply))
+    if reply.achievement and reply.achievement.steps:
+        out.print(console.achievement(reply.achievement, agent.quote))
+
+
+def utterances(text: str) -> Iterator[str]:
+    """The text itself, or for "-" the lines of stdin that hold something."""
+    if text != STDIN:
+        yield text
+        return
+    yield from (line.strip() for line in _lines(sys.stdin.buffer) if line.strip())
+
+
+def _lines(stream: Iterable[bytes]) -> Iterator[str]:
+    for number, line in enumerate(stream, start=1):
+        try:
+            yield line.decode("utf-8-sig" if number == 1 else "utf-8")
+        except UnicodeDecodeError as error:
+            raise DataError("expected UTF-8 text.", source="<stdin>", line=number) from error
+
+
+def text_of(text_or_file: str) -> str:
+    """The content of a file of SPARQL, what stdin holds for "-", else the text itself."""
+    if text_or_file == STDIN:
+        return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
+    looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
+    if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
+        try:
+            return Path(text_or_file).read_text(encoding="utf-8")
+        except OSError as error:
+            raise DataError(f"cannot be read: {error.strerror}.", source=text_or_file) from error
+        except UnicodeDecodeError as error:
+            raise DataError("expected UTF-8 text.", source=text_or_file) from error
+    return text_or_file
+
+
+def show(document: object) -> None:
+    """Print one JSON document on a line of its own."""
+    typer.echo(json.dumps(document, ensure_ascii=False))
+    sys.stdout.flush()
+
+
+def write_picture(path: Path, svg: str) -> None:
+    """Keep a picture in a file, which must be called one.
+
+    Raises:
+        DataError: it is called something else, or cannot be written.
+    """
+    if path.suffix.lower() != ".svg":
+        raise DataError("expected a file ending in .svg.", source=str(path))
+    try:
+        path.write_text(svg, encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"cannot be written: {error.strerror}.", source=str(path)) from error
+
+
+def finish(done: bool) -> None:
+    """End the command: with exit code 1 unless what was asked for is done."""
+    if not done:
+        raise typer.Exit(FAILED)
+
+
+def complain(error: HiltError | str) -> None:
+    """A line on stderr for each mistake; on a terminal also the line of the file, with a caret."""
+    several = _mistakes(error)
+    for one in several[:MOST_MISTAKES]:
+        typer.echo(f"hilt: {printable(str(one))}", err=True)
+        if isinstance(one, DataError) and one.text and sys.stderr.isatty():
+            typer.echo(one.excerpt(), err=True)
+    if len(several) > MOST_MISTAKES:
+        typer.echo(f"hilt: ... and {len(several) - MOST_MISTAKES} more.", err=True)
+
+
+def _mistakes(error: HiltError | str) -> Sequence[HiltError | str]:
+    if isinstance(error, ValidationError):
+        return error.findings
+    return (isinstance(error, DataError) and error.mistakes) or (error,)

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that measure: evaluate."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .common import finish, show, terminal
+from .options import AsJson, Seed, app, example
+
+What = Annotated[
+    str | None,
+    typer.Argument(help="paper, situations, grasps, all-scenarios, noise, custom or module:Class."),
+]
+Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
+Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
+Gap = Annotated[
+    float | None,
+    typer.Option(min=0.01, max=0.2, help="Least distance between things on a robot's table [m]."),
+]
+Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
+Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
+Curves = Annotated[
+    str | None, typer.Option("--curves", help="Noise curves, with commas between them.")
+]
+File = Annotated[Path | None, typer.Option("--file", help="The YAML file of a custom experiment.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers", min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."
+    ),
+]
+Ray = Annotated[
+    str | None,
+    typer.Option(
+        "--ray", help='A Ray cluster: its address, "auto", or "local" for one of its own.'
+    ),
+]
+Timeout = Annotated[
+    float, typer.Option("--timeout", min=0.1, help="Seconds after which a case's worker is killed.")
+]
+OutFolder = Annotated[
+    Path | None, typer.Option("--out", help="The folder for the journal and the results.")
+]
+Reports = Annotated[
+    list[Path] | None,
+    typer.Option("--report", help="A file for the report: .html, .json or .csv; more than one."),
+]
+Compared = Annotated[
+    tuple[Path, Path] | None,
+    typer.Option("--compare", help="Two files of --json or --report, instead of a run."),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
+
+
+@app.command(epilog=example("evaluate paper --report paper.html"))
+def evaluate(  # noqa: PLR0917 - every option is a parameter
+    what: What = None,
+    sim: Sim = False,
+    scenes: Scenes = None,
+    gap: Gap = None,
+    poses: Poses = None,
+    trials: Trials = None,
+    curves: Curves = None,
+    file: File = None,
+    seed: Seed = 0,
+    workers: Workers = None,
+    ray: Ray = None,
+    timeout: Timeout = 600.0,
+    out: OutFolder = None,
+    resume: Resume = False,
+    report_to: Reports = None,
+    compare: Compared = None,
+    as_json: AsJson = False,
+) -> None:
+    """Repeat the paper's evaluation, and go beyond it.
+
+    paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
+    8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
+    by factorisation; --out keeps the certificate. noise: accuracy against eyes, ears and teachers
+    that fail, as curves. custom: objects, norms and scenes of your own, from --file.
+
+    --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
+    code 1 when they do.
+    """
+    if compare:
+        _compare(*compare, as_json=as_json)
+        return
+    if what is None:
+        raise typer.BadParameter("name an evaluation, or give --compare two files.")
+    if resume and out is None:
+        raise typer.BadParameter("--resume needs --out, the folder of the run.")
+    from ..evaluation.experiment import make_experiment
+    from ..evaluation.reports.export import check_form, write_report
+    from ..evaluation.reports.summary import Report
+    from ..evaluation.runners.base import open_engine, run
+    from ..evaluation.runners.journal import Journal
+
+    given = {
+        "sim": sim or None,
+        "scenes": scenes,
+        "gap": gap,
+        "poses": poses,
+        "trials": trials,
+        "curves": curves,
+        "file": str(file) if file else None,
+        "seed": seed,
+    }
+    for path in report_to or ():
+        check_form(path)
+    options = {name: value for name, value in given.items() if value is not None}
+    experiment = make_experiment(what, options)
+    cases = experiment.cases()
+    engine = open_engine(workers, ray, timeout_s=timeout)
+    kept = Journal(out, experiment, cases, resume=resume) if out else nullcontext()
+    with kept as journal:
+        done = run(experiment, cases, engine=engine, journal=journal, console=terminal(stderr=True))
+    report = Report.of(experiment, done)
+    for path in report_to or ():
+        write_report(path, experiment, cases, report)
+    show(report.as_json()) if as_json else terminal().print(report.table())
+    finish(report.is_right)
+
+
+def _compare(first: Path, second: Path, *, as_json: bool) -> None:
+    """Show how two evaluations differ; exit code 1 when they do."""
+    from ..evaluation.reports.comparing import compare
+
+    found = compare(first, second)
+    if as_json:
+        show(found.as_json())
+    else:
+        terminal().print("No difference." if found.is_empty else found.table())
+    finish(found.is_empty)

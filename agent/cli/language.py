@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands about the language: parse, and the lexicon."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from ...ontology.errors import DataError
+from .common import complain, finish, show, terminal, utterances, write_picture
+from .options import AsJson, Speaker, UserLexicon, app, example
+
+if TYPE_CHECKING:
+    from ...nlu.session import Session
+    from ...nlu.understanding import Understanding
+
+Said = Annotated[
+    str | None, typer.Argument(metavar="TEXT", help='What to parse, or "-" for lines from stdin.')
+]
+Before = Annotated[
+    list[str] | None, typer.Option("--before", help="What was said before; may be repeated.")
+]
+Jsonl = Annotated[
+    Path | None,
+    typer.Option("--jsonl", help='A file of {"text", "before": [..]} lines; a result line each.'),
+]
+Svg = Annotated[Path | None, typer.Option("--svg", help="Draw the derivation into this .svg file.")]
+
+
+@app.command(epilog=example('parse "pass it" --before "A knife is for cutting"'))
+def parse(
+    text: Said = None,
+    *,
+    before: Before = None,
+    jsonl: Jsonl = None,
+    svg: Svg = None,
+    lexicon: UserLexicon = None,
+    speaker: Speaker = "sam",
+    as_json: AsJson = False,
+) -> None:
+    """Show how a sentence is understood: derivation, predicate form, meaning."""
+    if (text is None) == (jsonl is None):
+        raise typer.BadParameter("Give either a text or --jsonl FILE.")
+    if jsonl is not None and (before or svg):
+        raise typer.BadParameter("--before and --svg are for one text, not for --jsonl.")
+    session = _session(lexicon)
+    if jsonl is not None:
+        _parse_file(session, jsonl, speaker)
+        return
+    session = session.after(before or (), speaker=speaker)
+    understood = [session.hear(said, speaker=speaker)[0] for said in utterances(text or "")]
+    for found in understood:
+        show(found.as_json()) if as_json else _print(found)
+        if svg is not None:
+            _draw(found, svg)
+    finish(all(found.reading is not None for found in understood))
+
+
+lexicon_app = typer.Typer(help="The words of the language.")
+app.add_typer(lexicon_app, name="lexicon")
+
+
+@lexicon_app.command(epilog=example("lexicon check mine.yaml"))
+def check(
+    file: Annotated[Path, typer.Argument(help="A lexicon file of your own.")],
+    *,
+    as_json: AsJson = False,
+) -> None:
+    """Check a lexicon file: every category declared, every term of the type it needs."""
+    before = sum(1 for _ in _session(None).language.listener.lexicon.senses())
+    entries = sum(1 for _ in _session(file).language.listener.lexicon.senses()) - before
+    found = {"file": str(file), "entries": entries}
+    show(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
+
+
+@lexicon_app.command(name="list", epilog=example("lexicon list knife"))
+def list_entries(
+    word: Annotated[str | None, typer.Argument(help="Only entries with this word.")] = None,
+    *,
+    lexicon: UserLexicon = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the entries: words, category, lambda term."""
+    from ...nlu.lexicon.patterns import words_of
+
+    entries = sorted(
+        (entry.says, str(entry.category), str(entry.term))
+        for sense in _session(lexicon).language.listener.lexicon.senses()
+        if word is None or word in words_of(sense.says)
+        for entry in [sense.entry()]
+    )
+    if word and not entries:
+        complain(f'No entry has the word "{word}".')
+    if as_json:
+        show([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])
+    else:
+        typer.echo("".join(f"{each[0]}  {each[1]} : {each[2]}\n" for each in entries), nl=False)
+    finish(bool(entries))
+
+
+@lexicon_app.command(epilog=example("lexicon grammar > hilt.jsgf"))
+def grammar(
+    *,
+    jsgf: Annotated[
+        bool, typer.Option("--jsgf", help="In the JSpeech Grammar Format (the only one).")
+    ] = True,
+    lexicon: UserLexicon = None,
+) -> None:
+    """Print a grammar for a speech recogniser: whatever it allows is understood."""
+    from ...nlu.jsgf import grammar_of
+
+    if jsgf:
+        typer.echo(grammar_of(_session(lexicon).language), nl=False)
+
+
+def _session(lexicon: Path | None) -> Session:
+    from ...nlu.language import Language
+    from ...nlu.session import Session
+
+    return Session(Language.load(extra_lexicon=lexicon))
+
+
+def _print(found: Understanding) -> None:
+    from ..presentation import console
+
+    terminal().print(console.understood(found))
+
+
+def _draw(found: Understanding, path: Path) -> None:
+    from ...nlu.parsing.derivation_drawing import svg_of
+
+    if found.derivation is not None:
+        write_picture(path, svg_of(found.derivation))
+
+
+def _parse_file(session: Session, path: Path, speaker: str) -> None:
+    """One result line for each line of the file, each in a session of its own."""
+    for text, before in _lines(path):
+        found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
+        show(found.as_json())
+
+
+def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
+    try:
+        lines = path.read_text(encoding="utf-8-sig").split("\n")
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=str(path)) from error
+    for number, line in enumerate(lines, start=1):
+        if line.strip():
+            yield _case(line, str(path), number)
+
+
+def _case(line: str, source: str, number: int) -> tuple[str, list[str]]:
+    try:
+        document: object = json.loads(line)
+    except ValueError as error:
+        raise DataError(f"expected JSON: {error}.", source=source, line=number) from error
+    case = cast("dict[str, object]", document) if isinstance(document, dict) else {}
+    text, given = case.get("text"), case.get("before") or []
+    before = cast("list[object]", given) if isinstance(given, list) else [given]
+    if not isinstance(text, str) or not all(isinstance(each, str) for each in before):
+        raise DataError(
+            'expected {"text": ..., "before": [...]} with texts.', source=source, line=number
+        )
+    return text, [str(each) for each in before]

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands in SPARQL: query and update."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ...ontology.errors import QueryError
+from .common import busy, open_base, open_for_reading, show, terminal, text_of
+from .options import AsJson, Kb, Speaker, app, example
+
+if TYPE_CHECKING:
+    from ...kb.sparql.named_queries import NamedQuery
+    from ...kb.sparql.results import Found
+
+TABLE = "table"
+Timeout = Annotated[
+    float, typer.Option("--timeout", min=0.001, help="Seconds after which it is stopped.")
+]
+Memory = Annotated[
+    int, typer.Option("--memory", min=1, help="Megabytes beyond which it is stopped.")
+]
+
+
+@app.command(epilog=example("query best-for --arg affordance=cutting"))
+def query(
+    question: Annotated[
+        str | None,
+        typer.Argument(help='The name of a question, SPARQL, a .rq file, or "-" for stdin.'),
+    ] = None,
+    *,
+    arg: Annotated[
+        list[str] | None, typer.Option("--arg", help="A value for a variable, as NAME=VALUE.")
+    ] = None,
+    list_: Annotated[
+        bool, typer.Option("--list", help="List the questions that have a name.")
+    ] = False,
+    format_: Annotated[
+        str, typer.Option("--format", help="table, json, csv, tsv, xml or turtle.")
+    ] = TABLE,
+    timeout: Timeout = 30.0,
+    memory: Memory = 2048,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Ask the graph a question: by its name, or in SPARQL with the prefixes declared already."""
+    if list_:
+        _list(as_json=as_json)
+        return
+    if question is None:
+        raise QueryError("What is the question? Give its name or SPARQL; --list shows the names.")
+    from ...kb.sparql.limits import Limits
+
+    asked = _asked(question)
+    bindings = asked.bindings(_arguments(arg or ()))
+    with open_for_reading(kb) as base, busy("Searching"):
+        found = base.query(asked.text, bindings, limits=Limits(timeout, memory))
+    _print(found, "json" if as_json else format_)
+
+
+@app.command(epilog=example("update change.ru --dry-run"))
+def update(
+    sparql: Annotated[str, typer.Argument(help='An update, a .ru file, or "-" for stdin.')],
+    *,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only try it out on a copy.")] = False,
+    speaker: Speaker = "sam",
+    timeout: Timeout = 30.0,
+    memory: Memory = 2048,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Change the graph by a SPARQL update, which is tried out and checked on a copy first."""
+    from ...kb.sparql.limits import Limits
+    from ...kb.sparql.update import update as apply
+
+    opened = open_for_reading if dry_run else open_base
+    with opened(kb) as base:
+        said = apply(
+            base, text_of(sparql), speaker=speaker, limits=Limits(timeout, memory), dry_run=dry_run
+        )
+    if as_json:
+        show({"updated": not dry_run, "sequence": said.sequence})
+    else:
+        done = "It can be applied." if dry_run else f"Updated; number {said.sequence} in history."
+        typer.echo(done, err=True)
+
+
+def _asked(question: str) -> NamedQuery:
+    from ...kb.sparql.named_queries import named_query, read_query
+
+    text = text_of(question)
+    is_name = text == question and all(sign.isalnum() or sign == "-" for sign in text)
+    return named_query(text) if is_name else read_query(text)
+
+
+def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
+    """The values of each variable; one that is given again has both."""
+    found: dict[str, list[str]] = {}
+    for one in given:
+        name, _, value = one.partition("=")
+        if not (name and value):
+            raise QueryError(f'"{one}" gives no value: expected NAME=VALUE.')
+        found.setdefault(name, []).append(value)
+    return found
+
+
+def _print(found: Found, format_: str) -> None:
+    from ...kb.sparql.serialization import render
+
+    if format_ == TABLE:
+        from ..presentation import console
+
+        terminal().print(console.results(found))
+    else:
+        typer.echo(render(found, format_), nl=False)
+
+
+def _list(*, as_json: bool) -> None:
+    from ...kb.sparql.named_queries import named_query, query_names
+
+    named = [named_query(name) for name in query_names()]
+    if as_json:
+        show(
+            [
+                {
+                    "name": one.name,
+                    "question": one.question,
+                    "parameters": [
+                        {"name": p.name, "kind": p.kind, "meaning": p.meaning}
+                        for p in one.parameters.values()
+                    ],
+                }
+                for one in named
+            ]
+        )
+        return
+    from ..presentation import console
+
+    terminal().print(console.questions(named))

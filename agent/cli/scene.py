@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that show what is on the table: scene show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .common import busy, terminal
+from .common import show as print_json
+from .options import AsJson, Objects, Robot, SceneSpec, Seed, app, example
+
+if TYPE_CHECKING:
+    from ...sim.body import Body
+
+scene_app = typer.Typer(help="Look at scenes.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(scene_app, name="scene")
+
+
+@scene_app.command(epilog=example("scene show --scene random:7 --out table.png"))
+def show(
+    *,
+    scene: SceneSpec = "all",
+    seed: Seed = 0,
+    objects: Objects = None,
+    robot: Robot = "panda",
+    out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(
+        "out/scene.png"
+    ),
+    names: Annotated[bool, typer.Option("--names", help="Write the names of things.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Render a scene with the robot at its table, and list what stands where."""
+    from ...sim.media.pictures import refuse_unwritable
+    from ..config import Embodiment
+
+    refuse_unwritable(out)
+    embodiment = Embodiment.of(scene=scene, seed=seed, objects=objects, robot=robot)
+    with busy("Setting the table"), embodiment.body() as body:
+        _picture(body, out, names=names)
+        things = _things(body)
+    if as_json:
+        print_json({"picture": str(out), "things": things})
+        return
+    for thing in things:
+        place = ", ".join(f"{round(x, 2) + 0.0:.2f}" for x in thing["at"])
+        within = f"   in {thing['within']}" if thing["within"] else ""
+        terminal().print(f"{thing['name']:<14} {place} m{within}")
+    terminal().print(f"The picture is {out}.")
+
+
+def _picture(body: Body, path: Path, *, names: bool) -> None:
+    from ...sim.media.drawings import with_names
+    from ...sim.media.pictures import OVERVIEW, save_picture, take_picture
+
+    picture = take_picture(body.world.engine)
+    if names:
+        places = {name: body.world.top(name) for name in body.world.kinds}
+        picture = with_names(picture, OVERVIEW, places)
+    save_picture(picture, path)
+
+
+def _things(body: Body) -> list[dict[str, Any]]:
+    """What stands where: name, type, place [m], and what it stands in."""
+    world = body.world
+    return [
+        {
+            "name": name,
+            "object": kind.name,
+            "at": [round(float(x), 3) + 0.0 for x in world.pose(name)[:3, 3]],
+            "within": world.support(name),
+        }
+        for name, kind in world.kinds.items()
+    ]

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which answer fits what came of a command: the keys and blanks for `nlu.generation`.
+
+Language itself is data (`ontology/english/answers.yaml`); this says only which of its sentences is
+meant. Every way in which a command can end has one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...inference.induction import INDUCER
+from ...inference.types import Candidate, Inference, Target
+from ..execution.outcome import Answer, Decision, Slot
+
+_DONE = {
+    "pass": ("passed", "passed_by", "passed_as_told"),
+    "pickUp": ("picked_up", "picked_up_by", "picked_up_as_told"),
+    "pointTo": ("pointed_at",) * 3,
+    "grasp": ("grasped_somewhere", "grasped", "grasped"),
+    "use": ("picked_up", "picked_up_by", "picked_up_as_told"),
+}
+_MOTION = {  # reason of a motion report -> the answer with a part, and without
+    "unreachable": ("unreachable_part", "unreachable"),
+    "no_grasp": ("no_grasp", "no_grasp_anywhere"),
+    "missed": ("no_grasp", "no_grasp_anywhere"),
+    "too_wide": ("too_wide_part", "too_wide"),
+    "blocked": ("blocked_part", "blocked"),
+    "wrong_part": ("wrong_part", "no_grasp_anywhere"),
+    "slipped": ("dropped", "dropped"),
+    "dropped": ("dropped", "dropped"),
+    "nothing_held": ("dropped", "dropped"),
+    "bumped": ("unreachable_part", "unreachable"),
+    "nothing_seen": ("lost_sight_part", "lost_sight"),
+}
+
+
+def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answer:
+    """The answer to a command that was carried out.
+
+    Args:
+        action: the goal's tree.
+        decision: what was chosen, and why.
+        speaker: who asked.
+        recipient: who got it.
+    """
+    slots = _chosen(action, decision)
+    if decision.patient:
+        return Answer("done_with_tool", slots)
+    if action == "pass" and recipient != speaker:
+        return Answer("passed_to", slots | {"recipient": recipient})
+    teacher = _teacher(decision)
+    if teacher == INDUCER:
+        return Answer("done_by_likeness", slots)
+    if teacher:
+        slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
+    plain, by_part, as_told = _DONE.get(action, _DONE["use"])
+    return Answer(as_told if teacher else by_part if decision.chosen_part else plain, slots)
+
+
+def decided(action: str, decision: Decision) -> Answer:
+    """The answer to a command that was decided but not carried out (no robot is there)."""
+    slots = _chosen(action, decision)
+    if decision.patient:
+        return Answer("would_use_tool", slots)
+    return Answer("would_do_by" if decision.chosen_part else "would_do", slots)
+
+
+def not_found(target: Target, inference: Inference) -> Answer:
+    """The answer when no candidate is sure enough."""
+    first = inference.candidates[0] if inference.candidates else None
+    if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
+        return _nothing(target, inference)
+    wanted = _wanted(target)
+    if wanted is None:
+        return Answer("not_sure_seen", {"object": _named(target)}, "asked", "not_sure")
+    bounds = (round(first.interval.lower, 4), round(first.interval.upper, 4))
+    slots: dict[str, Slot] = {"object": first.object, "confidence": bounds}
+    if target.affords:
+        return Answer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
+    return Answer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
+
+
+def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> Answer:
+    """The answer when no part is sure enough to take a thing by; it asks about the likeliest."""
+    is_guess = any(rule.speaker == INDUCER for rule in likeliest.rules)
+    part = likeliest.argument.name if likeliest.argument else "part"
+    slots = {"goal": action, "object": object_name, "part": part}
+    return Answer("guess_how" if is_guess else "not_sure_how", slots, "asked", "not_sure")
+
+
+def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:
+    """The answer to a motion that did not succeed."""
+    with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
+    slots = {"object": object_name} | ({"part": part} if part else {})
+    return Answer(with_part if part else without, slots, "failed", reason)
+
+
+def unable(action: str, primitive: str, decision: Decision) -> Answer:
+    """The answer when the robot's motion cannot perform a step of the tree."""
+    key = "not_able_with" if decision.patient else "not_able"
+    return Answer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
+
+
+def _nothing(target: Target, inference: Inference) -> Answer:
+    """Why nothing that is in view will do: believed not to, or not in view, or nothing known."""
+    if target.not_used_for:
+        return _not_found("nothing_not_used_for", affordance=target.not_used_for)
+    wanted = _wanted(target)
+    if wanted is None or target.object:
+        return _not_found("nothing_seen", object=_named(target))
+    key = "nothing_affords" if target.affords else "nothing_used_for"
+    slot = "conclusion" if target.affords else "affordance"
+    absent = tuple(dict.fromkeys(each.object for each in inference.absent))
+    denied = tuple(dict.fromkeys(each.object for each in inference.denied))
+    if absent:
+        return _not_found(f"{key}_absent", **{slot: wanted, "objects": absent})
+    if denied:
+        return _not_found(f"{key}_denied", **{slot: wanted, "objects": denied})
+    return _not_found(key, **{slot: wanted})
+
+
+def _not_found(key: str, **slots: Slot) -> Answer:
+    return Answer(key, slots, "failed", "not_found")
+
+
+def _wanted(target: Target) -> str | None:
+    """What a target must afford, in a word; None where it is named."""
+    if target.affords:
+        return str(target.affords)
+    return target.used_for or target.not_used_for
+
+
+def _named(target: Target) -> str:
+    return " ".join((*sorted(target.properties), target.object or "thing"))
+
+
+def _teacher(decision: Decision) -> str | None:
+    """Who taught the part that was chosen; None when a rule had no say in it."""
+    best: Candidate | None = decision.part.best if decision.part else None
+    if decision.named_part or best is None or not best.rules:
+        return None
+    return best.rules[-1].speaker
+
+
+def _chosen(action: str, decision: Decision) -> dict[str, str]:
+    best = decision.object.best
+    slots: Mapping[str, str | None] = {
+        "goal": action,
+        "object": best.object if best else None,
+        "tool": best.object if best else None,
+        "part": decision.chosen_part,
+        "patient": decision.patient,
+    }
+    return {key: value for key, value in slots.items() if value}

@@ -1,0 +1,401 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dialogue: believe what is told, carry out what is asked, answer what is wanted.
+
+Paper, section 3.2: of an utterance that wants something believed it is checked whether the speaker
+is trusted; if so the rules are asserted, and only when they are stored is that acknowledged. One
+that wants something done becomes a goal. What is not clear or not sure enough is asked back, and
+the "yes" or "no" that follows is understood. Everything that is heard is kept in the history, also
+what is refused or not understood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...kb.interval import Interval
+from ...kb.knowledge_base import KnowledgeBase
+from ...kb.rule import Atom, Rule
+from ...nlu.language import Language
+from ...nlu.semantics import meaning
+from ...nlu.semantics.coreference import Discourse
+from ...nlu.understanding import Understanding
+from ...ontology.errors import UnknownNameError
+from .. import protocols
+from ..episodes.recorder import EpisodeRecorder
+from ..execution.goal_manager import GoalManager, Request
+from ..execution.outcome import Answer, GoalResult, World
+from ..translation import request_of, said_of
+from .knowledge import Knowledge
+from .questions import answer
+from .reply import Reply
+from .teaching import Lesson, known, learned, lesson, to_forget
+
+KINDS = {  # what a command of the CLI listens to -> kinds of meaning
+    "tell": ("statement", "correction"),
+    "do": ("command",),
+    "ask": ("question",),
+}
+ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
+
+
+@dataclass(frozen=True)
+class Turn:
+    """One utterance as it was understood.
+
+    Attributes:
+        understood: what the language part made of it.
+        heard: how surely it was heard, in [0, 1].
+        keep: whether it goes into the history when it teaches nothing.
+    """
+
+    understood: Understanding
+    heard: float
+    keep: bool
+
+    @property
+    def speaker(self) -> str:
+        """Who said it."""
+        return self.understood.speaker
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A question of Hilt's own that waits for "yes" or "no".
+
+    Attributes:
+        asked: who is to answer it, and nobody else.
+        yes: what to do then.
+        no: what to do then; None only acknowledges.
+    """
+
+    asked: str
+    yes: Callable[[], Reply]
+    no: Callable[[], Reply] | None = None
+
+
+class Dialogue:
+    """One conversation, with any number of speakers.
+
+    Args:
+        base: where beliefs and the history are kept.
+        language: how utterances are understood and answers put into words.
+        goals: gives the goal manager, which is made when the first command comes.
+        visible: tells the objects in view.
+        diary: keeps what is done.
+        seed: of everything random, kept with each reply.
+        other: somebody else's language part, which is asked first.
+
+    Attributes:
+        language: grows with every word that is learned.
+        contexts: what holds now besides what is being done: places, roles, with how surely.
+        last_done: the reply to the last command.
+    """
+
+    def __init__(
+        self,
+        base: KnowledgeBase,
+        language: Language,
+        goals: Callable[[], GoalManager],
+        visible: Callable[[], tuple[str, ...]],
+        diary: EpisodeRecorder,
+        *,
+        seed: int = 0,
+        other: protocols.Dialogue | None = None,
+    ) -> None:
+        self.base = base
+        self._other = other
+        people = (_person(name) for name in base.trusts())
+        self.language = language.with_words((*(known(word) for word in base.words()), *people))
+        self.seed = seed
+        self.contexts: dict[Atom, Interval] = {}
+        self.last_done: Reply | None = None
+        self._goals = goals
+        self._visible = visible
+        self._diary = diary
+        self._discourse = Discourse()
+        self._pending: Pending | None = None
+        self._topic: tuple[Rule, ...] = ()
+        self._just_acted = False  # and no rule was spoken of since
+        self._listeners: dict[type, Callable[[Turn, Any], Reply]] = {
+            meaning.Statement: self._believe,
+            meaning.Retraction: self._forget,
+            meaning.Command: self._obey,
+            meaning.ToolCommand: self._obey,
+            meaning.Question: self._answer,
+            meaning.Acknowledgement: self._acknowledge,
+            meaning.AskBack: self._ask_back,
+            meaning.Misunderstanding: self._not_understood,
+        }
+
+    def hear(
+        self,
+        text: str,
+        *,
+        speaker: str,
+        only: str | None = None,
+        heard: float = 1.0,
+        keep: bool = True,
+        insist: Collection[str] = (),
+    ) -> Reply:
+        """Understand one utterance, act on it, and answer.
+
+        Args:
+            text: what was said.
+            speaker: who said it; capital letters do not matter.
+            only: "tell", "do" or "ask" to listen to statements, commands or questions only.
+            heard: how surely a recogniser heard it, in [0, 1].
+            keep: whether a command goes into the history and leaves an episode.
+            insist: words that are new although they are close to known ones.
+
+        Raises:
+            StoreError: what was said could not be stored; then nothing was believed.
+        """
+        speaker = self.base.known_as(speaker)
+        understood = self._understood(text, speaker, insist, heard)
+        self._discourse = understood.discourse
+        turn = Turn(understood, heard, keep)
+        if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
+            return self._answered(turn, Answer(f"only_{only}", {}, "not_understood"))
+        if understood.kind != "acknowledgement":
+            self._pending = None
+        return self._listeners[type(understood.meaning)](turn, understood.meaning)
+
+    def _understood(
+        self, text: str, speaker: str, insist: Collection[str], heard: float
+    ) -> Understanding:
+        said = self._other.understand(text, speaker=speaker) if self._other else None
+        if said is not None:
+            return Understanding(text, speaker, "self", said, discourse=self._discourse)
+        return self.language.understand(
+            text, speaker=speaker, discourse=self._discourse, insist=insist, heard=heard
+        )
+
+    # --- Being told --------------------------------------------------------------------------
+
+    def _believe(self, turn: Turn, said: meaning.Statement) -> Reply:
+        if not self._trusts(turn.speaker):
+            return self._answered(turn, Answer("not_trusted", {"speaker": turn.speaker}, "refused"))
+        taught = lesson(self.base, said, turn.speaker, turn.heard, self._topic)
+        spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
+        self.base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            taught.rules,
+            supersedes=[rule.id for rule in taught.supersedes],
+            words=[learned(word, turn.speaker) for word in turn.understood.new_words],
+            kind=turn.understood.kind,
+            answer=spoken,
+            heard=turn.heard,
+        )
+        self.language = self.language.with_words(turn.understood.new_words)
+        told = tuple(self.base.rule(rule.id) for rule in taught.rules)
+        self._turn_to(told)
+        return replace(self._reply(turn, spoken), rules=told)
+
+    def _echo(self, turn: Turn, taught: Lesson) -> Iterator[Answer]:
+        """Say back what was believed, a sentence a rule and a word."""
+        trust = self.base.trust(turn.speaker)
+        weight = trust.lower if trust else 0.0
+        key = "revised" if taught.supersedes else "learned"
+        key = "learned_weighed" if min(weight, turn.heard) < 1.0 else key
+        for rule, said in zip(taught.rules, taught.said, strict=True):
+            counts = rule.interval.discounted(weight)
+            yield Answer(
+                "known_already" if taught.is_known else key,
+                {
+                    "rule": self._in_words(rule),
+                    "confidence": (round(counts.lower, 4), round(counts.upper, 4)),
+                    "told": (said.lower, said.upper),
+                    "heard": (turn.heard, 1.0),
+                    "trust": (weight, 1.0),
+                    "speaker": turn.speaker,
+                },
+            )
+        for word in turn.understood.new_words:
+            yield Answer("learned_word", {"word": word.word, "role": word.role})
+
+    def _in_words(self, rule: Rule) -> str:
+        said = said_of(rule)
+        return self.language.phrase(said) if said else repr(rule)
+
+    def _weighed(self, what: str, rule: Rule) -> str:
+        support = rule.support
+        return self.language.speech.weighed(what, (support.lower, support.upper), rule.speaker)
+
+    def _forget(self, turn: Turn, said: meaning.Retraction) -> Reply:
+        if said.rule is None and self._just_acted:  # "never mind" means the deed
+            return self._answered(turn, Answer("forget_what", {}, "failed"))
+        rule = self._to_forget(turn, said)
+        if rule is not None and rule.speaker != turn.speaker:
+            return self._answered(turn, Answer("not_yours", {"speaker": rule.speaker}, "failed"))
+        if rule is None:
+            return self._answered(turn, Answer("nothing_to_forget", {}, "failed"))
+        spoken = self._say(Answer("forgotten", {"rule": self._in_words(rule)}))
+        understood = turn.understood
+        self.base.retract(rule.id, understood.text, understood.content, turn.speaker, answer=spoken)
+        return replace(self._reply(turn, spoken), rules=(rule,))
+
+    def _to_forget(self, turn: Turn, said: meaning.Retraction) -> Rule | None:
+        """What is taken back: what is named, else the last rule spoken of, else the last told."""
+        if said.rule is None and self._topic:
+            return self._topic[-1]
+        return to_forget(self.base, said, turn.speaker)
+
+    # --- Being asked to do something -----------------------------------------------------------
+
+    def _obey(self, turn: Turn, said: meaning.Command | meaning.ToolCommand) -> Reply:
+        if not self._trusts(turn.speaker):
+            return self._answered(turn, Answer("not_obeyed", {"speaker": turn.speaker}, "refused"))
+        if said.negated:
+            return self._answered(turn, _declined(said))
+        if turn.understood.unknown:
+            words = turn.understood.unknown
+            key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
+            return self._answered(turn, Answer(key, {"words": words}, "asked"))
+        acts = self.language.listener.interpreter.tool_acts
+        request = request_of(said, turn.speaker, acts)
+        return self._carry_out(turn, replace(request, contexts=self.contexts))
+
+    def attempt(self, request: Request) -> tuple[GoalResult, str]:
+        """Carry out a request; what came of it, and what there is to say about it."""
+        try:
+            came = self._goals().achieve(request)
+        except UnknownNameError:
+            answered = Answer("cannot", {"goal": request.action}, "failed")
+            came = GoalResult(answered, None, (), World())
+        return came, " ".join(self._say(each) for each in (*came.setbacks, came.answer))
+
+    def _carry_out(self, turn: Turn, request: Request) -> Reply:
+        came, spoken = self.attempt(request)
+        reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
+        self._record(reply, turn)
+        if turn.keep:
+            self._diary.write(request, reply)
+        else:
+            self._diary.leave_out()
+        self.last_done = reply
+        self._topic = ()
+        self._turn_to(came.decision.rules if came.decision else ())
+        self._just_acted = True
+        settled = request.settled_on(came)
+        if reply.ending == "asked" and settled:
+            self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
+        return reply
+
+    # --- Being asked, and talking -------------------------------------------------------------
+
+    def _answer(self, turn: Turn, said: meaning.Question) -> Reply:
+        knowledge = Knowledge(
+            self.base, self._in_words, self._weighed, self._visible, self.last_done, self._topic
+        )
+        found, rules = answer(said, knowledge)
+        self._turn_to(rules)
+        return replace(self._answered(turn, found), rules=rules)
+
+    def _acknowledge(self, turn: Turn, said: meaning.Acknowledgement) -> Reply:
+        pending = self._pending
+        if pending and pending.asked != turn.speaker:
+            pending = None
+        else:
+            self._pending = None
+        if pending and said.ack in {"yes", "okay"}:
+            return pending.yes()
+        if pending and said.ack == "no" and pending.no:
+            return pending.no()
+        key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
+        return self._answered(turn, Answer(key))
+
+    def _ask_back(self, turn: Turn, said: meaning.AskBack) -> Reply:
+        reply = replace(self._reply(turn, said.question), ending="asked")
+        self._record(reply, turn)
+        text, speaker = turn.understood.text, turn.speaker
+        meant = self._corrected(turn, said)
+        if said.choices == (text,):  # badly heard: a "yes" to it is as good as the words
+            self._pending = Pending(
+                speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
+            )
+        elif meant:
+            again, word = meant
+            self._pending = Pending(
+                speaker,
+                yes=lambda: self.hear(again, speaker=speaker, heard=turn.heard),
+                no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, insist=[word]),
+            )
+        return reply
+
+    def _corrected(self, turn: Turn, said: meaning.AskBack) -> tuple[str, str] | None:
+        """The utterance with the suggested word in place of the unknown one, and that one."""
+        words = turn.understood.words
+        unknown = [word for word in words if word not in self.language.known_words]
+        if len(said.choices) != 1 or not unknown:
+            return None
+        return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]
+
+    def _not_understood(self, turn: Turn, said: meaning.Misunderstanding) -> Reply:
+        reply = replace(self._reply(turn, said.message), ending="not_understood")
+        self._record(reply, turn)
+        return reply
+
+    # --- Helpers -----------------------------------------------------------------------------
+
+    def _turn_to(self, rules: tuple[Rule, ...]) -> None:
+        """Talk of these rules now: the last is what "no, by the handle" and "forget that" mean."""
+        said = said_of(rules[-1]) if rules else None
+        if said:
+            self._topic, self._just_acted = rules, False
+            self._discourse = replace(self._discourse, rule=said)
+
+    def _trusts(self, speaker: str) -> bool:
+        trust = self.base.trust(speaker)
+        return trust is not None and trust.upper > 0
+
+    def _answered(self, turn: Turn, answered: Answer) -> Reply:
+        """Put an answer into words, and keep what was heard in the history."""
+        reply = replace(self._reply(turn, self._say(answered)), ending=answered.ending)
+        self._record(reply, turn)
+        return reply
+
+    def _say(self, answered: Answer) -> str:
+        """An answer in words, filled with those of its slots that the language asks for."""
+        wanted = self.language.speech.answers[answered.key].slots
+        slots = {name: answered.slots[name] for name in wanted}
+        spoken = self.language.say(answered.key, **slots)
+        return self._other.say(answered, spoken) if self._other else spoken
+
+    def _record(self, reply: Reply, turn: Turn) -> None:
+        if not turn.keep:
+            return
+        self.base.record(
+            reply.text,
+            reply.understanding.content,
+            reply.speaker,
+            reply.understanding.kind,
+            accepted=reply.is_done,
+            answer=reply.said,
+            heard=turn.heard,
+        )
+
+    def _reply(self, turn: Turn, spoken: str) -> Reply:
+        understood = turn.understood
+        return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)
+
+
+def _use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
+    target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+    return target.used_for or target.not_used_for
+
+
+def _declined(said: meaning.Command | meaning.ToolCommand) -> Answer:
+    """The answer to a command that forbids."""
+    if isinstance(said, meaning.ToolCommand):
+        return Answer("will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused")
+    name = said.target.object or said.target.used_for or "thing"
+    return Answer("will_not", {"goal": said.goal, "object": name}, "refused")
+
+
+def _person(name: str) -> meaning.NewWord:
+    """Somebody known by name, to be asked about: "do you trust kim?"."""
+    return meaning.NewWord(name.lower(), "person", name)

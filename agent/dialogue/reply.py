@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The answer to one utterance: what was understood, what was learned or done, what is said.
+
+`as_json` writes the document that `hilt tell`, `hilt do` and `hilt ask` print; programs outside
+rely on its keys.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...kb.rule import Rule
+from ...nlu.semantics.meaning import Misunderstanding
+from ...nlu.understanding import Understanding
+from ..execution.outcome import Ending, GoalResult, Json
+
+
+@dataclass(frozen=True)
+class Reply:
+    """The answer to one utterance.
+
+    Attributes:
+        text: what was said to the robot.
+        speaker: who said it.
+        understanding: what the language part made of it.
+        said: the spoken answer.
+        ending: how the thing asked for ended; "done" for a statement that is believed.
+        rules: what was learned, or what the answer rests on.
+        achievement: what came of a command.
+        seed: of everything random in it.
+    """
+
+    text: str
+    speaker: str
+    understanding: Understanding
+    said: str
+    ending: Ending
+    rules: tuple[Rule, ...] = ()
+    achievement: GoalResult | None = None
+    seed: int = 0
+
+    @property
+    def is_done(self) -> bool:
+        """Whether what was asked for was done; decides the exit code."""
+        return self.ending == "done"
+
+    @property
+    def hint(self) -> str:
+        """What may be said instead of what was not understood; else empty."""
+        meant = self.understanding.meaning
+        nearest = meant.nearest if isinstance(meant, Misunderstanding) else ()
+        return nearest[0] if nearest else ""
+
+    def with_pictures(self, *files: str) -> Reply:
+        """This reply with files in which what was done is seen; nothing to see is nothing."""
+        came = self.achievement
+        if came is None or not came.world.executed:
+            return self
+        world = replace(came.world, pictures=files)
+        return replace(self, achievement=replace(came, world=world))
+
+    def as_tell_json(self) -> Json:
+        """As `hilt tell --json` prints it."""
+        return {
+            "utterance": self.text,
+            "accepted": self.is_done,
+            "said": self.said,
+            "rules": [rule.as_json() for rule in self.rules] if self.is_done else [],
+            "new_words": [word.as_json() for word in self.understanding.new_words],
+        }
+
+    def as_ask_json(self) -> Json:
+        """As `hilt ask --json` prints it."""
+        return {
+            "utterance": self.text,
+            "answered": self.is_done,
+            "said": self.said,
+            "rules": [rule.as_json() for rule in self.rules],
+        }
+
+    def as_do_json(self) -> Json:
+        """As `hilt do --json` prints it."""
+        nothing: Json = {"decision": None, "steps": [], "world": {"executed": False}}
+        return {
+            "utterance": self.text,
+            "goal": self.understanding.content,
+            "outcome": self.ending,
+            "said": self.said,
+            **(self.achievement.as_json() if self.achievement else nothing),
+            "seed": self.seed,
+        }

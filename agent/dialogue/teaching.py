@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a statement teaches: its rules, those they take the place of, and its new words.
+
+How surely a rule is believed has three sources: the word of confidence in the sentence, how surely
+a recogniser heard it, and how far its speaker is trusted. The first two are in the rule's interval
+(Shafer's discounting); trust is applied when the rule is used, since it may change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...kb.interval import Interval
+from ...kb.knowledge_base import KnowledgeBase
+from ...kb.learned_words import Word
+from ...kb.rule import Atom, Rule
+from ...nlu.semantics.meaning import NewWord, Retraction, Statement
+from ..translation import rule_of
+
+KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
+ROLES = {kind: role for role, kind in KINDS.items()}
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """What one statement teaches.
+
+    Attributes:
+        rules: to believe, as they count after hearing.
+        said: their intervals as they were said.
+        supersedes: rules of the same speaker that they take the place of.
+        is_known: whether all of it was known already.
+    """
+
+    rules: tuple[Rule, ...]
+    said: tuple[Interval, ...]
+    supersedes: tuple[Rule, ...]
+    is_known: bool
+
+
+def lesson(
+    base: KnowledgeBase,
+    said: Statement,
+    speaker: str,
+    heard: float,
+    topic: Sequence[Rule] = (),
+) -> Lesson:
+    """What a statement teaches to a base.
+
+    Args:
+        base: where earlier rules are.
+        said: the statement.
+        speaker: who said it.
+        heard: how surely it was heard, in [0, 1].
+        topic: the rules that were last spoken of.
+    """
+    as_said = tuple(rule_of(each, speaker) for each in said.rules)
+    rules = tuple(rule_of(each, speaker, heard) for each in said.rules)
+    before = _earlier(base, rules)
+    known = {rule.id for rule in before}
+    corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
+    supersedes = tuple(
+        dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic))
+    )
+    return Lesson(
+        rules,
+        tuple(rule.interval for rule in as_said),
+        supersedes,
+        not supersedes and all(rule.id in known for rule in rules),
+    )
+
+
+def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
+    """What a correction takes the place of; "no, I meant the knife" is about another thing."""
+    same = [old for old in before if is_same_matter(old, new) and old.id != new.id]
+    last = topic[-1] if topic else None
+    if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
+        return same
+    changed = (last.features != new.features) + (last.argument != new.argument)
+    return [last] if changed == 1 and last.contexts == new.contexts else []
+
+
+def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
+    """What a speaker told before that can be the same matter as one of these rules."""
+    found = {old.id: old for rule in rules for old in base.rules_like(rule)}
+    return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
+
+
+def is_same_matter(one: Rule, other: Rule) -> bool:
+    """Whether one rule can correct the other: about the same thing, in the same context.
+
+    Two parts for one grasp are the same matter; two uses of one thing are two matters.
+    """
+    if (one.features, one.contexts, one.functor) != (other.features, other.contexts, other.functor):
+        return False
+    return one.kind == "action" or one.argument == other.argument
+
+
+def to_forget(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
+    """The rule that a speaker takes back: the one that is named, else the last one told.
+
+    Args:
+        base: where it is believed.
+        said: what was meant.
+        speaker: who takes it back, and who must have told it.
+    """
+    told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
+    if said.rule is not None:
+        wanted = rule_of(said.rule, speaker)
+        told = [
+            rule
+            for rule in told
+            if is_same_matter(rule, wanted) and rule.argument == wanted.argument
+        ]
+    return told[-1] if told else None
+
+
+def learned(word: NewWord, speaker: str) -> Word:
+    """A new word as the base keeps it."""
+    return Word(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
+
+
+def known(word: Word) -> NewWord:
+    """A kept word as the language takes it."""
+    return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests, settings and files as an episode keeps them: in JSON, whole, there and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from ...inference.settings import OPERATORS, THRESHOLD, Settings
+from ...inference.types import Conclusion, Target
+from ...kb.interval import Interval
+from ...kb.rule import Atom
+from ...ontology.errors import DataError
+from ..execution.goal_manager import Request
+from ..execution.outcome import Json
+
+
+def request_as_json(request: Request) -> Json:
+    """A request as an episode keeps it."""
+    return {
+        "action": request.action,
+        "arguments": {
+            name: _target_as_json(each) if isinstance(each, Target) else each
+            for name, each in request.arguments.items()
+        },
+        "speaker": request.speaker,
+        "part": request.part,
+        "contexts": {str(a): [held.lower, held.upper] for a, held in request.contexts.items()},
+        "assumed": sorted(request.assumed),
+    }
+
+
+def request_from_json(kept: Mapping[str, Any]) -> Request:
+    """The request that was kept."""
+    return Request(
+        kept["action"],
+        {
+            name: _target_from_json(each) if isinstance(each, dict) else each
+            for name, each in kept["arguments"].items()
+        },
+        kept["speaker"],
+        kept["part"],
+        {Atom.parse(atom): Interval(*held) for atom, held in kept["contexts"].items()},
+        frozenset(kept["assumed"]),
+    )
+
+
+def _target_as_json(target: Target) -> Json:
+    affords = target.affords
+    return {
+        "object": target.object,
+        "used_for": target.used_for,
+        "not_used_for": target.not_used_for,
+        "affords": affords
+        and [affords.functor, None if affords.argument is None else str(affords.argument)],
+        "properties": sorted(target.properties),
+        "is_confirmed": target.is_confirmed,
+    }
+
+
+def _target_from_json(kept: dict[str, Any]) -> Target:
+    affords = None
+    if kept["affords"]:
+        functor, argument = kept["affords"]
+        affords = Conclusion(functor, Atom.parse(argument) if argument else None)
+    return Target(
+        kept["object"],
+        kept["used_for"],
+        kept["not_used_for"],
+        affords,
+        frozenset(kept["properties"]),
+        kept["is_confirmed"],
+    )
+
+
+def settings_as_choices(settings: Settings) -> list[str]:
+    """Settings as the choices that make them of any others: "fusion=dempster", ..."""
+    chosen = {name: getattr(settings.operators, name) for name in OPERATORS}
+    chosen |= {"stage": settings.stage, "detection": settings.detection}
+    chosen |= {THRESHOLD: settings.threshold}
+    chosen |= {f"{THRESHOLD}.{name}": each for name, each in settings.thresholds.items()}
+    return [f"{name}={value}" for name, value in chosen.items()]
+
+
+def file_as_json(path: Path | None) -> dict[str, str] | None:
+    """A user's own file as an episode keeps it: where it is, and a hash of what it says."""
+    if path is None:
+        return None
+    content = path.read_bytes() if path.exists() else b""
+    return {"file": str(path.resolve()), "sha256": sha256(content).hexdigest()}
+
+
+def file_from_json(kept: Mapping[str, str] | None) -> Path | None:
+    """The file that was kept.
+
+    Raises:
+        DataError: it is not there any more, or says something else.
+    """
+    if kept is None:
+        return None
+    path = Path(kept["file"])
+    if file_as_json(path) != kept:
+        raise DataError("has been changed since, or is gone.", source=str(path))
+    return path

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Running an episode again: the same request, under the same circumstances, with the same rules.
+
+What one command moves the next one finds moved, so all that the robot did before in the same
+conversation is done again first. The rules are those that held then, whatever was told since.
+Nothing is written into the base.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...inference.affordance import Affordances
+from ...inference.induction import Inducing
+from ...inference.settings import Settings
+from ...inference.taxonomy import Taxonomy
+from ...kb.episodes import Episode
+from ...kb.knowledge_base import KnowledgeBase
+from ...kb.learned_words import Word
+from ...kb.views import View, view
+from ...ontology.errors import HiltError, NotFoundError
+from ..agent import Agent
+from ..config import Embodiment
+from ..dialogue.teaching import known
+from ..execution.outcome import GoalResult, Json
+from ..opening import actions_with, language_of, open_base
+from .keeping import file_from_json, request_from_json
+from .recorder import AGAIN
+
+LAST = "last"
+COMPARED = ("outcome", "said", "decision", "steps", "world")
+KEPT = {"request", "state", "circumstances", "after"}
+CIRCUMSTANCES = {"embodiment", "actions", "settings", "induces"}
+LISTED = 8  # ids that a message names
+
+
+@dataclass(frozen=True)
+class Replay:
+    """An episode that was run again.
+
+    Attributes:
+        episode: as it is in the base.
+        before: what came of it then, as in the document of the episode.
+        after: what came of it now.
+        achievement: the same, as values.
+    """
+
+    episode: Episode
+    before: Json
+    after: Json
+    achievement: GoalResult
+
+    @property
+    def differences(self) -> tuple[str, ...]:
+        """What came out otherwise, a line each; none when all is the same bit for bit."""
+        return tuple(_differences("", self.before, self.after))
+
+    def as_json(self) -> Json:
+        """As `hilt replay --json` prints it."""
+        return {
+            "episode": self.episode.id,
+            "utterance": self.episode.text,
+            "same": not self.differences,
+            "differences": list(self.differences),
+            **self.after,
+        }
+
+
+def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
+    """The episode of an id, of the only id that begins so, or the last one for "last".
+
+    Raises:
+        UnknownNameError: there is none.
+        HiltError: there are several.
+    """
+    if name == LAST and episodes:
+        return episodes[-1]
+    found = [each for each in episodes if each.id == name]
+    found = found or [each for each in episodes if each.id.startswith(name)]
+    if len(found) > 1:
+        alike = ", ".join(each.id for each in found[-LISTED:])
+        raise HiltError(f'{len(found)} episodes begin with "{name}", among them {alike}.')
+    if not found:
+        raise NotFoundError("episode", name, [each.id for each in episodes[-LISTED:]])
+    return found[0]
+
+
+def replay(
+    base: KnowledgeBase, name: str, *, gui: bool = False, film: Path | None = None
+) -> Replay:
+    """Run an episode again.
+
+    Args:
+        base: where it was recorded.
+        name: its id, or the start of it, or "last".
+        gui: whether the simulator shows a window.
+        film: a file to film it into.
+
+    Raises:
+        UnknownNameError: there is no such episode.
+        HiltError: it was recorded without what it takes to run it again.
+    """
+    kept = list(base.episodes())
+    chain = _chain({each.id: each for each in kept}, find_episode(kept, name))
+    circumstances = _again(chain[0])["circumstances"]
+    with _agent(circumstances, base.words(), gui=gui) as agent:
+        for earlier in chain[:-1]:
+            _run(agent, base, earlier, circumstances)
+        if film is None:
+            return _run(agent, base, chain[-1], circumstances)
+        with agent.filmed(film):
+            return _run(agent, base, chain[-1], circumstances)
+
+
+def _chain(episodes: Mapping[str, Episode], last: Episode) -> list[Episode]:
+    """The episodes of one conversation up to this one, the first one first."""
+    chain = [last]
+    while after := _again(chain[-1])["after"]:
+        if after not in episodes:
+            raise HiltError(f"Episode {last.id} goes on from {after}, which is not in the base.")
+        chain.append(episodes[after])
+    return chain[::-1]
+
+
+def _again(episode: Episode) -> dict[str, Any]:
+    again = json.loads(episode.document).get(AGAIN)
+    if again is None or KEPT - again.keys() or CIRCUMSTANCES - again["circumstances"].keys():
+        raise HiltError(
+            f"Episode {episode.id} cannot be run again: it was not done with Hilt's own eyes and "
+            "hands, something before it was not kept, or another version of Hilt recorded it."
+        )
+    return again
+
+
+def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool) -> Agent:
+    """An agent under these circumstances, over an empty base of its own."""
+    embodiment = Embodiment.from_json(circumstances["embodiment"], gui=gui)
+    return Agent(
+        open_base("memory:", embodiment.household),
+        language_of(embodiment.household).with_words(map(known, words)),
+        actions_with(file_from_json(circumstances["actions"])),
+        embodiment,
+        settings=Settings().with_choices(circumstances["settings"]),
+    )
+
+
+def _run(
+    agent: Agent, base: KnowledgeBase, episode: Episode, circumstances: Mapping[str, Any]
+) -> Replay:
+    past = Past(view(base, at=episode.utterance or 0).all)
+    household = agent.embodiment.household
+    agent.goals.affordances = Affordances(
+        Inducing(past, household.objects, household.classes) if circumstances["induces"] else past,
+        agent.affordances.settings,
+        Taxonomy.of(agent.base),
+    )
+    again = _again(episode)
+    came, said = agent.attempt(episode.text, request_from_json(again["request"]))
+    before = json.loads(episode.document)
+    after = came.as_json() | {"outcome": came.answer.ending, "said": said}
+    return Replay(
+        episode,
+        {key: before[key] for key in COMPARED} | {"state": again["state"]},
+        _plain({key: after[key] for key in COMPARED} | {"state": agent.state()}),
+        came,
+    )
+
+
+@dataclass(frozen=True)
+class Past(View):
+    """Rules that held at some time, as a source that does not change any more."""
+
+    @property
+    def sequence(self) -> int:
+        """The number of the last change."""
+        return len(self.all)
+
+
+def _plain(document: Json) -> Json:
+    """As it is after having been written and read."""
+    return json.loads(json.dumps(document))
+
+
+def _differences(path: str, before: object, after: object) -> Iterator[str]:
+    if isinstance(before, dict) and isinstance(after, dict):
+        for key in sorted({*before, *after}):
+            if key != "pictures":
+                yield from _differences(
+                    f"{path}.{key}".lstrip("."), before.get(key), after.get(key)
+                )
+    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        for index, (one, other) in enumerate(zip(before, after, strict=True)):
+            yield from _differences(f"{path}[{index}]", one, other)
+    elif before != after:
+        yield f"{path}: {json.dumps(before)}, now {json.dumps(after)}"

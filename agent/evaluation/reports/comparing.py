@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two evaluations compared: what `--json` printed or `--report FILE.json` wrote, side by side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from ....ontology.errors import DataError
+from ...execution.outcome import Json
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+T = TypeVar("T")
+NOT_COMPARED = ("results", "wrong", "cpu_s")  # results are compared case by case; times differ
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What differs between two evaluations.
+
+    Attributes:
+        counts: name of a count or option -> its values in both; None where it is missing.
+        cases: key of a case -> what came of it in both, as "right: knife"; None where it is not.
+    """
+
+    counts: Mapping[str, tuple[object, object]]
+    cases: Mapping[str, tuple[str | None, str | None]]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether they agree in everything but times."""
+        return not self.counts and not self.cases
+
+    def as_json(self) -> Json:
+        """As `hilt evaluate --compare --json` prints it."""
+        return {
+            "equal": self.is_empty,
+            "counts": {name: list(pair) for name, pair in self.counts.items()},
+            "cases": {key: list(pair) for key, pair in self.cases.items()},
+        }
+
+    def table(self) -> Table:
+        """What differs, a line each."""
+        from rich.markup import escape
+        from rich.table import Table
+
+        table = Table("", "A", "B")
+        for name, pair in (*self.counts.items(), *self.cases.items()):
+            table.add_row(escape(name), *(escape(_shown(each)) for each in pair))
+        return table
+
+
+def compare(first: Path, second: Path) -> Comparison:
+    """Compare two files; case by case where both hold results.
+
+    Raises:
+        DataError: one cannot be read, or is no evaluation.
+    """
+    a, b = _read(first), _read(second)
+    counts_a, counts_b = dict(_leaves(a)), dict(_leaves(b))
+    both = "results" in a and "results" in b
+    cases = _differing(_cases(a), _cases(b)) if both else {}
+    return Comparison(_differing(counts_a, counts_b), cases)
+
+
+def _read(path: Path) -> Json:
+    try:
+        document: object = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=str(path)) from error
+    except ValueError as error:
+        raise DataError(f"is not JSON: {error}.", source=str(path)) from error
+    if not isinstance(document, dict) or "runs" not in document:
+        raise DataError('expected what "hilt evaluate --json" prints.', source=str(path))
+    return cast("Json", document)
+
+
+def _leaves(document: Json, prefix: str = "") -> Iterator[tuple[str, object]]:
+    for name, value in document.items():
+        if not prefix and name in NOT_COMPARED:
+            continue
+        if isinstance(value, dict):
+            yield from _leaves(cast("Json", value), f"{prefix}{name}.")
+        elif isinstance(value, list) and prefix + name == "curves":
+            for curve in cast("list[Json]", value):
+                yield from _leaves(_points(curve), f"{curve['curve']}.")
+        else:
+            yield prefix + name, value
+
+
+def _points(curve: Json) -> Json:
+    """The accuracies of a curve by line and place."""
+    lines = cast("dict[str, list[Json]]", curve["lines"])
+    return {f"{line} at {p['x']}": p["accuracy"] for line, each in lines.items() for p in each}
+
+
+def _cases(document: Json) -> dict[str, str]:
+    results = cast("list[Json]", document.get("results", []))
+    return {
+        str(each["key"]): f"{'right' if each['right'] else 'wrong'}: {each['found']}"
+        for each in results
+    }
+
+
+def _differing(a: Mapping[str, T], b: Mapping[str, T]) -> dict[str, tuple[T | None, T | None]]:
+    names = dict.fromkeys((*a, *b))
+    return {name: (a.get(name), b.get(name)) for name in names if a.get(name) != b.get(name)}
+
+
+def _shown(value: object) -> str:
+    return "" if value is None else value if isinstance(value, str) else json.dumps(value)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The results of a run, counted: what `hilt evaluate` prints."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
+
+from ...execution.outcome import Json
+from ..case import Done, Result
+from ..experiment import Experiment
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+@dataclass(frozen=True)
+class Report:
+    """The results of one run.
+
+    Attributes:
+        name: of the experiment.
+        options: of the experiment.
+        done: its results, in the order of its cases.
+        summary: what the experiment itself makes of them.
+    """
+
+    name: str
+    options: Mapping[str, object]
+    done: tuple[Done, ...]
+    summary: Mapping[str, object] = field(default_factory=dict[str, object])
+
+    @classmethod
+    def of(cls, experiment: Experiment, done: Sequence[Done]) -> Report:
+        """The report of a run."""
+        summary = experiment.summary([each.result for each in done])
+        return cls(experiment.name, experiment.options, tuple(done), summary)
+
+    @property
+    def results(self) -> tuple[Result, ...]:
+        """The results alone."""
+        return tuple(each.result for each in self.done)
+
+    @property
+    def is_right(self) -> bool:
+        """Whether every case is right."""
+        return all(result.right for result in self.results)
+
+    def as_json(self) -> Json:
+        """As `hilt evaluate --json` prints it."""
+        return self.counts() | {"cpu_s": round(sum(each.cpu_s for each in self.done), 3)}
+
+    def counts(self) -> Json:
+        """What is the same for every run of the experiment."""
+        kinds = Counter(result.kind for result in self.results)
+        closed = [r.facts["right_part"] for r in self.results if "right_part" in r.facts]
+        moved = [r.facts["success"] for r in self.results if "success" in r.facts]
+        return {
+            "name": self.name,
+            "runs": len(self.results),
+            "right": sum(result.right for result in self.results),
+            "by_principle": self._by_principle(),
+            "unique": kinds["unique"],
+            "ties": kinds["tie"],
+            "none": kinds["none"],
+            "errors": kinds["error"] + kinds["lost"],
+            "executed": len(moved),
+            "succeeded": sum(bool(each) for each in moved),
+            "grasps": len(closed),
+            "right_part": sum(bool(each) for each in closed),
+            "wrong": [
+                f"{r.key}: {r.found}; expected {r.expected}" for r in self.results if not r.right
+            ],
+            "seed": self.options.get("seed", 0),
+            "options": dict(self.options),
+            **self.summary,
+        }
+
+    def _by_principle(self) -> dict[str, dict[str, int]]:
+        numbers = sorted({result.principle for result in self.results} - {0})
+        # A principle is about what is decided; whether the hand then managed is another question.
+        groups = {
+            n: [bool(r.facts.get("decided", r.right)) for r in self.results if r.principle == n]
+            for n in numbers
+        }
+        return {str(n): {"runs": len(g), "right": sum(g)} for n, g in groups.items()}
+
+    def table(self) -> Table:
+        """The cases as a table, with the total above; of curves their points."""
+        from rich.table import Table
+
+        from ...presentation import console
+
+        if "curves" in self.summary:
+            return self._points(cast("list[Json]", self.summary["curves"]))
+        right = sum(result.right for result in self.results)
+        table = Table(
+            "case", "chosen", "expected", "right",
+            title=f"{self.name}: {right} of {len(self.results)} right "
+            f"(seed {self.options.get('seed', 0)})",
+            title_justify="left",
+        )  # fmt: skip
+        for result in self.results:
+            mark = "[green]yes" if result.right else "[red]no"
+            table.add_row(result.key, result.found, result.expected, mark)
+        return console.whole(table)
+
+    def _points(self, curves: Sequence[Json]) -> Table:
+        from rich.table import Table
+
+        table = Table("curve", "line", "at", "right", "band of 95 %", "decisions")
+        for curve in curves:
+            for line, points in cast("dict[str, list[dict[str, float]]]", curve["lines"]).items():
+                for at in points:
+                    band = f"{at['lower']:.1%} to {at['upper']:.1%}"
+                    shown = (f"{at['x']:g}", f"{at['accuracy']:.1%}", band, str(at["decisions"]))
+                    table.add_row(str(curve["curve"]), line, *shown)
+        return table

@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What came of a command: the steps that were taken, the decision, and what happened in the world.
+
+These values are what `hilt do --json` prints and what is kept as an episode. Nothing in them is
+prose but the reasons: the sentence that is spoken is made of a failure's or success's `key` and
+`slots` by `nlu.generation`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ...inference.proof import Proof
+from ...inference.types import Candidate, Inference
+from ...kb.rule import Rule
+
+Json = dict[str, object]
+Slot = str | tuple[str, ...] | tuple[float, float]  # a name, a list of names, an interval
+Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What to say, before it is put into words.
+
+    Attributes:
+        key: the template in the language's answers.
+        slots: its blanks.
+        ending: how the thing asked for ended.
+        cause: of a failure, by the name that the branches of action trees know it by.
+    """
+
+    key: str
+    slots: Mapping[str, Slot] = field(default_factory=dict[str, Slot])
+    ending: Ending = "done"
+    cause: str = ""
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """What an action is bound to: this thing, this part or other argument."""
+
+    object: str
+    part: str | None
+    lower: float
+    upper: float
+    argument: str | None = None
+
+    def as_json(self) -> Json:
+        """As a step of `hilt do --json` shows it."""
+        return {
+            "object": self.object,
+            "part": self.part,
+            "lower": round(self.lower, 6),
+            "upper": round(self.upper, 6),
+            **({"argument": self.argument} if self.argument else {}),
+        }
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """A thing that was chosen and tried, but did not do.
+
+    Attributes:
+        candidate: why it was chosen.
+        cause: why it did not do.
+    """
+
+    candidate: Candidate
+    cause: str
+
+    @property
+    def reason(self) -> str:
+        """Why it is not the one, in a few words."""
+        return f"it was tried first, but: {self.cause.replace('_', ' ')}"
+
+    def as_json(self) -> Json:
+        """As one of the candidates of `hilt do --json`."""
+        return _candidate(self.candidate) | {"accepted": False, "reason": self.reason}
+
+
+@dataclass(frozen=True)
+class Step:
+    """One node of the walk and its four operations.
+
+    Attributes:
+        node: its path ("pass/graspObject").
+        features: what getFeatures returned, as text.
+        percepts: what the visual search found: name -> confidence.
+        inference: what getAffordance concluded.
+        constraint: what the action was bound to, if anything.
+        action: what the action itself did, in a word: "walked", "executed", "not executed", or the
+            reason of its failure.
+    """
+
+    node: str
+    features: tuple[str, ...]
+    percepts: Mapping[str, float]
+    inference: Inference
+    constraint: Constraint | None
+    action: str
+
+    def as_json(self) -> Json:
+        """As `hilt do --json` shows it."""
+        return {
+            "node": self.node,
+            "features": [feature.partition(":")[2] for feature in self.features],
+            "percepts": [
+                {"name": name, "confidence": round(confidence, 6)}
+                for name, confidence in self.percepts.items()
+            ],
+            "constraint": self.constraint.as_json() if self.constraint else None,
+            "action": self.action,
+        }
+
+
+@dataclass(frozen=True)
+class Decision:
+    """Why this thing, and why this part.
+
+    Attributes:
+        object: the inference at the find node.
+        part: the inference at the grasp node; None where the action does not grasp.
+        named_part: the part that the command itself named, which needs no rule.
+        patient: what a tool is used on.
+        rejected: what was tried before it.
+    """
+
+    object: Inference
+    part: Inference | None = None
+    named_part: str | None = None
+    patient: str | None = None
+    rejected: tuple[Rejected, ...] = ()
+
+    @property
+    def chosen_part(self) -> str | None:
+        """The part to act on; None where nobody said one."""
+        best = self.part.best if self.part else None
+        return self.named_part or (best.argument.name if best and best.argument else None)
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules that the choice rests on: those of the object, then those of the part."""
+        part = self.part.best if self.part and not self.named_part else None
+        chosen = [candidate for candidate in (self.object.best, part) if candidate]
+        return tuple(dict.fromkeys(rule for candidate in chosen for rule in candidate.rules))
+
+    def proofs(self) -> tuple[Proof, ...]:
+        """The proofs of the object and of the part; of the likeliest ones when none is sure."""
+        nodes = [each for each in (self.object, self.part) if each]
+        shown = [(*each.candidates, *each.absent)[:1] for each in nodes]
+        return tuple(candidate.proof for first in shown for candidate in first)
+
+    def proofs_as_json(self) -> list[Json]:
+        """Every candidate of every node with its proof."""
+        nodes = [each for each in (self.object, self.part) if each]
+        return [
+            _candidate(candidate) | {"node": node.node, "proof": candidate.proof.as_json()}
+            for node in nodes
+            for candidate in (*node.candidates, *node.absent)
+        ]
+
+    def as_json(self) -> Json:
+        """The `decision` of `hilt do --json`."""
+        best = self.object.best
+        first = best or (self.object.candidates[0] if self.object.candidates else None)
+        result: Json = {
+            "object": best.object if best else None,
+            "part": self.chosen_part,
+            "lower": round(first.interval.lower, 6) if first else None,
+            "upper": round(first.interval.upper, 6) if first else None,
+            "lambda": round(first.certainty, 6) if first else None,
+            "threshold": self.object.threshold,
+            "candidates": [
+                *(_candidate(each) for each in self.object.candidates),
+                *(each.as_json() for each in self.rejected),
+            ],
+            "ties": [c.object for c in self.object.ties],
+            "rules": [rule.id for rule in self.rules],
+        }
+        return result | ({"patient": self.patient} if self.patient else {})
+
+
+def _candidate(candidate: Candidate) -> Json:
+    return {
+        "object": candidate.object,
+        "name": candidate.name,
+        "lower": round(candidate.interval.lower, 6),
+        "upper": round(candidate.interval.upper, 6),
+        "lambda": round(candidate.certainty, 6),
+        "accepted": candidate.accepted,
+        "verdict": candidate.verdict,
+        "reason": candidate.reason,
+        **({"inherited": candidate.inherited} if candidate.inherited else {}),
+        **({"overruled": [rule.id for rule in candidate.overruled]} if candidate.overruled else {}),
+    }
+
+
+@dataclass(frozen=True)
+class World:
+    """What happened in the (simulated) world.
+
+    Attributes:
+        executed: whether it was left to the robot to act. What it sees no way to do it does not
+            try: then it has not closed its hand, and `attempts` is 0.
+        touched: the parts that the fingers touched when they closed.
+        lifted_m: how high the thing was lifted [m].
+        held_s: how long it was held [s].
+        handed_over: whether it was still held at the hand-over pose.
+        handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
+            when nothing was handed over.
+        attempts: how often the hand had to close.
+        nail_depth_mm: how deep what was pounded stands in [mm]; None when nothing was.
+        driven_mm: by how much it was driven in [mm].
+        pictures: files that were written.
+    """
+
+    executed: bool = False
+    touched: tuple[str, ...] = ()
+    lifted_m: float = 0.0
+    held_s: float = 0.0
+    handed_over: bool = False
+    handed_over_at: tuple[float, ...] = ()
+    attempts: int = 0
+    nail_depth_mm: float | None = None
+    driven_mm: float = 0.0
+    pictures: tuple[str, ...] = ()
+
+    def as_json(self) -> Json:
+        """The `world` of `hilt do --json`."""
+        if not self.executed:
+            return {"executed": False}
+        return (
+            {
+                "executed": True,
+                "touched": list(self.touched),
+                "lifted_m": round(self.lifted_m, 4),
+                "held_s": round(self.held_s, 3),
+                "handed_over": self.handed_over,
+                "attempts": self.attempts,
+                "pictures": list(self.pictures),
+            }
+            | self._met()
+            | self._pounded()
+        )
+
+    def _met(self) -> Json:
+        if not self.handed_over_at:
+            return {}
+        numbers = [round(value, 4) + 0.0 for value in self.handed_over_at]
+        return {"handed_over_at": {"position_m": numbers[:3], "quaternion_xyzw": numbers[3:]}}
+
+    def _pounded(self) -> Json:
+        if self.nail_depth_mm is None:
+            return {}
+        return {
+            "nail_depth_mm": round(self.nail_depth_mm, 2),
+            "driven_mm": round(self.driven_mm, 2),
+        }
+
+
+@dataclass(frozen=True)
+class GoalResult:
+    """What came of one goal.
+
+    Attributes:
+        answer: what to say in the end.
+        decision: which thing and part, if the tree looks for any.
+        steps: the nodes as they were walked.
+        world: what happened.
+        setbacks: failures on the way that were mended, to be said before the answer.
+    """
+
+    answer: Answer
+    decision: Decision | None
+    steps: tuple[Step, ...]
+    world: World
+    setbacks: tuple[Answer, ...] = ()
+
+    def as_json(self) -> Json:
+        """The parts of `hilt do --json` that tell what was decided and done."""
+        return {
+            "decision": self.decision.as_json() if self.decision else None,
+            "steps": [step.as_json() for step in self.steps],
+            "world": self.world.as_json(),
+        }

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the primitives of action trees do with a robot's hands, and what happened in the world.
+
+Each primitive becomes one call of `Motion`; one that `Motion` has no name for goes to `Skills`,
+where the robot has some of its own. A report that something did not work becomes an answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from ...inference.types import Target
+from ...sim.manipulation.report import MotionReport
+from ...sim.vision.percept import Percept
+from ..dialogue import answers
+from ..protocols import Motion, Skills, Vision
+from .outcome import Answer, Constraint, World
+
+DRIVEN = "driven"  # what the robot senses when something is in all the way
+LOST = ("dropped", "nothing_held")
+MM = 1e3  # in a metre
+
+
+@dataclass(frozen=True)
+class Task:
+    """One primitive to perform.
+
+    Attributes:
+        action: its name ("graspObject").
+        arguments: those of the node.
+        percept: the thing it is about, if one was found.
+        part: the part to act on.
+        constraint: what was concluded at the node.
+        found: parameter -> the thing that was found for it.
+    """
+
+    action: str
+    arguments: Mapping[str, Target | str]
+    percept: Percept | None
+    part: str | None = None
+    constraint: Constraint | None = None
+    found: Mapping[str, Percept] = field(default_factory=dict[str, Percept])
+
+
+class Hands:
+    """The primitives over a motion stack.
+
+    Attributes:
+        world: what happened so far.
+        holding: the name of the thing in the hand, if any.
+        sensed: the events that the robot has sensed ("driven").
+        tool, patient: the kinds of what is used, and of what it is used on; for answers.
+    """
+
+    def __init__(self, motion: Motion, vision: Vision) -> None:
+        self.world = World()
+        self.holding: str | None = None
+        self.sensed: set[str] = set()
+        self.tool: str | None = None
+        self.patient: str | None = None
+        self._motion, self._vision = motion, vision
+        self._part: str | None = None
+        self._depth_before_mm = 0.0
+        self._primitives: Mapping[str, Callable[[Task], Answer | None]] = {
+            "graspObject": self._grasp,
+            "moveTo": self._move_to,
+            "handOver": self._hand_over,
+            "pointAt": self._point_at,
+            "moveAbove": self._move_above,
+            "raise": lambda _: self._struck(motion.raise_()),
+            "lower": lambda _: self._struck(motion.lower()),
+        }
+
+    def perform(self, task: Task) -> Answer | None:
+        """Perform a primitive; returns the failure, if any."""
+        return self._primitives.get(task.action, self._skill)(task)
+
+    def not_sensed(self, event: str) -> Answer:
+        """The answer when a loop ended without what it was for."""
+        if event == DRIVEN:
+            return self._not_driven("not_driven")
+        slots = {"object": self.tool or "thing"}
+        return Answer("failed", slots | {"goal": event}, "failed", "not_driven")
+
+    def _grasp(self, task: Task) -> Answer | None:
+        if task.percept is None:
+            return Answer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+        self._part = task.part
+        report = self._motion.grasp(task.percept, task.part)
+        self.world = World(True, touched=tuple(report.touched), attempts=report.attempts)
+        self.holding = task.percept.name if report.ok else None
+        return None if report.ok else self._failed(report.reason, task)
+
+    def _move_to(self, task: Task) -> Answer | None:
+        report = self._motion.lift()
+        self.world = replace(
+            self.world,
+            touched=tuple(report.touched),
+            lifted_m=report.lifted_m,
+            held_s=report.held_s,
+            attempts=report.attempts,
+        )
+        return None if report.ok else self._failed(report.reason, task)
+
+    def _hand_over(self, task: Task) -> Answer | None:
+        report = self._motion.hand_over()
+        self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
+        return None if report.ok else self._failed(report.reason, task)
+
+    def _point_at(self, task: Task) -> Answer | None:
+        if task.percept is None:
+            return Answer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+        report = self._motion.point_at(task.percept)
+        self.world = replace(self.world, executed=True)
+        return None if report.ok else self._failed(report.reason, task)
+
+    def _move_above(self, task: Task) -> Answer | None:
+        wanted = task.arguments.get("patient")
+        name = wanted.object if isinstance(wanted, Target) else wanted
+        seen = self._vision.search([f"object:{name}"])
+        if not seen:
+            return Answer("nothing_seen", {"object": name or "thing"}, "failed", "nothing_seen")
+        report = self._motion.move_above(seen[0])
+        self._depth_before_mm = report.depth_m * MM
+        return self._struck(report)
+
+    def _skill(self, task: Task) -> Answer | None:
+        """A primitive of the robot's own."""
+        motion = self._motion
+        if not isinstance(motion, Skills):
+            slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
+            return Answer("not_able", slots, "failed", "unable")
+        arguments = {name: self._meant(name, task) for name in task.arguments}
+        report = motion.perform(task.action, arguments, task.constraint)
+        self.world = replace(self.world, executed=True)
+        return None if report.ok else self._failed(report.reason, task)
+
+    def _meant(self, parameter: str, task: Task) -> Percept | str:
+        """The thing that an argument means, or its name where no such thing is in view."""
+        if parameter in task.found:
+            return task.found[parameter]
+        value = task.arguments[parameter]
+        name = (value.object if isinstance(value, Target) else value) or "thing"
+        seen = self._vision.search([f"object:{name}"])
+        return seen[0] if seen else name
+
+    def _struck(self, report: MotionReport) -> Answer | None:
+        depth_mm = report.depth_m * MM
+        self.world = replace(
+            self.world, nail_depth_mm=depth_mm, driven_mm=depth_mm - self._depth_before_mm
+        )
+        if report.driven:
+            self.sensed.add(DRIVEN)
+            return None  # it is in: what else went wrong with the last blow does not matter
+        return None if report.ok else self._not_driven(report.reason)
+
+    def _not_driven(self, reason: str) -> Answer:
+        """The answer when what was to be driven in is not."""
+        tool = self.tool or "thing"
+        if reason in LOST:
+            return Answer("dropped", {"object": tool}, "failed", reason)
+        key = "not_driven" if reason == "not_driven" else "cannot_strike"
+        slots = {"patient": self.patient or "thing", "tool": tool}
+        return Answer(key, slots, "failed", reason)
+
+    def _failed(self, reason: str, task: Task) -> Answer:
+        name = task.percept.object if task.percept else self.tool or "thing"
+        return answers.motion_failed(reason, name, self._part)

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Films of what the robot does, with what it thinks written below.
+
+Every picture says what was asked, at which node of the action tree the robot is, and to what it is
+bound there, how surely. The part it must act on is tinted; before the hand goes there, the grasps
+that were thought of are drawn: those that are possible, those that were ruled out, and the one
+that is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from ...inference.affordance import FIND
+from ..execution.outcome import Constraint, Step
+
+if TYPE_CHECKING:
+    from ...sim.body import Body
+    from ...sim.grasping.planner import Grasp, GraspPlan
+    from ...sim.media.drawings import GraspMark
+    from ...sim.media.recording import Recorder
+    from ..execution.goal_manager import GoalManager
+
+SHOW_FOUND, SHOW_GRASPS, SHOW_ANSWER = 1.0, 2.0, 1.0  # [s] of the film that rests on them
+LEGEND = "grasps: green possible, red ruled out, thick taken"
+
+
+class Film:
+    """A film of one body, as long as its `with` block runs.
+
+    Args:
+        body: who is filmed.
+        goals: what tells at which node of an action tree it is.
+        path: the file; its ending is .mp4, .gif or .png.
+
+    Raises:
+        DataError: the file cannot be written.
+        MissingExtraError: the simulator's extra is not installed.
+    """
+
+    def __init__(self, body: Body, goals: GoalManager, path: Path) -> None:
+        self.path = path
+        self._body, self._goals = body, goals
+        self._recorder: Recorder = body.record(path)
+        self._utterance = ""
+        self._bound = ""
+        self._interval: tuple[float, float] | None = None
+
+    def __enter__(self) -> Film:
+        self._recorder.__enter__()
+        self._goals.watchers.append(self._at)
+        self._body.onlooker = self._planned
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._body.onlooker = None
+        self._goals.watchers.remove(self._at)
+        self._recorder.__exit__(kind, error, trace)
+
+    def begin(self, utterance: str) -> None:
+        """Something is said to the robot."""
+        self._utterance, self._bound, self._interval = utterance, "", None
+        self._write()
+
+    def end(self, said: str) -> None:
+        """The robot answers."""
+        self._recorder.tint, self._recorder.grasps = None, ()
+        self._write(said)
+        self._recorder.pause(SHOW_ANSWER)
+
+    def _at(self, step: Step) -> None:
+        """A node is reached, or left when something is said to have been done there."""
+        if step.action:
+            self._recorder.grasps = ()
+            return
+        bound = step.constraint
+        if bound:  # what the hand is bound to goes on holding
+            self._bound, self._interval = _in_words(bound.object, bound.part), _interval(bound)
+        self._write(node=step.node)
+        if bound and step.node.endswith(FIND):
+            self._recorder.pause(SHOW_FOUND)
+
+    def _planned(self, name: str, part: str | None, plan: GraspPlan, taken: Grasp | None) -> None:
+        """The hand has thought of grasps, and takes one of them or none."""
+        marks = [_mark(grasp, accepted=True) for grasp in plan.grasps]
+        marks += [_mark(grasp, accepted=False) for grasp in plan.ruled_out]
+        if taken:
+            marks.append(replace(_mark(taken, accepted=True), chosen=True))
+        if not marks:
+            return
+        recorder, words = self._recorder, self._recorder.caption
+        recorder.tint = (name, part) if part else None
+        recorder.grasps, recorder.caption = marks, f"{words}\n{LEGEND}"
+        first = next((mark for mark in marks if mark.chosen), marks[0])
+        recorder.pause(SHOW_GRASPS, at=first.world_from_grip[:3, 3])
+        recorder.caption = words
+
+    def _write(self, answer: str = "", *, node: str = "") -> None:
+        from ...sim.media.recording import caption
+
+        words = caption(
+            utterance=self._utterance,
+            node=node,
+            constraint=self._bound if node else "",
+            interval=self._interval if node else None,
+        )
+        self._recorder.caption = "\n".join(filter(None, (words, answer)))
+
+
+def _in_words(name: str, part: str | None) -> str:
+    return f"{name} by the {part}" if part else name
+
+
+def _interval(bound: Constraint) -> tuple[float, float]:
+    return bound.lower, bound.upper
+
+
+def _mark(grasp: Grasp, *, accepted: bool) -> GraspMark:
+    from ...sim.media.drawings import GraspMark  # numpy only when something is filmed
+
+    return GraspMark(grasp.world_from_grip, grasp.opening, accepted)

@@ -1,0 +1,315 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Statements read node by node, and fast from the lines of N-Quads and N-Triples.
+
+A line in the plain form that exports have, all of whose terms came before, is taken apart as text;
+any other line is given to a parser, and what it made of the terms is remembered. The lines about a
+rule are handed on as they are, because most can be copied (`copying`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from decimal import Decimal
+from typing import NamedTuple, TypeAlias, TypeVar
+
+from ...ontology.vocabulary import PREFIXES, Iri
+from ..rdf import rule_mapping
+from ..rdf.annotations import Reified
+from ..rdf.rule_mapping import BELIEFS
+from ..rdf.terms import DECIMAL, Quad, Term
+from .texts import whole_lines
+
+# Reads the statements of one line, of which there may be none.
+Parse: TypeAlias = "Callable[[str], Sequence[Quad | Reified]]"
+T = TypeVar("T", bound="Term")
+
+MAX_KNOWN = 200_000  # terms that are remembered
+_MAX_TOLD = 4  # characters of a bound as people say it: 0.95
+MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
+_RULE = re.compile(f"<({re.escape(PREFIXES['rule'])}[0-9a-f]{{16}})>")
+_TO_RULE = re.compile(rf"(<[^ ]+>) {_RULE.pattern}(?: (<[^ ]+>))? \.")
+_NUMBER = re.compile(rf'"([0-9]{{1,9}}(?:\.[0-9]{{1,9}})?)"\^\^<{re.escape(DECIMAL)}>', re.ASCII)
+# As the same objects, they are found in dictionaries without being compared.
+_KEYS = (
+    *(
+        rule_mapping.TYPE,
+        rule_mapping.LABEL,
+        rule_mapping.FEATURE,
+        rule_mapping.CONTEXT,
+        rule_mapping.FUNCTOR,
+        rule_mapping.PART,
+    ),
+    *(
+        rule_mapping.AFFORDANCE,
+        rule_mapping.ARGUMENT,
+        rule_mapping.LOWER,
+        rule_mapping.UPPER,
+        rule_mapping.STATUS,
+    ),
+    *(
+        rule_mapping.ATTRIBUTED_TO,
+        rule_mapping.DERIVED_FROM,
+        rule_mapping.GENERATED_AT,
+        rule_mapping.RULE,
+    ),
+)
+
+
+class Group(NamedTuple):
+    """Statements about one node in one graph that stand together."""
+
+    node: Iri
+    graph: Iri
+    pairs: list[tuple[Iri, Term]]
+
+    def quads(self) -> Iterator[Quad]:
+        """They one by one."""
+        node, graph, pairs = self
+        return (Quad(node, key, value, graph) for key, value in pairs)
+
+
+class Block(NamedTuple):
+    """The lines about a rule that stand together, as they are written.
+
+    Attributes:
+        node: the rule.
+        tails: what follows it in each line.
+        line: 1-based number of the first of them.
+        reader: reads them in full.
+    """
+
+    node: Iri
+    tails: Sequence[str]
+    line: int
+    reader: Reader
+
+    def groups(self) -> Iterator[Group | Reified]:
+        """What they say."""
+        return self.reader.in_full(f"<{self.node}>", self.tails, self.line)
+
+    def pair(self, tail: str) -> tuple[tuple[Iri, Term], Iri]:
+        """Property and object, and the graph, of one of them.
+
+        Raises:
+            DataError: it is wrong.
+            KeyError, ValueError: it is not written plainly.
+        """
+        return self.reader.pair(f"<{self.node}>", tail)
+
+
+def in_full(things: Iterable[Group | Block | Reified]) -> Iterator[Group | Reified]:
+    """The same without blocks."""
+    for one in things:
+        if isinstance(one, Block):
+            yield from one.groups()
+        else:
+            yield one
+
+
+def _is_over(group: Group, subject: Iri, graph: Iri | None) -> bool:
+    is_full = len(group.pairs) >= MAX_GROUP
+    return is_full or group.node != subject or group.graph != (graph or BELIEFS)
+
+
+class Reader:
+    """Takes a text in chunks of bytes and gives the statements of its lines, node by node.
+
+    Attributes:
+        line: 1-based number of the line that is read.
+    """
+
+    def __init__(self, parse: Parse, *, default: Iri, has_graphs: bool) -> None:
+        """Begin a text.
+
+        Args:
+            parse: reads a line that is not plain; statements that name no graph are in `default`.
+            default: the graph of statements that name none.
+            has_graphs: whether the lines name graphs (N-Quads); N-Triples do not.
+        """
+        self.line = 0
+        self._parse, self._has_graphs = parse, has_graphs
+        self._nodes = _Nodes({f"<{one}>": one for one in (*_KEYS, default)})
+        self._values = _Values()
+        self._tails = _Tails(self._nodes, self._values, None if has_graphs else default)
+        self._rest = b""
+        self._node, self._lines = "", list[str]()  # the lines about a node at hand
+        self._group: Group | None = None
+
+    @property
+    def held(self) -> int:
+        """How many bytes of a line are there that is not complete."""
+        return len(self._rest)
+
+    def feed(self, chunk: bytes) -> Iterator[Group | Block | Reified]:
+        """What is complete with this chunk.
+
+        Raises:
+            UnicodeDecodeError: it is no UTF-8.
+        """
+        lines, self._rest = whole_lines(self._rest, chunk)
+        return self._read(lines)
+
+    def finish(self) -> Iterator[Group | Block | Reified]:
+        """What is left at the end."""
+        yield from self.feed(b"\n")
+        yield from self._block(self._node, self._lines, self.line - len(self._lines))
+
+    def pair(self, node: str, tail: str) -> tuple[tuple[Iri, Term], Iri]:
+        """As `Block.pair`."""
+        try:
+            return self._tails[tail]
+        except KeyError:
+            line = f"{node} {tail}"
+            for one in self._parse(line):
+                if isinstance(one, Quad):
+                    self._remember(line, one)
+        return self._tails[tail]
+
+    def in_full(self, node: str, tails: Sequence[str], line: int) -> Iterator[Group | Reified]:
+        """What lines about a node say, given the number of the first."""
+        last, self.line = self.line, line - 1
+        known, place, pairs = self._tails, None, list[tuple[Iri, Term]]()
+        for tail in tails:
+            self.line += 1
+            try:
+                pair, graph = known[tail]
+                if graph is not place:
+                    if graph != place:
+                        subject = self._nodes[node]
+                        yield from self._ended()
+                        self._group = Group(subject, graph, [])
+                        pairs = self._group.pairs
+                    place = graph
+                pairs.append(pair)
+            except (KeyError, ValueError):
+                yield from self._learnt(f"{node} {tail}")
+                group = self._group
+                is_same = group is not None and node == f"<{group.node}>"
+                place, pairs = (group.graph, group.pairs) if group and is_same else (None, [])
+        yield from self._ended()
+        self.line = last
+
+    def _ended(self) -> Iterator[Group]:
+        """The group at hand, if there is any."""
+        if self._group is not None:
+            yield self._group
+        self._group = None
+
+    def _read(self, lines: Sequence[str]) -> Iterator[Group | Block | Reified]:
+        node, tails = self._node, self._lines
+        for line in lines:
+            self.line += 1
+            subject, _, tail = line.partition(" ")
+            if subject == node and len(tails) < MAX_GROUP:
+                tails.append(tail)
+                continue
+            yield from self._block(node, tails, self.line - len(tails))
+            self._node, self._lines = node, tails = subject, [tail]
+
+    def _block(
+        self, node: str, tails: Sequence[str], line: int
+    ) -> Iterator[Group | Block | Reified]:
+        if rule := _RULE.fullmatch(node):
+            yield Block(Iri(rule[1]), tails, line, self)
+        elif tails:
+            yield from self.in_full(node, tails, line)
+
+    def _learnt(self, line: str) -> Iterator[Group | Reified]:
+        """What a line says that is not plain; how its terms are written is remembered."""
+        found = self._parse(line)
+        if len(found) == 1 and isinstance(found[0], Quad):
+            self._remember(line, found[0])
+        for one in found:
+            if isinstance(one, Reified):
+                yield one
+                continue
+            if self._group is None or _is_over(self._group, one.subject, one.graph):
+                yield from self._ended()
+                self._group = Group(one.subject, one.graph or BELIEFS, [])
+            self._group.pairs.append((one.predicate, one.object))
+
+    def _remember(self, line: str, quad: Quad) -> None:
+        subject, key, value, graph = quad
+        start, end = f"<{subject}> <{key}> ", f" <{graph}> ." if self._has_graphs else " ."
+        text = line[len(start) : -len(end)]
+        is_plain = line == f"{start}{text}{end}" and text == text.strip()
+        if is_plain and (not isinstance(value, Iri) or text == f"<{value}>"):
+            for node in (subject, key, graph or BELIEFS):
+                self._nodes.add(f"<{node}>", node)
+            self._values.add(text, value)
+
+
+class _Known(dict[str, T]):
+    """Terms by how they are written."""
+
+    def add(self, text: str, term: T) -> T:
+        """Remember one."""
+        if len(self) > MAX_KNOWN:
+            self.clear()
+        self[text] = term
+        return term
+
+
+class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
+    """What follows the subject of a line: property and object, and the graph.
+
+    Most lines of a large base differ from others in their subject alone, so their rest is found
+    at once.
+    """
+
+    def __init__(self, nodes: _Nodes, values: _Values, graph: Iri | None) -> None:
+        super().__init__()
+        self._nodes, self._values, self._graph = nodes, values, graph
+
+    def __missing__(self, text: str) -> tuple[tuple[Iri, Term], Iri]:
+        if rule := _TO_RULE.fullmatch(text):  # they are many, and do not come again
+            return (self._nodes[rule[1]], Iri(rule[2])), self._place(rule[3])
+        key, rest = text.split(" ", 1)
+        value, graph = self._ended(rest)
+        found = (self._nodes[key], self._values[value]), graph
+        if value in self._values:  # others hardly come again
+            if len(self) > MAX_KNOWN:
+                self.clear()
+            self[text] = found
+        return found
+
+    def _place(self, text: str | None) -> Iri:
+        """The graph that a line names, or may not name."""
+        if (text is None) != (self._graph is not None):
+            raise ValueError(text)
+        return self._graph or self._nodes[text or ""]
+
+    def _ended(self, text: str) -> tuple[str, Iri]:
+        if self._graph is None:
+            value, graph, end = text.rsplit(" ", 2)
+            place = self._nodes[graph]
+        else:
+            value, end = text.rsplit(" ", 1)
+            place = self._graph
+        if end != ".":
+            raise ValueError(text)
+        return value, place
+
+
+class _Nodes(_Known[Iri]):
+    """IRIs; those of rules are read as they come."""
+
+    def __missing__(self, text: str) -> Iri:
+        found = _RULE.fullmatch(text)
+        if found is None:
+            raise KeyError(text)
+        return Iri(found[1])
+
+
+class _Values(_Known["Term"]):
+    """Objects of statements; bounds and rules are read as they come."""
+
+    def __missing__(self, text: str) -> Term:
+        if number := _NUMBER.fullmatch(text):
+            value = Decimal(number[1])
+            # Nobody says more digits; what is computed hardly comes again.
+            return self.add(text, value) if len(number[1]) <= _MAX_TOLD else value
+        if rule := _RULE.fullmatch(text):
+            return Iri(rule[1])
+        raise KeyError(text)

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What each utterance did to the rules, and how the rules of two bases differ."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..ontology.errors import NotFoundError, ValidationError
+from ..ontology.vocabulary import Iri
+from .history import IMPORT, Utterance
+from .interval import Interval
+from .learned_words import Word
+from .rdf import rule_mapping
+from .reader import RuleReader
+from .rule import Rule
+
+_NAMED = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
+_TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # it may be the number of an utterance
+
+
+@dataclass(frozen=True)
+class Change:
+    """An utterance with the rules that it touched, as they stand now.
+
+    Attributes:
+        utterance: what was said.
+        told, retracted, superseded: the rules it asserted, took back and replaced.
+    """
+
+    utterance: Utterance
+    told: tuple[Rule, ...]
+    retracted: tuple[Rule, ...]
+    superseded: tuple[Rule, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """As `hilt watch --json` prints it, one a line."""
+        rules = {name: getattr(self, name) for name in ("told", "retracted", "superseded")}
+        listed = {name: [rule.as_json() for rule in some] for name, some in rules.items()}
+        return {**self.utterance.as_json(), "rules": listed}
+
+
+@dataclass(frozen=True)
+class Altered:
+    """The same rule of the same speaker, with another interval or status."""
+
+    before: Rule
+    after: Rule
+
+    def as_json(self) -> dict[str, object]:
+        """Both sides, with their status."""
+        return {"before": _with_status(self.before), "after": _with_status(self.after)}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How what one base believes differs from what another believes.
+
+    Attributes:
+        removed, added: rules that only the first, only the second believes.
+        altered: rules that both know, with another interval or status.
+        trust: speaker, trust in the first, trust in the second; None where nothing was said.
+        words_removed, words_added: learned words that only one of them has.
+    """
+
+    removed: tuple[Rule, ...]
+    added: tuple[Rule, ...]
+    altered: tuple[Altered, ...]
+    trust: tuple[tuple[str, Interval | None, Interval | None], ...]
+    words_removed: tuple[Word, ...]
+    words_added: tuple[Word, ...]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether they believe the same."""
+        lists = (self.removed, self.added, self.altered, self.trust)
+        return not any((*lists, self.words_removed, self.words_added))
+
+    def as_json(self) -> dict[str, object]:
+        """As `hilt diff --json` prints it."""
+        return {
+            "removed": [rule.as_json() for rule in self.removed],
+            "added": [rule.as_json() for rule in self.added],
+            "altered": [each.as_json() for each in self.altered],
+            "trust": [
+                {"speaker": who, "before": _bounds(before), "after": _bounds(after)}
+                for who, before, after in self.trust
+            ],
+            "words_removed": [word.as_json() for word in self.words_removed],
+            "words_added": [word.as_json() for word in self.words_added],
+        }
+
+
+def changes(base: RuleReader, *, since: int = 0) -> Iterator[Change]:
+    """What was said after an utterance, with what it did."""
+    for utterance in base.history(since=since):
+        touched = (utterance.asserts, utterance.retracts, utterance.supersedes)
+        told, retracted, superseded = (tuple(map(base.rule, ids)) for ids in touched)
+        yield Change(utterance, told, retracted, superseded)
+
+
+def difference(before: RuleReader, after: RuleReader) -> Difference:
+    """How the beliefs of one base differ from those of another, however they came to be."""
+    active = [(rule_mapping.STATUS, rule_mapping.status_iri("active"))]
+    left, right = before.having(active), after.having(active)
+    removed, added = _read(before, left - right), _read(after, right - left)
+    altered = [*_ended(removed, after), *_revived(added, before)]
+    altered += _moved(_without(removed, altered), _without(added, altered))
+    words = [set(base.words()) for base in (before, after)]
+    taught = [{(word.atom, word.speaker) for word in some} for some in words]
+    return Difference(
+        tuple(_without(removed, altered)),
+        tuple(_without(added, altered)),
+        tuple(altered),
+        tuple(_trust(before, after)),
+        tuple(sorted(word for word in words[0] if (word.atom, word.speaker) not in taught[1])),
+        tuple(sorted(word for word in words[1] if (word.atom, word.speaker) not in taught[0])),
+    )
+
+
+def find_rule(base: RuleReader, name: str) -> Rule:
+    """The rule that a person names: by its id, or by the first digits of it.
+
+    Raises:
+        UnknownNameError: there is none.
+        ValidationError: there are several, or too few digits.
+    """
+    if _TOO_SHORT.fullmatch(name):
+        raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
+    digits = _NAMED.fullmatch(name)
+    if digits is None or len(digits[1]) == len("0123456789abcdef"):
+        return base.rule(f"rule/{digits[1]}" if digits else name)
+    start = rule_mapping.rule_iri(f"rule/{digits[1]}")
+    found = [node for node in base.having([]) if node.startswith(start)]
+    if not found:
+        return base.rule(f"rule/{digits[1]}")  # which says what there is
+    if len(found) > 1:
+        listed = ", ".join(sorted(map(rule_mapping.rule_id, found)))
+        raise ValidationError([f'"{name}" names several rules: {listed}.'])
+    return base.rule(rule_mapping.rule_id(found[0]))
+
+
+def last_told(base: RuleReader, speaker: str) -> list[Rule]:
+    """The rules of the last sentence of a speaker that taught something which still holds.
+
+    Raises:
+        UnknownNameError: the speaker has told no rule that holds.
+    """
+    others = set[str]()
+    for said in base.history(newest_first=True):
+        if said.kind == IMPORT:  # what a file says of a speaker is no sentence of that one
+            continue
+        rules = [base.rule(one) for one in said.asserts]
+        told = [rule for rule in rules if _still_holds(rule, said)]
+        if found := [rule for rule in told if rule.speaker == speaker]:
+            return found
+        others |= {rule.speaker for rule in told}
+    raise NotFoundError("sentence with a rule that holds by", speaker, others)
+
+
+def _still_holds(rule: Rule, said: Utterance) -> bool:
+    return rule.status == "active" and rule.utterance == said.sequence
+
+
+def _read(base: RuleReader, nodes: set[Iri]) -> list[Rule]:
+    return sorted(base.read_rules((node, base.star(node)) for node in nodes), key=_matter)
+
+
+def _ended(removed: list[Rule], after: RuleReader) -> list[Altered]:
+    """Rules of the first that the second knows and believes no more."""
+    return [Altered(rule, other) for rule in removed for other in _known(after, rule)]
+
+
+def _revived(added: list[Rule], before: RuleReader) -> list[Altered]:
+    return [Altered(other, rule) for rule in added for other in _known(before, rule)]
+
+
+def _known(base: RuleReader, rule: Rule) -> list[Rule]:
+    node = rule_mapping.rule_iri(rule.id)
+    return base.read_rules([(node, star)]) if (star := base.star(node)) else []
+
+
+def _moved(removed: list[Rule], added: list[Rule]) -> list[Altered]:
+    """Rules that say the same of the same matter, by the same speaker, with another interval."""
+    free = {_matter(rule): rule for rule in removed}
+    pairs = [(free.pop(_matter(rule), None), rule) for rule in added]
+    return [Altered(before, after) for before, after in pairs if before]
+
+
+def _matter(rule: Rule) -> tuple[str, ...]:
+    left = (" ".join(sorted(map(str, atoms))) for atoms in (rule.features, rule.contexts))
+    return (*left, rule.functor, str(rule.argument), rule.speaker)
+
+
+def _without(rules: list[Rule], altered: list[Altered]) -> list[Rule]:
+    gone = {rule.id for each in altered for rule in (each.before, each.after)}
+    return [rule for rule in rules if rule.id not in gone]
+
+
+def _trust(
+    before: RuleReader, after: RuleReader
+) -> Iterator[tuple[str, Interval | None, Interval | None]]:
+    for speaker in sorted({*before.speakers(), *after.speakers()}):
+        one, other = before.trust(speaker), after.trust(speaker)
+        if one != other:
+            yield speaker, one, other
+
+
+def _with_status(rule: Rule) -> dict[str, object]:
+    return {**rule.as_json(), "status": rule.status}
+
+
+def _bounds(interval: Interval | None) -> list[float] | None:
+    return [interval.lower, interval.upper] if interval else None

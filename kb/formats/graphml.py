@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules as a graph of networkx: atoms are its nodes, and each rule is an edge between them.
+
+An edge leads from each feature of a rule to its argument, with the interval and all else that the
+rule says; the id of the rule is its key. A rule without features starts at its contexts, one
+without an argument ends at a node for its functor. All attributes are plain texts and numbers, so
+that GraphML and other tools carry them, and the rules can be read back.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from ...ontology.errors import DataError, HiltError
+from ..rdf.terms import write_time
+from ..rule import Atom, Rule
+from . import notation
+
+if TYPE_CHECKING:
+    from networkx import MultiDiGraph
+
+_BETWEEN = "; "
+_NEEDED = ("features", "contexts", "functor", "argument", "lower", "upper")
+
+
+def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
+    """The graph of these rules.
+
+    >>> from hilt.kb import Interval, grasping
+    >>> graph = graph_of([grasping("knife", "blade", "pass", interval=Interval(0.95, 1))])
+    >>> [(a, b, data["lower"]) for a, b, data in graph.edges(data=True)]
+    [('object:knife', 'part:blade', 0.95)]
+
+    Nodes have `kind` and `name`; edges have `rule`, `label`, `functor`, `argument`, `features`,
+    `contexts`, `lower`, `upper`, `speaker`, `status` and `time`.
+    """
+    import networkx as nx  # half a second to import
+
+    graph: MultiDiGraph[str] = nx.MultiDiGraph()
+    for rule in rules:
+        end = str(rule.argument) if rule.argument else f"functor:{rule.functor}"
+        attributes = _attributes(rule)
+        for start in sorted(rule.features or rule.contexts):
+            _add_node(graph, start)
+            graph.add_node(end, kind=end.partition(":")[0], name=end.partition(":")[2])
+            graph.add_edge(str(start), end, key=rule.id, **attributes)
+    return graph
+
+
+def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iterator[Rule]:
+    """The rules that the edges of a graph stand for, each once.
+
+    Raises:
+        DataError: an edge does not say all of a rule; `source` names the graph.
+    """
+    seen: set[str] = set()
+    for start, end, attributes in graph.edges(data=True):
+        try:
+            rule = _rule(attributes)
+        except (HiltError, KeyError, TypeError, ValueError) as error:
+            problem = f"it has no {error}." if isinstance(error, KeyError) else str(error)
+            raise DataError(f"the edge {start} -> {end}: {problem}", source=source) from error
+        if rule.id not in seen:
+            seen.add(rule.id)
+            yield rule
+
+
+def write_graphml(rules: Iterable[Rule]) -> bytes:
+    """The graph of these rules as GraphML."""
+    import networkx as nx
+
+    target = io.BytesIO()
+    nx.write_graphml_xml(graph_of(rules), target, named_key_ids=True, edge_id_from_attribute=None)
+    return target.getvalue()
+
+
+def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
+    """The rules of a GraphML text that `write_graphml` wrote, or one with the same attributes.
+
+    Raises:
+        DataError: it is no GraphML, or an edge does not say all of a rule.
+    """
+    import networkx as nx
+
+    try:
+        graph: Any = nx.read_graphml(io.BytesIO(text), force_multigraph=True)
+    except Exception as error:  # the reader raises whatever its XML parser does
+        raise DataError(f"is no GraphML: {error}.", source=source) from error
+    yield from rules_of_graph(graph, source=source)
+
+
+def _add_node(graph: MultiDiGraph[str], atom: Atom) -> None:
+    graph.add_node(str(atom), kind=atom.kind, name=atom.name)
+
+
+def _attributes(rule: Rule) -> dict[str, str | float]:
+    return {
+        "rule": rule.id,
+        "label": str(rule.interval),
+        "functor": rule.functor,
+        "argument": str(rule.argument or ""),
+        "features": _BETWEEN.join(map(str, sorted(rule.features))),
+        "contexts": _BETWEEN.join(map(str, sorted(rule.contexts))),
+        "lower": rule.interval.lower,
+        "upper": rule.interval.upper,
+        "speaker": rule.speaker,
+        "status": rule.status,
+        "time": write_time(rule.time) if rule.time else "",
+    }
+
+
+def _rule(found: Mapping[str, Any]) -> Rule:
+    features, contexts, functor, argument, lower, upper = (found[key] for key in _NEEDED)
+    return notation.make_rule(
+        _atoms(features, notation.FEATURE_KIND),
+        _atoms(contexts, notation.CONTEXT_KIND),
+        functor,
+        notation.read_argument(argument, functor),
+        notation.read_interval(float(lower), float(upper)),
+        speaker=found.get("speaker"),
+        status=found.get("status"),
+        time=found.get("time"),
+    )
+
+
+def _atoms(text: str, kind: str) -> frozenset[Atom]:
+    return notation.read_atoms(filter(str.strip, text.split(";")), kind)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The formats of files, and what each of them can carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...ontology.errors import DataError
+
+STREAM = "-"  # standard input or output
+PACKED = ".gz"
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format of files.
+
+    Attributes:
+        name: as `--format` takes it.
+        suffixes: of files that have it; the first is the usual one.
+        whole: whether it keeps named graphs, and so a whole base.
+        leaves_out: what it cannot carry of a rule or of the base, as half a sentence.
+        most: bytes that are read of it; None where it is read as it comes, however long.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    whole: bool = False
+    leaves_out: str = "history that no rule comes from, words, episodes and the domain"
+    most: int | None = None
+
+
+_MB = 2**20
+_ONLY_RULES = "all but the rules: which utterance told them, history, words, episodes, domain"
+_KNOWN = (
+    Format("turtle", (".ttl",)),
+    Format("turtle12", (".ttl12",)),
+    Format("ntriples", (".nt",)),
+    Format("rdfxml", (".rdf", ".xml", ".owl"), most=256 * _MB),
+    Format("trig", (".trig",), whole=True, leaves_out=""),
+    Format("nquads", (".nq",), whole=True, leaves_out=""),
+    Format("jsonld", (".jsonld", ".json"), whole=True, leaves_out="", most=64 * _MB),
+    Format("sheet", (".yaml", ".yml"), leaves_out=_ONLY_RULES, most=8 * _MB),
+    Format("csv", (".csv",), leaves_out=_ONLY_RULES),
+    Format("graphml", (".graphml",), leaves_out=_ONLY_RULES, most=32 * _MB),
+)
+FORMATS = {one.name: one for one in _KNOWN}
+SUFFIXES = {suffix: one for one in _KNOWN for suffix in one.suffixes}
+RULE_FORMATS = frozenset({"sheet", "csv", "graphml"})  # they hold rules as values, no statements
+
+
+def format_of(file: str, given: str | None, default: str) -> Format:
+    """The format of a file.
+
+    Args:
+        file: its name; ".gz" at its end does not count.
+        given: the name of the format, where a person named one.
+        default: that of standard input and output.
+
+    Raises:
+        DataError: there is none of that name or extension.
+    """
+    if given is not None:
+        return _named(given, file)
+    if file == STREAM:
+        return FORMATS[default]
+    suffix = Path(file.lower().removesuffix(PACKED)).suffix
+    if suffix not in SUFFIXES:
+        raise DataError(
+            f'the extension "{suffix}" names no format; expected {", ".join(SUFFIXES)}, or name '
+            "the format.",
+            source=file,
+        )
+    return SUFFIXES[suffix]
+
+
+def _named(name: str, file: str) -> Format:
+    if name not in FORMATS:
+        known = ", ".join(sorted(FORMATS))
+        raise DataError(f'unknown format "{name}"; known: {known}.', source=file)
+    return FORMATS[name]

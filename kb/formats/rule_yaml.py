@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rule sheet: rules as a person writes them by hand, in YAML.
+
+    speaker: sam
+    rules:
+      - {object: knife, affordance: cutting, interval: [0.95, 1]}
+      - {object: knife, context: pass, part: blade, interval: 0.95}
+
+`docs/files.md` tells all keys. A mistake is told with its line and column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
+
+from ...ontology.errors import DataError, HiltError
+from ...ontology.yaml_reader import Field, parse_yaml
+from ..interval import Interval
+from ..rdf.terms import write_time
+from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from . import notation
+from .csv_table import read_row
+
+_CONCLUSIONS = ("affordance", "part", "functor")
+_KEYS = (
+    *("object", "properties", "features", "context", "contexts"),
+    *(*_CONCLUSIONS, "argument", "interval", "speaker", "status", "time"),
+)
+
+
+def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
+    """The rules of a sheet, in its order.
+
+    Args:
+        text: the YAML.
+        source: its name in messages.
+
+    Raises:
+        DataError: something is wrong; says where, of several mistakes each.
+    """
+    sheet = parse_yaml(text, source=source).entries(required=["rules"], optional=["speaker"])
+    speaker = sheet["speaker"].text() if "speaker" in sheet else None
+    yield from notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
+
+
+HEAD = "# Rules of Hilt, one a line: what is seen, in which context, what follows, how sure.\n"
+BEGIN = "rules:\n"  # of a sheet that has some
+
+
+def write_sheet(rules: Iterable[Rule]) -> Iterator[str]:
+    """The lines of a sheet with these rules."""
+    yield HEAD
+    first = True
+    for rule in rules:
+        if first:
+            yield BEGIN
+        first = False
+        yield f"  - {{{', '.join(_entries(rule))}}}\n"
+    if first:
+        yield "rules: []\n"
+
+
+def write_row(cells: Sequence[str]) -> str:
+    """The line of a rule given as `tables.write_table` writes it; as `write_sheet`."""
+    features, contexts, functor, argument, lower, upper, speaker, status, time = cells
+    told = f"interval: [{lower}, {upper}], speaker: {_quoted(speaker)}"
+    if status != "active":
+        told += f", status: {status}"
+    if time:
+        told += f", time: {_quoted(time)}"
+    return f"  - {{{_claim(features, contexts, functor, argument)}, {told}}}\n"
+
+
+@lru_cache(maxsize=2**16)
+def _claim(*cells: str) -> str:
+    """The entries of a rule that say what it claims."""
+    return ", ".join(_claims(read_row((*cells, "1", "", "", "", ""))))
+
+
+def _rule(entry: Field, speaker: str | None) -> Rule:
+    found = entry.entries(required=["interval"], optional=_KEYS)
+    try:
+        functor, argument = _conclusion(entry, found)
+        return notation.make_rule(
+            _features(found),
+            _contexts(found),
+            functor,
+            argument,
+            _interval(found["interval"]),
+            speaker=found["speaker"].text() if "speaker" in found else speaker,
+            status=_optional(found, "status"),
+            time=_optional(found, "time"),
+        )
+    except DataError:
+        raise
+    except HiltError as error:
+        raise entry.fail(str(error)) from error
+
+
+def _features(found: Mapping[str, Field]) -> frozenset[Atom]:
+    seen = _atoms(found.get("object"), "object") | _atoms(found.get("features"), "object")
+    return seen | _atoms(found.get("properties"), "property")
+
+
+def _contexts(found: Mapping[str, Field]) -> frozenset[Atom]:
+    return _atoms(found.get("context"), "action") | _atoms(found.get("contexts"), "action")
+
+
+def _atoms(field: Field | None, kind: str) -> frozenset[Atom]:
+    """The atoms of one text or of a list of them."""
+    if field is None:
+        return frozenset()
+    fields = field.items() if isinstance(field.value, tuple) else (field,)
+    return frozenset().union(*(_placed(one, kind) for one in fields))
+
+
+def _placed(field: Field, kind: str) -> frozenset[Atom]:
+    try:
+        return notation.read_atoms([field.text()], kind)
+    except DataError:
+        raise
+    except HiltError as error:
+        raise field.fail(str(error)) from error
+
+
+def _conclusion(entry: Field, found: Mapping[str, Field]) -> tuple[str, Atom | None]:
+    given = [key for key in _CONCLUSIONS if key in found]
+    if len(given) != 1:
+        raise entry.fail(
+            f"a rule concludes one thing: expected one of {', '.join(_CONCLUSIONS)}, "
+            f"found {' and '.join(given) or 'none'}."
+        )
+    if given != ["functor"] and "argument" in found:
+        raise found["argument"].fail(f'"argument" goes with "functor", not with "{given[0]}".')
+    name = found[given[0]].text()
+    if given == ["affordance"]:
+        return USED_FOR, notation.read_atom(name, "affordance")
+    if given == ["part"]:
+        return GRASP_OBJECT, notation.read_atom(name, "part")
+    return name, notation.read_argument(_optional(found, "argument") or "", name)
+
+
+def _interval(field: Field) -> Interval:
+    """A list of two bounds, or the lower one alone."""
+    if not isinstance(field.value, tuple):
+        return notation.read_interval(field.number(low=0, high=1), None)
+    lower, upper = field.numbers(count=2, low=0, high=1)
+    if lower > upper:
+        raise field.fail(f"expected a lower bound and then an upper one, found {lower}, {upper}.")
+    return Interval(lower, upper)
+
+
+def _optional(found: Mapping[str, Field], key: str) -> str | None:
+    return found[key].text() if key in found else None
+
+
+def _entries(rule: Rule) -> Iterator[str]:
+    """The keys and values of a rule; what is plain is left out."""
+    yield from _claims(rule)
+    yield f"interval: [{_number(rule.interval.lower)}, {_number(rule.interval.upper)}]"
+    yield f"speaker: {_quoted(rule.speaker)}"
+    if rule.status != "active":
+        yield f"status: {rule.status}"
+    if rule.time:
+        yield f"time: {_quoted(write_time(rule.time))}"
+
+
+def _claims(rule: Rule) -> Iterator[str]:
+    """What is seen, in which context, and what follows."""
+    yield from _written_atoms("object", "features", rule.features)
+    yield from _written_atoms("context", "contexts", rule.contexts)
+    if rule.affordance and rule.functor == USED_FOR:
+        yield f"affordance: {_quoted(rule.affordance)}"
+    elif rule.part and rule.functor == GRASP_OBJECT:
+        yield f"part: {_quoted(rule.part)}"
+    else:
+        yield f"functor: {rule.functor}"
+        if rule.argument:
+            yield f"argument: {_quoted(str(rule.argument))}"
+
+
+def _written_atoms(one: str, several: str, atoms: frozenset[Atom]) -> Iterator[str]:
+    kind = {"object": "object", "context": "action"}[one]
+    names = [_quoted(notation.write_atom(atom, kind)) for atom in sorted(atoms)]
+    if [atom.kind for atom in atoms] == [kind]:
+        yield f"{one}: {names[0]}"
+    elif names:
+        yield f"{several}: [{', '.join(names)}]"
+
+
+def _quoted(text: str) -> str:
+    """A text as YAML reads it back as a text: bare when it is one plain word, else in quotes."""
+    if text.isascii() and text.isalpha() and text.lower() not in _NO_TEXTS:
+        return text
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+_NO_TEXTS = frozenset({"true", "false", "yes", "no", "on", "off", "null", "y", "n", "inf", "nan"})
+
+
+def _number(bound: float) -> str:
+    return f"{bound:.6f}".rstrip("0").rstrip(".")

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files as streams: packed or not, standard input and output, and what is refused of them.
+
+A hostile file must not fill the memory. What unfolds when it is read (document types in XML) is
+refused, what is one huge piece is refused, and what has to be read whole has a largest size.
+"""
+
+from __future__ import annotations
+
+import codecs
+import gzip
+import io
+import os
+import sys
+import tempfile
+import zlib
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from ...ontology.errors import DataError
+from .registry import PACKED, STREAM
+
+Progress = Callable[[int], None]  # is told how many bytes, rules or statements are done
+
+MAX_SILENT = 64 * 2**20  # bytes that may be read before one statement is complete
+MAX_LINE = 2**20  # characters of one line of a table
+_GZIP = b"\x1f\x8b"
+_DOCTYPE = b"<!DOCTYPE"
+_CHUNK = 2**20
+
+
+class Source(io.RawIOBase):
+    """A stream that is watched while somebody else reads it.
+
+    Attributes:
+        name: of the file, for messages.
+    """
+
+    def __init__(
+        self,
+        stream: BinaryIO,
+        name: str,
+        *,
+        most: int | None = None,
+        is_xml: bool = False,
+        progress: Progress | None = None,
+        position: Callable[[], int] | None = None,
+    ) -> None:
+        """Watch a stream.
+
+        Args:
+            stream: what is read.
+            name: of the file, for messages.
+            most: bytes after which it is refused.
+            is_xml: whether document types are refused.
+            progress: is told how far the file has been read.
+            position: tells that; by default what was read counts.
+        """
+        super().__init__()
+        self.name = name
+        self._stream, self._most, self._is_xml = stream, most, is_xml
+        self._progress, self._position = progress, position
+        self._read = self._silent = 0
+        self._tail = b""
+
+    def readable(self) -> bool:
+        """Yes."""
+        return True
+
+    def seekable(self) -> bool:
+        """Whether it can be read again."""
+        return self._stream.seekable()
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Go elsewhere; it is counted from there."""
+        self._read = self._silent = 0
+        self._tail = b""
+        return self._stream.seek(offset, whence)
+
+    def heard(self) -> None:
+        """Say that a statement is complete."""
+        self._silent = 0
+
+    def read(self, size: int = -1) -> bytes:
+        """The next bytes.
+
+        Raises:
+            DataError: they cannot be read or are refused.
+        """
+        try:
+            found = self._stream.read(_CHUNK if size < 0 else min(size, _CHUNK))
+        except (OSError, EOFError, zlib.error) as error:
+            raise self._refused(f"cannot be read: {str(error).rstrip('.')}.") from error
+        if not self._read and found.startswith(codecs.BOM_UTF8):
+            found = found.removeprefix(codecs.BOM_UTF8) or self.read(size)
+        self._check(found)
+        return found
+
+    def readinto(self, buffer: memoryview, /) -> int:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """As `read`, into a buffer."""
+        found = self.read(len(buffer))
+        buffer[: len(found)] = found
+        return len(found)
+
+    def everything(self) -> bytes:
+        """All that is left of a text that is read whole."""
+        return b"".join(iter(self.read, b""))
+
+    def lines(self) -> Iterator[str]:
+        """Its lines as text.
+
+        Raises:
+            DataError: it is no UTF-8, or one line is too long.
+        """
+        text = io.TextIOWrapper(io.BufferedReader(self), encoding="utf-8-sig", newline="")
+        number = 0
+        try:
+            while line := text.readline(MAX_LINE):
+                number += 1
+                if len(line) >= MAX_LINE:
+                    raise DataError("is too long a line.", source=self.name, line=number)
+                self.heard()
+                yield line
+        except UnicodeDecodeError as error:
+            line = number + 1 + error.object[: error.start].count(b"\n")
+            raise DataError("expected UTF-8 text.", source=self.name, line=line) from error
+        finally:
+            with suppress(ValueError):  # the file is closed, where its reader gave up
+                text.detach()
+
+    def _check(self, found: bytes) -> None:
+        self._read += len(found)
+        self._silent += len(found)
+        if self._most is not None and self._read > self._most:
+            raise self._refused(
+                f"is larger than {self._most // 2**20} MB, which is too much for this format. "
+                "Take CSV, N-Quads or Turtle."
+            )
+        if self._silent > MAX_SILENT:
+            raise self._refused(f"holds no whole statement in {MAX_SILENT // 2**20} MB.")
+        if self._is_xml:
+            self._refuse_doctype(found)
+        if self._progress:
+            self._progress(self._position() if self._position else self._read)
+
+    def _refuse_doctype(self, found: bytes) -> None:
+        """XML entities unfold: some hundred bytes become gigabytes."""
+        # In UTF-16 and UTF-32 every ASCII character has a zero byte, so the search would miss it.
+        if b"\0" in found:
+            raise self._refused("expected UTF-8 text, found bytes that are zero.")
+        if _DOCTYPE in (self._tail + found).upper():
+            raise self._refused("has a document type (<!DOCTYPE), which is refused.")
+        self._tail = found[-len(_DOCTYPE) :]
+
+    def _refused(self, problem: str) -> DataError:
+        return DataError(problem, source=self.name)
+
+
+@contextmanager
+def reading(
+    file: str, *, most: int | None = None, is_xml: bool = False, progress: Progress | None = None
+) -> Generator[Source]:
+    """A file as a stream, unpacked where it is packed; "-" is standard input.
+
+    Args:
+        file: its name.
+        most: bytes after which it is refused.
+        is_xml: whether document types are refused.
+        progress: is told how many bytes of the file have been read.
+
+    Raises:
+        DataError: it cannot be read.
+    """
+    if file == STREAM:
+        plain = sys.stdin.buffer
+    else:
+        try:
+            plain = Path(file).open("rb")  # noqa: SIM115 - closed below
+        except OSError as error:
+            raise DataError(f"cannot be read: {error.strerror}.", source=file) from error
+    try:
+        stream = plain if plain.seekable() else io.BufferedReader(cast(io.RawIOBase, plain))
+        position = plain.tell if plain.seekable() else None
+        yield Source(
+            _unpacked(stream, file),
+            file,
+            most=most,
+            is_xml=is_xml,
+            progress=progress,
+            position=position,
+        )
+    finally:
+        if file != STREAM:
+            plain.close()
+
+
+@contextmanager
+def writing(file: str) -> Generator[BinaryIO]:
+    """A file to write to, packed where it is called so; "-" is standard output.
+
+    It is put in its place when all is written, so that it is never half written.
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    try:
+        if file == STREAM:
+            yield sys.stdout.buffer
+            sys.stdout.buffer.flush()
+        else:
+            yield from _replacing(Path(file))
+    except OSError as error:
+        if isinstance(error, BrokenPipeError):
+            raise
+        problem = f"cannot be written: {error.strerror or error}."
+        raise DataError(problem, source=file) from error
+
+
+def _unpacked(stream: BinaryIO, file: str) -> BinaryIO:
+    peek = getattr(stream, "peek", None)
+    head = cast(bytes, peek(2))[:2] if peek else b""
+    if head == _GZIP or (not peek and file.endswith(PACKED)):
+        return cast(BinaryIO, gzip.GzipFile(fileobj=stream))
+    if file.endswith(PACKED):
+        problem = f"is called {PACKED} and is not packed by gzip. Rename it, or pack it."
+        raise DataError(problem, source=file)
+    return stream
+
+
+def _replacing(file: Path) -> Iterator[BinaryIO]:
+    handle, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            if file.name.endswith(PACKED):
+                # Without name and time, so that the same content is the same file.
+                with gzip.GzipFile("", "wb", 6, stream, mtime=0) as packed:
+                    yield cast(BinaryIO, packed)
+            else:
+                yield stream
+        Path(name).chmod(0o644)
+        Path(name).replace(file)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules as annotated edges: the RDF 1.2 dialect of Turtle, to read and to write.
+
+    object:knife hilt:usedFor affordance:cutting {| hilt:lower 0.95 ; hilt:upper 1.0 |} .
+
+No store need know this form: what is read becomes the flat star of `stars`, and what an
+annotation leaves out (that it is about the knife, who says it) is filled in from its edge. An
+annotation without a name becomes a rule with one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+from ...ontology.errors import DataError
+from ...ontology.vocabulary import PREFIXES, Iri, external, iri, prefixed, shortened, split, term
+from ..rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR
+from ..sparql.results import BLANK
+from . import rule_mapping
+from .rule_mapping import BELIEFS
+from .terms import Quad, Term, as_sparql
+
+REIFIES = external("rdf:reifies")
+_FUNCTORS = {term("usedFor"): USED_FOR, term("graspedBy"): GRASP_OBJECT}
+_BOUNDS = (rule_mapping.LOWER, rule_mapping.UPPER)
+_LOCAL = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+
+
+class Edge(NamedTuple):
+    """A statement about which something is said; it need not hold."""
+
+    subject: Iri
+    predicate: Iri
+    object: Term
+
+
+class Reified(NamedTuple):
+    """That a node stands for a statement."""
+
+    subject: Iri
+    predicate: Iri
+    edge: Edge
+    graph: Iri | None = None
+
+
+def settled(statements: Iterable[Quad | Reified], *, source: str) -> list[Quad]:
+    """Statements with every annotated edge turned into the star of a rule.
+
+    Raises:
+        DataError: a blank node stands for no rule, or something else than a rule is annotated.
+    """
+    plain, edges = _parted(statements, source)
+    about: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
+    for quad in plain:
+        if quad.subject in edges:
+            about[quad.subject].append((quad.predicate, quad.object))
+    annotated = {edge for several in edges.values() for edge in several}
+    kept = [q for q in plain if q.subject not in edges and Edge(*q[:3]) not in annotated]
+    for number, (node, several) in enumerate(edges.items()):
+        name = iri("rule", f"annotation-{number}") if node.startswith(BLANK) else node
+        kept += (Quad(name, key, value, BELIEFS) for key, value in _filled(about[node], several))
+    for quad in kept:
+        for end in (quad.subject, quad.object):
+            if isinstance(end, Iri) and end.startswith(BLANK):
+                problem = f"A base has no blank nodes; give {end} a name, as rule:1."
+                raise DataError(problem, source=source)
+    return kept
+
+
+def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
+    """The lines of a text in which every active rule annotates its edges.
+
+    Args:
+        quads: what to write, the statements about one node together.
+    """
+    yield from (f"@prefix {name}: <{space}> .\n" for name, space in PREFIXES.items())
+    for node, several in groupby(quads, key=lambda quad: quad.subject):
+        found = [(quad.predicate, quad.object) for quad in several]
+        edges = _edges(node, found)
+        if edges:
+            yield from _annotation(node, found, edges)
+        else:
+            yield from _plain(node, [one for one in found if one[0] not in _PLAIN_EDGES])
+
+
+_PLAIN_EDGES = frozenset((*_FUNCTORS, term("affords")))
+
+
+def _parted(
+    statements: Iterable[Quad | Reified], source: str
+) -> tuple[list[Quad], dict[Iri, list[Edge]]]:
+    plain: list[Quad] = []
+    edges: dict[Iri, list[Edge]] = {}
+    for one in statements:
+        if isinstance(one, Quad):
+            plain.append(one)
+        elif one.predicate != REIFIES or (one.graph not in (None, BELIEFS)):
+            problem = "A statement about a statement (RDF 1.2) is read as a rule only."
+            raise DataError(problem, source=source)
+        else:
+            edges.setdefault(one.subject, []).append(one.edge)
+    return plain, edges
+
+
+def _filled(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator[tuple[Iri, Term]]:
+    """What stands at a rule, and what its edges say where it does not."""
+    yield from found
+    there = {key for key, _ in found}
+    first = edges[0]
+    functor = _FUNCTORS.get(first.predicate)
+    argument, kind = _argument(first.object)
+    known = {
+        (USED_FOR, rule_mapping.AFFORDANCE): "Functional",
+        (GRASP_OBJECT, rule_mapping.PART): "Action",
+    }
+    if rule_mapping.TYPE not in there:
+        yield rule_mapping.TYPE, term(f"{known.get((functor or '', argument), '')}Rule")
+    if rule_mapping.FEATURE not in there:
+        yield from ((rule_mapping.FEATURE, edge.subject) for edge in edges)
+    if rule_mapping.FUNCTOR not in there and functor:
+        yield rule_mapping.FUNCTOR, term(functor)
+    if not there & {rule_mapping.PART, rule_mapping.AFFORDANCE, rule_mapping.ARGUMENT} and kind:
+        yield argument, first.object
+    if rule_mapping.STATUS not in there:
+        yield rule_mapping.STATUS, rule_mapping.status_iri("active")
+    if rule_mapping.ATTRIBUTED_TO not in there:
+        yield rule_mapping.ATTRIBUTED_TO, iri("speaker", DEFAULT_SPEAKER)
+
+
+def _argument(value: Term) -> tuple[Iri, str]:
+    """The property that leads to an argument, and of which kind that is."""
+    kind = split(value)[0] if isinstance(value, Iri) else ""
+    return {"part": rule_mapping.PART, "affordance": rule_mapping.AFFORDANCE}.get(
+        kind, rule_mapping.ARGUMENT
+    ), kind
+
+
+def _edges(node: Iri, found: Sequence[tuple[Iri, Term]]) -> list[Quad]:
+    """The edges that a rule stands for; none for other nodes, and for rules that do not hold."""
+    if (
+        split(node)[0] != "rule"
+        or (rule_mapping.STATUS, rule_mapping.status_iri("active")) not in found
+    ):
+        return []
+    return rule_mapping.plain_edges(rule_mapping.read_rule(found))
+
+
+def _annotation(
+    node: Iri, found: Sequence[tuple[Iri, Term]], edges: Sequence[Quad]
+) -> Iterator[str]:
+    name = _short(node)
+    bounds = [one for one in found if one[0] in _BOUNDS]
+    rest = [one for one in found if one[0] not in _BOUNDS]
+    said = " ;\n    ".join(f"{_short(key)} {_short(value)}" for key, value in (*bounds, *rest))
+    for number, edge in enumerate(edges):
+        written = " ".join(_short(end) for end in edge[:3])
+        yield (
+            f"\n{written} ~ {name} {{|\n    {said} |}} .\n"
+            if not number
+            else (f"{written} ~ {name} .\n")
+        )
+
+
+def _plain(node: Iri, found: Sequence[tuple[Iri, Term]]) -> Iterator[str]:
+    if found:
+        said = " ;\n    ".join(f"{_short(key)} {_short(value)}" for key, value in found)
+        yield f"{_short(node)} {said} .\n"
+
+
+def _short(value: Term) -> str:
+    """A term, with a prefix where no escaping is needed."""
+    if isinstance(value, Iri):
+        name = prefixed(value)
+        if name != value and _LOCAL.fullmatch(name.partition(":")[2]):
+            return name
+        if shortened(value) == "rdf:type":
+            return "a"
+    return as_sparql(value)

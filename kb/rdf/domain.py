@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The household domain as a graph: objects with their parts and properties, and the action trees.
+
+It comes from `objects.yaml` and `actions.yaml` and is written anew whenever they have changed. It
+says what things are and of what they are made; what they are for is never in it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
+from typing import TYPE_CHECKING
+
+from ...ontology.vocabulary import Iri, iri, term
+from ..rule import Atom
+from .rule_mapping import LABEL, TYPE, atom_iri
+from .terms import Quad, Term, as_sparql
+
+if TYPE_CHECKING:
+    from ...ontology.actions import Actions
+    from ...ontology.objects import ObjectType
+
+DOMAIN = iri("graph", "domain")
+DOMAIN_HASH = term("domainHash")
+
+IS_A, PART_OF, PROPERTY, ROLE = (term(n) for n in ("isA", "partOf", "property", "role"))
+WHOLE, UNDER, DOES, HEEDS = (term(n) for n in ("whole", "under", "does", "heeds"))
+MASS = term("mass")
+
+
+def domain_quads(
+    objects: Mapping[str, ObjectType],
+    actions: Actions,
+    classes: Mapping[str, str | None] | None = None,
+) -> list[Quad]:
+    """The statements of the domain graph, sorted.
+
+    Args:
+        objects: by name.
+        actions: the trees the robot comes with.
+        classes: class of objects -> the class above it, or None.
+    """
+    kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
+    found = {
+        *_class_statements(kinds),
+        *_object_statements(objects),
+        *_action_statements(actions),
+    }
+    quads = (Quad(subject, predicate, value, DOMAIN) for subject, predicate, value in found)
+    return sorted(quads, key=_written)
+
+
+def content_hash(quads: Iterable[Quad]) -> str:
+    """A hash of statements, the same for the same ones."""
+    return hashlib.sha256("\n".join(_written(quad) for quad in quads).encode()).hexdigest()
+
+
+def _class_statements(kinds: Mapping[str, str | None]) -> Iterator[tuple[Iri, Iri, Term]]:
+    for name, above in kinds.items():
+        yield from _named(Atom("object", name))
+        if above:
+            yield from _named(Atom("object", above))
+            yield atom_iri(Atom("object", name)), IS_A, atom_iri(Atom("object", above))
+
+
+def _object_statements(objects: Mapping[str, ObjectType]) -> Iterator[tuple[Iri, Iri, Term]]:
+    for name, kind in objects.items():
+        node = atom_iri(Atom("object", name))
+        yield node, MASS, _kilograms(kind.mass)
+        for prop in kind.properties:
+            yield from _having(node, "property", prop)
+        for part in kind.parts:
+            yield from _part_statements(kind, part)
+
+
+def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
+    """A part of one object: its own node (knife.blade), of the kind that rules speak of (blade)."""
+    part, node = kind.parts[name], iri("part", f"{kind.name}.{name}")
+    yield from _named(Atom("part", name))
+    yield atom_iri(Atom("part", name)), PART_OF, atom_iri(Atom("object", kind.name))
+    yield node, TYPE, term("Part")
+    yield node, LABEL, f"{name} of {kind.name}"
+    yield node, IS_A, atom_iri(Atom("part", name))
+    yield node, WHOLE, atom_iri(Atom("object", kind.name))
+    yield node, MASS, _kilograms(part.mass)
+    yield from _having(node, "role", part.role)
+    for prop in part.properties:
+        yield from _having(node, "property", prop)
+
+
+def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
+    for name in (*actions.primitives, *actions.trees):
+        yield from _named(Atom("action", name))
+    for name, above in actions.kinds.items():
+        yield atom_iri(Atom("action", name)), IS_A, atom_iri(Atom("action", above))
+    for path in actions.nodes:
+        node, (above, _, action) = _node(path), path.rpartition("/")
+        yield node, TYPE, term("Node")
+        yield node, LABEL, _key(path)
+        yield node, DOES, atom_iri(Atom("action", action))
+        if above:
+            yield node, UNDER, _node(above)
+        for context in (*actions.contexts(path), None):
+            key = f"{context}.{action}" if context else action
+            yield node, HEEDS, iri("node", key)
+            yield iri("node", key), TYPE, term("Node")
+            yield iri("node", key), LABEL, key
+
+
+def _node(path: str) -> Iri:
+    return iri("node", _key(path))
+
+
+def _key(path: str) -> str:
+    """The name of a node: one below the root has the very name under which rules hang.
+
+    There is one dot at most, as some SPARQL parsers read no more of them in a prefixed name.
+    """
+    return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
+
+
+def _having(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
+    yield from _named(Atom(kind, name))
+    yield node, ROLE if kind == "role" else PROPERTY, atom_iri(Atom(kind, name))
+
+
+def _named(atom: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
+    yield atom_iri(atom), TYPE, term(atom.kind.capitalize())
+    yield atom_iri(atom), LABEL, atom.name
+
+
+def _kilograms(mass: float) -> Decimal:
+    return Decimal(f"{mass:.6f}").normalize() + 0
+
+
+def _written(quad: Quad) -> str:
+    return " ".join(map(as_sparql, quad[:3]))

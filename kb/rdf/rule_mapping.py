@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a rule stands in the graph, and how it is read back.
+
+RDF 1.1 cannot annotate an edge, so a rule is one node with a flat star of properties, hung on
+the action-tree node that uses it:
+
+    node:pass.graspObject  hilt:rule  rule:3f9c .
+    rule:3f9c  hilt:feature object:knife ; hilt:context action:pass ; hilt:part part:blade ; ...
+
+Beside it stands the plain edge (object:knife hilt:graspedBy part:blade) while a rule asserts it,
+so that paths and graph tools see a graph. The edge from its node is there only while the rule is
+active: the hot question then needs no test of the status.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from datetime import datetime
+from decimal import Decimal
+from functools import lru_cache
+from typing import cast, get_args
+
+from ...ontology.errors import ValidationError
+from ...ontology.vocabulary import ATOM_KINDS, HILT, Iri, external, iri, split, term
+from ..interval import DIGITS, Interval
+from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule, Status
+from .terms import Quad, Term
+
+BELIEFS = iri("graph", "beliefs")
+
+TYPE, LABEL = external("rdf:type"), external("rdfs:label")
+DERIVED_FROM = external("prov:wasDerivedFrom")
+ATTRIBUTED_TO = external("prov:wasAttributedTo")
+GENERATED_AT = external("prov:generatedAtTime")
+RULE, FEATURE, CONTEXT, STATUS = (term(n) for n in ("rule", "feature", "context", "status"))
+FUNCTOR, LOWER, UPPER = (term(n) for n in ("functor", "lower", "upper"))
+PART, AFFORDANCE, ARGUMENT = (term(n) for n in ("part", "affordance", "argument"))
+
+CLASSES = {
+    "functional": term("FunctionalRule"),
+    "action": term("ActionRule"),
+    "general": term("Rule"),
+}
+_ARGUMENTS = {"part": PART, "affordance": AFFORDANCE}
+_EDGES = {USED_FOR: term("usedFor"), GRASP_OBJECT: term("graspedBy")}
+_STATUSES: tuple[str, ...] = get_args(Status)
+_OTHER_EDGE = term("affords")
+_KNOWN_FUNCTORS = frozenset({USED_FOR, GRASP_OBJECT})
+
+
+def rule_iri(rule_id: str) -> Iri:
+    """The node of a rule, from its id "rule/3f9c..."."""
+    return iri("rule", rule_id.removeprefix("rule/"))
+
+
+def rule_id(node: Iri) -> str:
+    """The id of a rule, from its node."""
+    return f"rule/{split(node)[1]}"
+
+
+@lru_cache(maxsize=2**16)
+def atom_iri(atom: Atom) -> Iri:
+    """The node of an atom."""
+    return iri(atom.kind, atom.name)
+
+
+@lru_cache(maxsize=2**16)
+def atom_of(node: Iri) -> Atom:
+    """The atom of a node.
+
+    Raises:
+        ValidationError: it is none of ours.
+    """
+    kind, name = split(node)
+    if kind not in ATOM_KINDS:
+        raise ValidationError([f"<{node}> is no object, part, property, action, place or role."])
+    return Atom(kind, name)
+
+
+def functor_of(node: Iri) -> str:
+    """The functor of a node."""
+    return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
+
+
+def status_iri(status: Status) -> Iri:
+    """The individual of a status."""
+    return term(status)
+
+
+def statements(rule: Rule) -> Iterator[Quad]:
+    """Everything that stands in the graph because of a rule."""
+    yield from star(rule)
+    yield from mentions(rule)
+    if rule.status == "active":
+        yield hanging(rule)
+        yield from plain_edges(rule)
+
+
+def star(rule: Rule) -> Iterator[Quad]:
+    """The statements about the rule's own node."""
+    node = rule_iri(rule.id)
+    for predicate, value in _properties(rule):
+        yield Quad(node, predicate, value, BELIEFS)
+
+
+def hanging(rule: Rule) -> Quad:
+    """The edge from the action-tree node to the rule."""
+    return Quad(iri("node", rule.node), RULE, rule_iri(rule.id), BELIEFS)
+
+
+def plain_edges(rule: Rule) -> list[Quad]:
+    """The edges without annotation that the rule stands for; none when it speaks against them."""
+    if rule.argument is None or not rule.asserts:
+        return []
+    edge, end = edge_of(rule.functor), atom_iri(rule.argument)
+    return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]
+
+
+def edge_of(functor: str) -> Iri:
+    """The property of the plain edges of rules with a functor."""
+    return _EDGES.get(functor, _OTHER_EDGE)
+
+
+def mentions(rule: Rule) -> Iterator[Quad]:
+    """Types and names of everything the rule speaks of, so that no node is without."""
+    atoms = rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
+    yield from named(atoms)
+    yield from place_of(rule)
+
+
+def named(atoms: Iterable[Atom]) -> Iterator[Quad]:
+    """Types and names of atoms."""
+    for atom in sorted(atoms):
+        node = atom_iri(atom)
+        yield Quad(node, TYPE, term(atom.kind.capitalize()), BELIEFS)
+        yield Quad(node, LABEL, atom.name, BELIEFS)
+
+
+def place_of(rule: Rule) -> Iterator[Quad]:
+    """Types and names of the action-tree node that a rule hangs on, and of its functor."""
+    yield Quad(iri("node", rule.node), TYPE, term("Node"), BELIEFS)
+    yield Quad(iri("node", rule.node), LABEL, rule.node, BELIEFS)
+    if rule.functor not in _KNOWN_FUNCTORS:
+        yield Quad(_functor_iri(rule.functor), TYPE, term("Functor"), BELIEFS)
+        yield Quad(_functor_iri(rule.functor), LABEL, rule.functor, BELIEFS)
+
+
+def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
+    """The rule of a star, as `star` wrote it.
+
+    Raises:
+        ValidationError: something is missing or malformed.
+    """
+    found: dict[Iri, list[Term]] = defaultdict(list)
+    for predicate, value in properties:
+        found[predicate].append(value)
+    try:
+        return _read(found)
+    except ValidationError:
+        raise
+    except KeyError as error:
+        raise ValidationError([f"A rule has no {_shown(error.args[0])}."]) from error
+    except (TypeError, ValueError, AttributeError) as error:
+        raise ValidationError([f"A rule is malformed: {error}"]) from error
+
+
+def _properties(rule: Rule) -> Iterator[tuple[Iri, Term]]:
+    yield TYPE, CLASSES[rule.kind]
+    for feature in sorted(rule.features):
+        yield FEATURE, atom_iri(feature)
+    for context in sorted(rule.contexts):
+        yield CONTEXT, atom_iri(context)
+    yield FUNCTOR, _functor_iri(rule.functor)
+    if rule.argument:
+        yield _ARGUMENTS.get(rule.argument.kind, ARGUMENT), atom_iri(rule.argument)
+    yield LOWER, _decimal(rule.interval.lower)
+    yield UPPER, _decimal(rule.interval.upper)
+    yield STATUS, status_iri(rule.status)
+    yield ATTRIBUTED_TO, iri("speaker", rule.speaker)
+    if rule.utterance is not None:
+        yield DERIVED_FROM, iri("utterance", str(rule.utterance))
+    if rule.time is not None:
+        yield GENERATED_AT, rule.time
+
+
+def _read(found: dict[Iri, list[Term]]) -> Rule:
+    arguments = [*found.get(PART, ()), *found.get(AFFORDANCE, ()), *found.get(ARGUMENT, ())]
+    source = found.get(DERIVED_FROM)
+    return Rule(
+        _atoms_of(tuple(found.get(FEATURE, ()))),
+        _atoms_of(tuple(found.get(CONTEXT, ()))),
+        functor_of(cast(Iri, _one(found, FUNCTOR))),
+        atom_of(cast(Iri, arguments[0])) if arguments else None,
+        Interval(cast(float, _one(found, LOWER)), cast(float, _one(found, UPPER))),
+        split(cast(Iri, _one(found, ATTRIBUTED_TO)))[1],
+        int(split(cast(Iri, source[0]))[1]) if source else None,
+        cast("datetime | None", found[GENERATED_AT][0] if GENERATED_AT in found else None),
+        _status_of(cast(Iri, _one(found, STATUS))),
+    )
+
+
+@lru_cache(maxsize=2**16)
+def _atoms_of(nodes: tuple[Term, ...]) -> frozenset[Atom]:
+    return frozenset(atom_of(cast(Iri, node)) for node in nodes)
+
+
+def _one(found: dict[Iri, list[Term]], predicate: Iri) -> Term:
+    values = found.get(predicate)
+    if not values:
+        raise KeyError(predicate)
+    if len(values) > 1:
+        raise ValueError(f"{_shown(predicate)} stands there {len(values)} times.")
+    return values[0]
+
+
+def _functor_iri(functor: str) -> Iri:
+    return term(functor) if functor in _KNOWN_FUNCTORS else iri("functor", functor)
+
+
+def _status_of(node: Iri) -> Status:
+    name = node.removeprefix(HILT)
+    if name not in _STATUSES:
+        raise ValidationError([f"{_shown(node)} is no status; expected {', '.join(_STATUSES)}."])
+    return cast(Status, name)
+
+
+def _decimal(bound: float) -> Decimal:
+    return Decimal(f"{bound:.{DIGITS}f}").normalize() + 0  # never -0
+
+
+def _shown(predicate: Iri) -> str:
+    return predicate.replace(HILT, "hilt:")

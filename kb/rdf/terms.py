@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""RDF terms as plain Python values, so that nothing but one module knows the store's engine.
+
+An IRI is an `Iri`. A literal is the Python value it stands for (`str`, `bool`, `int`, `float`,
+`Decimal`, an aware `datetime`); one that has no such value, or a language, is a `Literal`. Blank
+nodes do not occur in a base; in the results of a query they are IRIs that start with `_:`.
+
+Literals are compared by value: engines write the decimal 1.0 as 1, and 1.50 as 1.5.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime, timedelta, timezone
+from decimal import Decimal, InvalidOperation
+from typing import Any, NamedTuple, TypeAlias
+
+from ...ontology.vocabulary import PREFIXES, Iri
+
+XSD = PREFIXES["xsd"]
+LANGUAGE_TEXT = PREFIXES["rdf"] + "langString"
+STRING = XSD + "string"
+DECIMAL = XSD + "decimal"
+DATE_TIME = XSD + "dateTime"
+
+_TIME = re.compile(
+    r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(?:\.(\d{1,6})\d*)?(Z|[+-]\d\d:\d\d)", re.ASCII
+)
+_BAD_IRI = re.compile(r'[\x00-\x20<>"{}|^`\\\ud800-\udfff]')
+_SURROGATE = re.compile(r"[\ud800-\udfff]")
+_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+_TO_ESCAPE = re.compile(r'[\x00-\x1f\x7f"\\]')
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """A literal that no plain Python value stands for.
+
+    Attributes:
+        lexical: as it is written.
+        datatype: IRI of its type.
+        language: tag such as "en"; empty when the type is not a text in a language.
+    """
+
+    lexical: str
+    datatype: str = LANGUAGE_TEXT
+    language: str = ""
+
+
+Term: TypeAlias = "Iri | Literal | str | bool | int | float | Decimal | datetime"
+
+
+class Quad(NamedTuple):
+    """One statement, and the named graph it stands in (None: the default graph)."""
+
+    subject: Iri
+    predicate: Iri
+    object: Term
+    graph: Iri | None = None
+
+
+def literal(lexical: str, datatype: str, language: str = "") -> Term:
+    """The term that a literal of RDF stands for."""
+    if language:
+        return Literal(lexical, LANGUAGE_TEXT, language)
+    if datatype == STRING:
+        return lexical
+    try:
+        return _READERS[datatype.removeprefix(XSD)](lexical) if datatype.startswith(XSD) else _no()
+    except (KeyError, ValueError, InvalidOperation):
+        return Literal(lexical, datatype)
+
+
+def lexical(term: Term) -> tuple[str, str, str]:
+    """How a literal is written: its lexical form, datatype and language.
+
+    Raises:
+        ValueError: it is an IRI, a time without zone, or a text that is no Unicode.
+    """
+    if isinstance(term, Iri):
+        raise ValueError(f"<{term}> is an IRI where a literal is expected.")
+    if isinstance(term, Literal):
+        return _encodable(term.lexical), term.datatype, term.language
+    write, datatype = _WRITERS[type(term)]
+    return write(term), datatype, ""
+
+
+def as_sparql(term: Term) -> str:
+    """A term as SPARQL and N-Quads write it; no text can break out of it.
+
+    Raises:
+        ValueError: it is no valid term.
+    """
+    if isinstance(term, Iri):
+        if _BAD_IRI.search(term) or ":" not in term:
+            raise ValueError(f"{str(term)!r} is no IRI.")
+        return f"<{term}>"
+    text, datatype, language = lexical(term)
+    quoted = f'"{_TO_ESCAPE.sub(_escape, text)}"'
+    if language:
+        return f"{quoted}@{language}"
+    return quoted if datatype == STRING else f"{quoted}^^{as_sparql(Iri(datatype))}"
+
+
+def write_time(time: datetime) -> str:
+    """An aware time in UTC, with milliseconds when there are any.
+
+    Raises:
+        ValueError: the time has no zone.
+    """
+    if time.tzinfo is None:
+        raise ValueError(f"{time} has no time zone.")
+    text = time.astimezone(timezone.utc).replace(tzinfo=None).isoformat(timespec="milliseconds")
+    return text.removesuffix(".000") + "Z"
+
+
+def read_time(text: str) -> datetime:
+    """The time of an xsd:dateTime with a zone, to the microsecond.
+
+    Raises:
+        ValueError: it is none.
+    """
+    match = _TIME.fullmatch(text)
+    if not match:
+        raise ValueError(f"{text!r} is no time with a zone.")
+    moment, fraction, zone = match.groups()
+    time = datetime.fromisoformat(moment)
+    if fraction:
+        time += timedelta(microseconds=int(fraction.ljust(6, "0")))
+    if zone == "Z":
+        return time.replace(tzinfo=timezone.utc)
+    return datetime.fromisoformat(f"{time.isoformat()}{zone}").astimezone(timezone.utc)
+
+
+def _read_boolean(text: str) -> bool:
+    return {"true": True, "1": True, "false": False, "0": False}[text]
+
+
+def _read_decimal(text: str) -> Decimal:
+    value = Decimal(text)
+    if not value.is_finite():
+        raise ValueError(text)
+    return value
+
+
+def _no() -> Term:
+    raise ValueError
+
+
+_READERS = {
+    "decimal": _read_decimal,
+    "integer": int,
+    "boolean": _read_boolean,
+    "double": float,
+    "dateTime": read_time,
+}
+
+
+def _write_double(value: float) -> str:
+    return repr(value).replace("inf", "INF").replace("nan", "NaN")
+
+
+def _write_decimal(value: Decimal) -> str:
+    text = f"{value:f}"
+    return text if "." in text else f"{text}.0"  # Turtle and people read 1 as an integer
+
+
+def _encodable(text: str) -> str:
+    if _SURROGATE.search(text):
+        raise ValueError(f"{text!r} is no Unicode text.")
+    return text
+
+
+_WRITERS: dict[type, tuple[Callable[[Any], str], str]] = {
+    str: (_encodable, STRING),
+    bool: (lambda value: str(value).lower(), XSD + "boolean"),
+    int: (str, XSD + "integer"),
+    Decimal: (_write_decimal, DECIMAL),
+    float: (_write_double, XSD + "double"),
+    datetime: (write_time, DATE_TIME),
+}
+
+
+def _escape(match: re.Match[str]) -> str:
+    character = match.group()
+    return _ESCAPES.get(character) or f"\\u{ord(character):04X}"

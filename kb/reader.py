@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the base knows: rules, the history, and how far speakers are trusted.
+
+`rules_at_nodes` is the hot question, asked at every step of every action; it starts from the
+edges of the given nodes, so its time depends on what it finds and not on the size of the base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import TypeAlias, cast
+
+from ..ontology.errors import NotFoundError
+from ..ontology.vocabulary import Iri, iri, split, term
+from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
+from .interval import Interval
+from .learned_words import Word, read_words
+from .rdf import rule_mapping
+from .rdf.rule_mapping import BELIEFS
+from .rdf.terms import Term, as_sparql
+from .rule import Atom, Rule, Status
+from .sparql.named_queries import named_query, node_iri
+from .sparql.text import bind
+from .stores.base import Store
+
+BASE_NODE = Iri("https://w3id.org/hilt/base")
+BASE_GRAPH = iri("graph", "base")
+TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
+
+MAX_LISTED = 10  # rules that a message names
+
+# A rule's node, and what stands at it.
+Star: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
+
+
+class RuleReader:
+    """Reads the rules and the history of a store.
+
+    Attributes:
+        store: where they are kept.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
+        """The active rules that hang on action-tree nodes: the question asked at every step.
+
+        Args:
+            nodes: keys such as "pass.graspObject", "graspObject", "findObject.cutting".
+        """
+        if self.store.has_cheap_patterns:
+            found = list(self._hanging(nodes))
+        else:
+            found = self._asked("rules-of-node", node=[node_iri(node) for node in nodes])
+        return self.read_rules(sorted(found, key=lambda one: one[0]))
+
+    def rules(
+        self,
+        *,
+        object: str | None = None,  # noqa: A002 - the name that it has everywhere
+        affordance: str | None = None,
+        context: str | None = None,
+        part: str | None = None,
+        speaker: str | None = None,
+        status: Status | None = "active",
+    ) -> list[Rule]:
+        """All rules that match, in the order in which they were last told.
+
+        Args:
+            object: the object they are about.
+            affordance: what they say it is used for.
+            context: the action they are told for.
+            part: the part they say it is grasped by.
+            speaker: who told them.
+            status: active by default; None for every status.
+        """
+        wanted = [  # what few rules have comes first
+            (rule_mapping.FEATURE, _atom_iri("object", object)),
+            (rule_mapping.AFFORDANCE, _atom_iri("affordance", affordance)),
+            (rule_mapping.PART, _atom_iri("part", part)),
+            (rule_mapping.CONTEXT, _atom_iri("action", context)),
+            (rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
+            (rule_mapping.STATUS, rule_mapping.status_iri(status) if status else None),
+        ]
+        found = self._stars([(key, value) for key, value in wanted if value is not None])
+        return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
+
+    def rules_like(self, rule: Rule) -> list[Rule]:
+        """The active rules of the same speaker with the same premises, as `rules` orders them.
+
+        It takes as long as many rules have its first feature; the size of the base does not count.
+        """
+        if not rule.features:  # of any object: there are few on a node
+            found = [one for one in self.rules_at_nodes([rule.node]) if one.speaker == rule.speaker]
+        else:
+            found = self.read_rules(
+                self._stars(
+                    [
+                        *(
+                            (rule_mapping.FEATURE, rule_mapping.atom_iri(atom))
+                            for atom in sorted(rule.features)
+                        ),
+                        *(
+                            (rule_mapping.CONTEXT, rule_mapping.atom_iri(atom))
+                            for atom in sorted(rule.contexts)
+                        ),
+                        (rule_mapping.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
+                        (rule_mapping.STATUS, rule_mapping.status_iri("active")),
+                    ]
+                )
+            )
+        same = [one for one in found if one.features == rule.features]
+        same = [one for one in same if one.contexts == rule.contexts]
+        return sorted(same, key=lambda one: (one.utterance or 0, one.id))
+
+    def rule(self, rule_id: str) -> Rule:
+        """The rule of an id, whatever its status.
+
+        Raises:
+            UnknownNameError: there is none.
+        """
+        node = rule_mapping.rule_iri(rule_id)
+        found = self.star(node)
+        if not found:
+            raise NotFoundError("rule", rule_id, self._some_rule_ids())
+        return self.read_rules([(node, found)])[0]
+
+    def utterance(self, sequence: int) -> Utterance:
+        """The utterance of a number.
+
+        Raises:
+            UnknownNameError: there is none.
+        """
+        found = self.store.properties(utterance_iri(sequence), HISTORY)
+        if not found:
+            last = self.sequence
+            raise NotFoundError("utterance", str(sequence), [f"1 to {last}"] if last else [])
+        return read_utterance(found)
+
+    def history(self, *, since: int = 0, newest_first: bool = False) -> Iterator[Utterance]:
+        """What was said after an utterance, in order, or the last of it first."""
+        numbers = range(since + 1, self.sequence + 1)
+        for number in reversed(numbers) if newest_first else numbers:
+            found = self.store.properties(utterance_iri(number), HISTORY)
+            if found:
+                yield read_utterance(found)
+
+    def words(self) -> list[Word]:
+        """The words that were learned and not revoked."""
+        return read_words(self.store)
+
+    @property
+    def sequence(self) -> int:
+        """The number of the last utterance, 0 before the first: equal numbers, equal beliefs."""
+        numbers = self.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
+        return max((cast(int, quad.object) for quad in numbers), default=0)
+
+    def trust(self, speaker: str) -> Interval | None:
+        """How far a speaker is trusted; None when nobody said that the speaker is."""
+        found = dict(self.store.properties(iri("speaker", speaker), BELIEFS))
+        if TRUST_LOWER not in found:
+            return None
+        return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
+
+    def known_as(self, speaker: str) -> str:
+        """The name of a speaker as it was written when trust was given; capitals do not matter."""
+        if self.trust(speaker) is not None:
+            return speaker
+        alike = (name for name in self.trusts() if name.casefold() == speaker.casefold())
+        return next(alike, speaker)
+
+    def speakers(self) -> tuple[str, ...]:
+        """Who is trusted, at least a little; sorted."""
+        return tuple(name for name, trust in self.trusts().items() if trust.upper > 0)
+
+    def trusts(self) -> dict[str, Interval]:
+        """Whom somebody said how far to trust, and how far; sorted by name."""
+        nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
+        names = sorted(split(node)[1] for node in nodes)
+        return {name: trust for name in names if (trust := self.trust(name))}
+
+    def _hanging(self, nodes: Sequence[str]) -> Iterator[Star]:
+        for node in dict.fromkeys(nodes):
+            for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, BELIEFS):
+                yield cast(Iri, edge.object), self.star(cast(Iri, edge.object))
+
+    def star(self, node: Iri) -> list[tuple[Iri, Term]]:
+        """Everything that stands at a rule's node."""
+        return self.store.properties(node, BELIEFS)
+
+    def _asked(self, name: str, **bindings: list[Iri]) -> list[Star]:
+        """The stars that a named query found, as (rule, property, value) rows."""
+        return _gathered(self.store.select(bind(named_query(name).text, dict(bindings))))
+
+    def _stars(self, wanted: Sequence[tuple[Iri, Iri]]) -> list[Star]:
+        """The stars of the rules that have all of these properties."""
+        if self.store.has_cheap_patterns:
+            return [(node, self.star(node)) for node in self.having(wanted)]
+        return _gathered(self.store.select(_having_query(wanted)))
+
+    def having(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
+        """The nodes of the rules that have all of these properties; of all when none are given.
+
+        It takes as long as many have the first of them.
+        """
+        pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(rule_mapping.STATUS, None)]
+        if not self.store.has_cheap_patterns:
+            return {node for node, _ in _gathered(self.store.select(_having_query(wanted)))}
+        first, *others = pairs
+        found = {quad.subject for quad in self.store.quads(None, *first, BELIEFS)}
+        for key, value in others:
+            found = {node for node in found if any(self.store.quads(node, key, value, BELIEFS))}
+        return found
+
+    def read_rules(self, found: Iterable[Star]) -> list[Rule]:
+        """The rules of stars, weighted by the trust in their speakers."""
+        rules = [rule_mapping.read_rule(properties) for _, properties in found]
+        trust = {speaker: self._weight(speaker) for speaker in {r.speaker for r in rules}}
+        return [
+            rule if trust[rule.speaker] == 1.0 else replace(rule, trust=trust[rule.speaker])
+            for rule in rules
+        ]
+
+    def _some_rule_ids(self) -> list[str]:
+        quads = self.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
+        found = [rule_mapping.rule_id(quad.subject) for quad in islice(quads, MAX_LISTED + 1)]
+        return [*found[:MAX_LISTED], "..."] if len(found) > MAX_LISTED else found
+
+    def _weight(self, speaker: str) -> float:
+        node = iri("speaker", speaker)
+        for quad in self.store.quads(node, TRUST_LOWER, None, BELIEFS):
+            return float(cast(float, quad.object))
+        return 0.0
+
+
+def _atom_iri(kind: str, name: str | None) -> Iri | None:
+    return rule_mapping.atom_iri(Atom(kind, name)) if name is not None else None
+
+
+def _having_query(wanted: Sequence[tuple[Iri, Iri]]) -> str:
+    """The query for the stars of the rules that have all of these properties."""
+    pairs = " ; ".join(f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted)
+    having = f"?rule {pairs or f'{as_sparql(rule_mapping.STATUS)} ?status'} ."
+    inside = f"{having} ?rule ?property ?value ."
+    return f"SELECT ?rule ?property ?value WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
+
+
+def _gathered(rows: Iterable[tuple[Term | None, ...]]) -> list[Star]:
+    """Stars from rows of (rule, property, value)."""
+    found: dict[Iri, dict[tuple[Iri, Term], None]] = {}
+    for node, key, value in rows:
+        found.setdefault(cast(Iri, node), {})[(cast(Iri, key), cast(Term, value))] = None
+    return [(node, list(properties)) for node, properties in found.items()]

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a query found: rows, yes or no, or statements; and SPARQL 1.1 Query Results JSON.
+
+Endpoints take liberties with that format; it is read by value and leniently.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias, cast
+
+from ...ontology.errors import QueryError
+from ..rdf.terms import STRING, Iri, Quad, Term, lexical, literal
+
+BLANK = "_:"  # how the name of a blank node begins
+STATEMENT = ("subject", "predicate", "object")  # the columns of statements as rows
+RDF_12 = "A statement about a statement (RDF 1.2) cannot be read as RDF 1.1."
+_ASK_COLUMN = "__ASK_RETVAL"  # Virtuoso answers ASK with a row
+
+
+@dataclass(frozen=True)
+class Solutions:
+    """The rows that a query found.
+
+    Attributes:
+        variables: names of the columns, without question mark.
+        rows: one value a variable; None where it is unbound.
+    """
+
+    variables: tuple[str, ...]
+    rows: tuple[tuple[Term | None, ...], ...]
+
+    def __iter__(self) -> Iterator[tuple[Term | None, ...]]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def as_json(self) -> dict[str, object]:
+        """The document of the W3C recommendation."""
+        return {
+            "head": {"vars": list(self.variables)},
+            "results": {"bindings": [self._binding(row) for row in self.rows]},
+        }
+
+    def _binding(self, row: tuple[Term | None, ...]) -> dict[str, dict[str, str]]:
+        named = zip(self.variables, row, strict=True)
+        return {name: _value(term) for name, term in named if term is not None}
+
+
+@dataclass(frozen=True)
+class Statements(Solutions):
+    """The statements that a CONSTRUCT or DESCRIBE query made; also rows, one a statement."""
+
+    @classmethod
+    def of(cls, quads: Iterable[Quad]) -> Statements:
+        """The statements, without their graphs."""
+        return cls(STATEMENT, tuple(quad[:3] for quad in quads))
+
+    @property
+    def quads(self) -> list[Quad]:
+        """The statements, in no graph."""
+        return [Quad(*cast("tuple[Iri, Iri, Term]", row)) for row in self.rows]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What an ASK query found."""
+
+    value: bool
+
+    def as_json(self) -> dict[str, object]:
+        """The document of the W3C recommendation."""
+        return {"head": {}, "boolean": self.value}
+
+
+Found: TypeAlias = "Solutions | Statements | Answer"
+
+
+def read_solutions(body: bytes) -> Solutions:
+    """The rows of a results document.
+
+    Raises:
+        QueryError: it is incomplete, or holds what RDF 1.1 has not.
+    """
+    document = _parsed(body)
+    try:
+        names = tuple(cast("list[str]", document["head"].get("vars", [])))
+        found = document["results"]["bindings"]
+        rows = tuple(
+            tuple(_term(row[name]) if name in row else None for name in names) for row in found
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise QueryError("The endpoint sent no rows where some were expected.") from error
+    return Solutions(names, rows)
+
+
+def read_answer(body: bytes) -> bool:
+    """Yes or no, of a results document; errors as for `read_solutions`."""
+    document = _parsed(body)
+    if isinstance(document.get("boolean"), bool):
+        return document["boolean"]
+    found = read_solutions(body)
+    if found.variables == (_ASK_COLUMN,):
+        return any(row[0] for row in found)
+    raise QueryError("The endpoint answered neither yes nor no.")
+
+
+def _parsed(body: bytes) -> dict[str, Any]:
+    try:
+        document = json.loads(body)
+    except ValueError as error:
+        raise QueryError(
+            "The endpoint sent an incomplete answer; the query may have been cut off there. "
+            "Narrow it, or give it more time."
+        ) from error
+    if not isinstance(document, dict):
+        raise QueryError("The endpoint sent no SPARQL results.")
+    return cast("dict[str, Any]", document)
+
+
+def _term(value: Mapping[str, Any]) -> Term:
+    match value["type"]:
+        case "uri":
+            return Iri(value["value"])
+        case "bnode":
+            return Iri(BLANK + value["value"].removeprefix(BLANK))
+        case "literal" | "typed-literal":
+            datatype = value.get("datatype", STRING)
+            return literal(value["value"], datatype, value.get("xml:lang", ""))
+        case _:
+            raise QueryError(RDF_12)
+
+
+def _value(term: Term) -> dict[str, str]:
+    if isinstance(term, Iri):
+        if term.startswith(BLANK):
+            return {"type": "bnode", "value": term.removeprefix(BLANK)}
+        return {"type": "uri", "value": str(term)}
+    text, datatype, language = lexical(term)
+    written = {"type": "literal", "value": text}
+    if language:
+        return written | {"xml:lang": language}
+    return written if datatype == STRING else written | {"datatype": datatype}

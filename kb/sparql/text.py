@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SPARQL texts: giving values to variables, refusing what reaches outside, and telling mistakes.
+
+Values reach a query as terms in a `VALUES` block at the head of its WHERE group, written by
+`terms.as_sparql`; they are never pasted into the text. The scanner below knows just enough of
+SPARQL's lexical grammar (section 19.8 of the recommendation) to tell words from what stands in
+strings, IRIs and comments.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import groupby, pairwise
+from typing import cast
+
+from ...ontology.errors import QueryError
+from ...ontology.vocabulary import PREFIXES, Iri
+from ..rdf.terms import Quad, Term, as_sparql
+from ..stores.base import Bindings
+
+FORMS = ("SELECT", "ASK", "CONSTRUCT", "DESCRIBE")
+
+_TOKEN = re.compile(
+    r"""
+    (?P<comment>\#[^\n\r]*)
+  | (?P<string>\"{3}(?:(?:\"|\"\")?(?:[^\"\\]|\\.))*\"{3}|'{3}(?:(?:'|'')?(?:[^'\\]|\\.))*'{3}
+             |\"(?:[^\"\\\n\r]|\\.)*\"|'(?:[^'\\\n\r]|\\.)*')
+  | (?P<iri><[^\x00-\x20<>\"{}|^`\\]*>)
+  | (?P<variable>[?$]\w+)
+  | (?P<tag>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
+  | (?P<pname>(?:[^\W\d_][\w.-]{0,99})?:
+             (?:(?:[\w:]|%[0-9A-Fa-f]{2}|\\[_~.!$&'()*+,;=/?\#@%-])
+                (?:[\w:.-]|%[0-9A-Fa-f]{2}|\\[_~.!$&'()*+,;=/?\#@%-])*)?)
+  | (?P<word>\w+)
+  | (?P<mark><<|\S)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_POSITION = re.compile(r"error at (\d+):(\d+): ")
+
+
+def bind(query: str, bindings: Bindings) -> str:
+    """The query with values for some of its variables; several values are alternatives.
+
+    Raises:
+        QueryError: it has no WHERE group, or a value is no term.
+    """
+    if not bindings:
+        return query
+    place = _where_group(query)
+    blocks = " ".join(_values(name, _as_list(value)) for name, value in bindings.items())
+    return f"{query[:place]} {blocks}{query[place:]}"
+
+
+def form(query: str) -> str:
+    """SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
+    return next((word for word in words(query) if word in FORMS), "")
+
+
+def words(text: str) -> tuple[str, ...]:
+    """The keywords, in capitals: what is no name, variable, text, IRI or comment."""
+    return tuple(token.group().upper() for token in tokens(text) if token.lastgroup == "word")
+
+
+def variables(text: str) -> tuple[str, ...]:
+    """The names of all variables, sorted, without question mark."""
+    found = (token.group() for token in tokens(text) if token.lastgroup == "variable")
+    return tuple(sorted({name[1:] for name in found}))
+
+
+def declared(text: str) -> str:
+    """The text with the prefixes of the vocabulary that it uses and does not declare itself.
+
+    They stand on its first line, so that the line numbers of messages stay right.
+    """
+    used = {t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname"}
+    missing = [prefix for prefix in PREFIXES if prefix in used - _declared_prefixes(text)]
+    return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
+
+
+def own_limit(query: str) -> int | None:
+    """The LIMIT that a query sets for its result; None when it sets none."""
+    found = [token.group().upper() for token in _modifiers(query)]
+    return next((int(n) for word, n in pairwise(found) if word == "LIMIT" and n.isdigit()), None)
+
+
+def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
+    """A query for some of the solutions of another one, in an order that stays.
+
+    Args:
+        query: a SELECT or CONSTRUCT query.
+        variables: the columns of a SELECT; none for a CONSTRUCT.
+        size: how many solutions.
+        offset: how many to leave out.
+
+    Raises:
+        QueryError: the query cannot be read in parts.
+    """
+    modifiers = {token.group().upper() for token in _modifiers(query)}
+    if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in words(query):
+        raise QueryError(
+            f"The endpoint gives at most {size} rows at once, and a query with LIMIT, OFFSET, "
+            f"FROM or VALUES at its end cannot be read in parts. Use a LIMIT of at most {size}."
+        )
+    page = f"LIMIT {size} OFFSET {offset}"
+    if not variables:
+        return f"{query}\n{page}"
+    start = next(t.start() for t in tokens(query) if t.group().upper() == "SELECT")
+    by = " ".join(f"?{name}" for name in variables)
+    order = by if "ORDER" in modifiers else f"ORDER BY {by}"
+    # A subquery, because some engines sort only so many rows for a page of their own.
+    head, body = query[:start], query[start:]
+    return f"{head}SELECT {by} WHERE {{ {{ {body}\n{order} }} }} {page}"
+
+
+def syntax_problem(message: str, text: str) -> str:
+    """What is wrong with a text that the engine could not parse, in one line."""
+    undeclared = _undeclared_prefix(text)
+    if undeclared:
+        return f'The prefix "{undeclared}:" is not declared.'
+    match = _POSITION.search(message)
+    if not match:
+        return f"The query is wrong: {message.strip().splitlines()[0]}"
+    line, column = int(match.group(1)), int(match.group(2))
+    lines = text.splitlines() or [""]
+    there = lines[line - 1][column - 1 :].strip() if line <= len(lines) else ""
+    found = f'found "{there[:30]}"' if there else "the query ends too early"
+    return f"The query is wrong at line {line}, column {column}: {found}."
+
+
+def joined(update: str, another: str) -> str:
+    """An update followed by another one that declares no prefixes: one unit where it can be.
+
+    Raises:
+        QueryError: the first one is empty.
+    """
+    found = [*tokens(update)]
+    while found and found[-1].group() == ";":
+        found.pop()
+    if not found:
+        raise QueryError("The update is empty.")
+    return f"{update[: found[-1].end()]} ;\n{another}"
+
+
+def insert_data(quads: Sequence[Quad]) -> str:
+    """The update that inserts statements."""
+    return f"INSERT DATA {{ {_blocks(quads)} }}"
+
+
+def delete_insert(delete: Sequence[Quad], insert: Sequence[Quad]) -> str:
+    """The one update operation that deletes statements and inserts others."""
+    # One operation, because `op ; op` is not atomic everywhere; a WHERE that is not empty,
+    # because some engines take an empty one for no solution.
+    gone, new = _blocks(delete), _blocks(insert)
+    return f"DELETE {{ {gone} }} INSERT {{ {new} }} WHERE {{ VALUES ?once {{ 1 }} }}"  # noqa: S608
+
+
+def _blocks(quads: Iterable[Quad]) -> str:
+    by_graph = sorted(quads, key=lambda quad: quad.graph or "")
+    return " ".join(
+        _block(graph, list(statements))
+        for graph, statements in groupby(by_graph, key=lambda quad: quad.graph)
+    )
+
+
+def _block(graph: Iri | None, quads: Sequence[Quad]) -> str:
+    lines = "\n".join(" ".join(map(as_sparql, quad[:3])) + " ." for quad in quads)
+    return lines if graph is None else f"GRAPH {as_sparql(graph)} {{ {lines} }}"
+
+
+def _values(name: str, terms: Sequence[Term]) -> str:
+    if not re.fullmatch(r"\w+", name):
+        raise QueryError(f'"{name}" is no name of a variable.')
+    try:
+        return f"VALUES ?{name} {{ {' '.join(map(as_sparql, terms))} }}"
+    except ValueError as error:
+        raise QueryError(f"The value for ?{name} is wrong: {error}") from error
+
+
+def _as_list(value: Term | Sequence[Term]) -> Sequence[Term]:
+    is_many = isinstance(value, (list, tuple))
+    return value if is_many else [cast("Term", value)]
+
+
+@lru_cache(maxsize=256)
+def _where_group(query: str) -> int:
+    """The place behind the brace that opens the outermost WHERE group."""
+    depth, parentheses, before, is_template = 0, 0, "", False
+    for token in tokens(query):
+        text = token.group()
+        parentheses += (text == "(") - (text == ")")
+        if text == "{":
+            if depth == 0 and parentheses == 0:
+                is_template = before == "CONSTRUCT"
+                if not is_template:
+                    return token.end()
+            depth += 1
+        depth -= text == "}"
+        before = text.upper()
+    raise QueryError("The query has no WHERE group, so its variables cannot be given values.")
+
+
+def tokens(text: str, start: int = 0) -> Iterator[re.Match[str]]:
+    """The tokens from a place on, without comments; `lastgroup` of each is its kind."""
+    return (match for match in _TOKEN.finditer(text, start) if match.lastgroup != "comment")
+
+
+def _modifiers(query: str) -> list[re.Match[str]]:
+    """What stands behind the outermost WHERE group."""
+    depth, found = 1, list[re.Match[str]]()
+    for token in tokens(query, _where_group(query)):
+        depth += (token.group() == "{") - (token.group() == "}")
+        if depth == 0:
+            found.append(token)
+    return found[1:]  # the first one is the brace that closes the group
+
+
+def _declared_prefixes(text: str) -> set[str]:
+    return {
+        name.group().partition(":")[0]
+        for word, name in pairwise(tokens(text))
+        if word.group().upper() == "PREFIX" and name.lastgroup == "pname"
+    }
+
+
+def _undeclared_prefix(text: str) -> str | None:
+    known = {*PREFIXES, *_declared_prefixes(text)}
+    used = (t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname")
+    return next((prefix for prefix in used if prefix not in known), None)

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every store offers: statements in named graphs, SPARQL, and atomic, durable writes.
+
+A store holds RDF 1.1 quads and knows nothing of rules. Its laws, tested for every backend:
+
+- `apply` and `update` are one atomic unit each, and durable when they return;
+- outside `GRAPH` a query sees the union of all graphs;
+- nothing is lost between threads that hold `writing()` while they read and then write;
+- the results of a query are complete when it returns, nothing stays open.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Protocol, TypeAlias
+
+from ...ontology.errors import StoreError
+from ...ontology.vocabulary import Iri
+from ..rdf.terms import Quad, Term
+from ..sparql.limits import Limits
+from ..sparql.results import Found, Solutions
+
+MEMORY = "memory:"
+_SCHEME = re.compile(r"[A-Za-z]{2,}:")  # of one letter it is a drive of Windows
+Bindings: TypeAlias = "Mapping[str, Term | Sequence[Term]]"
+
+
+class Store(Protocol):
+    """A store of RDF quads, in memory, on disk or behind an endpoint."""
+
+    @property
+    def location(self) -> str:
+        """Where it is, as it was given to `open_store`."""
+        ...
+
+    @property
+    def read_only(self) -> bool:
+        """Whether every write is refused."""
+        ...
+
+    @property
+    def has_cheap_patterns(self) -> bool:
+        """Whether a few small reads cost less than one query."""
+        ...
+
+    def select(self, query: str) -> Solutions:
+        """The rows of a SELECT query.
+
+        Raises:
+            QueryError: the query is wrong or no SELECT.
+            StoreError: the store cannot be read.
+        """
+        ...
+
+    def ask(self, query: str) -> bool:
+        """The answer of an ASK query; errors as for `select`."""
+        ...
+
+    def construct(self, query: str) -> list[Quad]:
+        """The statements of a CONSTRUCT or DESCRIBE query; errors as for `select`."""
+        ...
+
+    def run(self, query: str, limits: Limits) -> Found:
+        """The answer of any query, which is stopped when it goes beyond its limits.
+
+        Raises:
+            QueryError: the query is wrong, or took too long or too much memory.
+            StoreError: the store cannot be read.
+        """
+        ...
+
+    def quads(
+        self,
+        subject: Iri | None = None,
+        predicate: Iri | None = None,
+        object: Term | None = None,  # noqa: A002 - the name RDF gives it
+        graph: Iri | None = None,
+    ) -> Iterator[Quad]:
+        """All statements that match, in any order; None matches everything."""
+        ...
+
+    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+        """Everything that stands at a node in a graph, as (predicate, object)."""
+        ...
+
+    def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
+        """Delete statements, then insert others: one atomic unit, durable when this returns.
+
+        Raises:
+            StoreError: it could not be written; nothing has changed.
+        """
+        ...
+
+    def update(self, update: str) -> None:
+        """Run a SPARQL update; atomic and durable as `apply`.
+
+        Raises:
+            QueryError: the update is wrong.
+            StoreError: it could not be written; nothing has changed.
+        """
+        ...
+
+    def save(self, target: Path) -> None:
+        """Write a copy of all statements, as they are now, into a new folder.
+
+        Raises:
+            StoreError: it cannot be written.
+        """
+        ...
+
+    def writing(self) -> AbstractContextManager[object]:
+        """Hold this while something is read and then written that depends on it."""
+        ...
+
+    def close(self) -> None:
+        """Release the store; it cannot be used any more. Closing twice is allowed."""
+        ...
+
+
+def open_store(location: str | Path, *, read_only: bool = False) -> Store:
+    """Open or create a store.
+
+    Args:
+        location: `memory:`, a folder, or the address of an endpoint (`hilt.kb.stores.addresses`).
+        read_only: refuse writes; what it names must exist. A folder that another process
+            writes to is read as it is now.
+
+    Raises:
+        StoreError: it cannot be opened; says why and what to do.
+    """
+    text = str(location)
+    if text.startswith(("http://", "https://")):
+        from .remote import open_remote
+
+        return open_remote(text, read_only=read_only)
+    if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
+        raise StoreError(f'"{text}" is no store: expected memory:, a folder, or http(s)://...')
+    from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
+
+    if text == MEMORY:
+        return open_memory(read_only=read_only)
+    return open_folder(Path(text).expanduser(), read_only=read_only)

@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The store behind a SPARQL 1.1 endpoint: any engine that speaks the protocol.
+
+It keeps to what engines were found to agree on. Every query names the base's graphs as its
+dataset, so that an endpoint may hold other data too. Values are compared by value, because
+engines write numbers in their own way. A result that the endpoint cuts is read on, page by page.
+
+A unit of up to `BATCH` statements is one update operation, which is atomic wherever updates are.
+A larger one is sent in parts, which may be repeated without harm. One process at a time may write
+to a base; endpoints do not see to that.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
+from decimal import Decimal
+from itertools import islice
+from pathlib import Path
+from urllib.parse import urlencode, urljoin
+
+from ...ontology.errors import QueryError, StoreError
+from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
+from ..rdf.terms import Quad, Term, as_sparql
+from ..sparql.limits import Limits
+from ..sparql.results import Answer, Found, Solutions, Statements, read_answer, read_solutions
+from ..sparql.text import declared, delete_insert, form, insert_data, own_limit, paged, words
+from .addresses import Address, parse_address
+from .http import Response, Transport
+
+BATCH = 1_000  # statements of one update; some engines take no more than 1,400
+MOST_BYTES_MB = 4_096  # of an answer to a call that nobody set limits for
+CALL = Limits(seconds=60, megabytes=MOST_BYTES_MB)
+ROWS, TRIPLES = "application/sparql-results+json", "application/n-triples, text/plain;q=0.2"
+PAGE = 1_000  # solutions of a page where the endpoint does not say how many it gives
+VIRTUOSO, ITS_UPDATES = "Virtuoso", "sparql-auth"
+
+
+class RemoteStore:
+    """A store that another process keeps; see `hilt.kb.stores.base.Store` for its methods."""
+
+    has_cheap_patterns = False
+
+    def __init__(self, transport: Transport, *, read_only: bool) -> None:
+        self.location = transport.address.query
+        self.read_only = read_only
+        self._transport = transport
+        self._address = transport.address
+        self._lock = threading.RLock()
+        self._dataset = _dataset()
+        self._server = ""
+        self._is_open = True
+
+    def connect(self) -> None:
+        """Find out whether the endpoint answers, and what it is.
+
+        Raises:
+            StoreError: it does not, or refuses.
+        """
+        try:
+            self._server = self._read("ASK {}", ROWS, CALL).server
+        except QueryError as error:
+            raise StoreError(f'"{self.location}" is no SPARQL endpoint: {error}') from error
+
+    def select(self, query: str) -> Solutions:
+        """The rows of a SELECT query, all of them, however many the endpoint gives at once."""
+        return self._select(query, CALL)
+
+    def ask(self, query: str) -> bool:
+        """The answer of an ASK query."""
+        return self._ask(query, CALL)
+
+    def construct(self, query: str) -> list[Quad]:
+        """The statements of a CONSTRUCT or DESCRIBE query."""
+        return self._construct(query, CALL)
+
+    def run(self, query: str, limits: Limits) -> Found:
+        """Any query; the endpoint's own limits hold beside these."""
+        match form(query):
+            case "ASK":
+                return Answer(self._ask(query, limits))
+            case "CONSTRUCT" | "DESCRIBE":
+                return Statements.of(self._construct(query, limits))
+            case _:
+                return self._select(query, limits)
+
+    def quads(
+        self,
+        subject: Iri | None = None,
+        predicate: Iri | None = None,
+        object: Term | None = None,  # noqa: A002 - the name RDF gives it
+        graph: Iri | None = None,
+    ) -> Iterator[Quad]:
+        """All statements that match."""
+        wanted = {"s": subject, "p": predicate, "o": object, "g": graph}
+        names = [name for name, term in wanted.items() if term is None]
+        s, p, o, g = (f"?{n}" if t is None else as_sparql(t) for n, t in wanted.items())
+        head = " ".join(f"?{name}" for name in names)
+        where = f"{{ GRAPH {g} {{ {s} {p} {o} }} }}"
+        if not names:
+            if self.ask(f"ASK {where}"):
+                yield Quad(subject, predicate, object, graph)  # type: ignore[arg-type]
+            return
+        for row in self.select(f"SELECT {head} WHERE {where}"):
+            found = wanted | dict(zip(names, row, strict=True))
+            yield Quad(*found.values())  # type: ignore[arg-type]
+
+    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+        """Everything that stands at a node."""
+        return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
+
+    def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
+        """Delete, then insert; one operation when it is not too large for one."""
+        gone, new = [q for quad in delete for q in _spellings(quad)], list(insert)
+        with self._lock:
+            if len(gone) + len(new) <= BATCH:
+                self._write(delete_insert(gone, new), may_repeat=True)
+                return
+            for part in _batches(gone):
+                self._write(delete_insert(part, []), may_repeat=True)
+            self._insert(new)
+
+    def update(self, update: str) -> None:
+        """Run a SPARQL update, once."""
+        with self._lock:
+            self._write(declared(update), may_repeat=False)
+
+    def save(self, target: Path) -> None:
+        """Write all statements into a folder on this machine."""
+        from .oxigraph import save_quads
+
+        save_quads(self.quads(), target)
+
+    def writing(self) -> AbstractContextManager[object]:
+        """A lock between the threads of this process."""
+        return self._lock
+
+    def close(self) -> None:
+        """Close the connections."""
+        self._is_open = False
+        self._transport.close()
+
+    # Reading
+
+    def _select(self, query: str, limits: Limits) -> Solutions:
+        if form(query) != "SELECT":
+            raise QueryError("Expected a SELECT query.")
+        response = self._read(query, ROWS, limits)
+        found = read_solutions(response.body)
+        if response.most_rows and len(found) >= response.most_rows:
+            return self._read_on(query, found, response.most_rows, limits)
+        return found
+
+    def _read_on(self, query: str, first: Solutions, size: int, limits: Limits) -> Solutions:
+        """The rows of a result that the endpoint cuts after `size`, page by page."""
+        rows: list[tuple[Term | None, ...]] = []
+        while len(rows) % size == 0:
+            text = paged(query, first.variables, size=size, offset=len(rows))
+            page = read_solutions(self._read(text, ROWS, limits).body).rows
+            rows += page
+            if not page:
+                break
+        return Solutions(first.variables, tuple(rows))
+
+    def _ask(self, query: str, limits: Limits) -> bool:
+        if form(query) != "ASK":
+            raise QueryError("Expected an ASK query.")
+        return read_answer(self._read(query, ROWS, limits).body)
+
+    def _construct(self, query: str, limits: Limits) -> list[Quad]:
+        if form(query) not in {"CONSTRUCT", "DESCRIBE"}:
+            raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
+        is_cut = self._server.startswith(VIRTUOSO) and form(query) == "CONSTRUCT"
+        if not is_cut or (own_limit(query) or PAGE + 1) <= PAGE:
+            return self._triples(query, limits)
+        # It cuts statements without a word, so they are asked for in pages from the start.
+        found: dict[Quad, None] = {}
+        for offset in range(0, 10**9, PAGE):
+            page = self._triples(paged(query, (), size=PAGE, offset=offset), limits)
+            if not page:
+                break
+            found.update(dict.fromkeys(page))
+        return list(found)
+
+    def _triples(self, query: str, limits: Limits) -> list[Quad]:
+        from .oxigraph import read_triples
+
+        return read_triples(self._read(query, TRIPLES, limits).body, source=self.location)
+
+    def _read(self, query: str, accept: str, limits: Limits) -> Response:
+        self._check_open()
+        fields: dict[str, str | Sequence[str]] = {"query": declared(query)}
+        if "FROM" not in words(query):  # a query may name its own dataset
+            fields |= self._dataset
+        if self._server.startswith(VIRTUOSO):  # else it works on when nobody waits any more
+            fields["timeout"] = str(max(1_000, int(limits.seconds * 1_000)))
+        return self._transport.post(self._address.query, form=fields, accept=accept, limits=limits)
+
+    # Writing
+
+    def _write(self, update: str, *, may_repeat: bool) -> None:
+        self._check_writable()
+        self._transport.post(
+            self._update_address(),
+            form={"update": update},
+            accept="*/*",
+            limits=CALL,
+            may_repeat=may_repeat,
+        )
+
+    def _insert(self, quads: Sequence[Quad]) -> None:
+        for graph in dict.fromkeys(quad.graph for quad in quads):
+            inside = [quad for quad in quads if quad.graph == graph]
+            if self._address.graphs and graph:
+                self._post(graph, inside)
+            else:
+                for part in _batches(inside):
+                    self._write(insert_data(part), may_repeat=True)
+
+    def _post(self, graph: Iri, quads: Sequence[Quad]) -> None:
+        """Add to a graph by the Graph Store Protocol."""
+        self._check_writable()
+        lines = (" ".join(map(as_sparql, quad[:3])) + " .\n" for quad in quads)
+        self._transport.post(
+            f"{self._address.graphs}?{urlencode({'graph': graph})}",
+            content="".join(lines).encode(),
+            content_type="application/n-triples",
+            accept="*/*",
+            limits=CALL,
+        )
+
+    def _update_address(self) -> str:
+        address = self._address
+        if self._server.startswith(VIRTUOSO) and not address.is_update_given:
+            return urljoin(address.query, ITS_UPDATES)
+        return address.update
+
+    def _check_writable(self) -> None:
+        self._check_open()
+        if self.read_only:
+            raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
+
+    def _check_open(self) -> None:
+        if not self._is_open:
+            raise StoreError(f'The knowledge base "{self.location}" is closed.')
+
+
+def open_remote(location: str | Address, *, read_only: bool = False) -> RemoteStore:
+    """A store behind an endpoint.
+
+    Args:
+        location: its address; `hilt.kb.stores.addresses` says how it is written.
+        read_only: refuse writes.
+
+    Raises:
+        StoreError: it does not answer, or refuses.
+    """
+    address = location if isinstance(location, Address) else parse_address(location)
+    store = RemoteStore(Transport(address), read_only=read_only)
+    try:
+        store.connect()
+    except BaseException:
+        store.close()
+        raise
+    return store
+
+
+def _dataset() -> Mapping[str, Sequence[str]]:
+    graphs = [str(iri("graph", name)) for name in GRAPH_NAMES]
+    return {"default-graph-uri": graphs, "named-graph-uri": graphs}
+
+
+def _spellings(quad: Quad) -> Iterator[Quad]:
+    """The statement in every way that an engine may have kept its number."""
+    yield quad
+    value = quad.object
+    if isinstance(value, Decimal) and value == value.to_integral_value():
+        yield quad._replace(object=int(value))
+    elif type(value) is int:
+        yield quad._replace(object=Decimal(value))
+
+
+def _batches(quads: Iterable[Quad]) -> Iterator[list[Quad]]:
+    rest = iter(quads)
+    while part := list(islice(rest, BATCH)):
+        yield part

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meanings as sentences: the way back, such that understanding the sentence gives the meaning.
+
+The sentences are data (`sentences.yaml`), one for each shape of meaning: what is asked, and which
+parts of it are filled. Articles, plurals and verbs come from the inflection and the lexicon.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from types import MappingProxyType
+
+from ...ontology.errors import UnknownNameError
+from ...ontology.yaml_reader import Field, read_yaml
+from ..semantics.meaning import (
+    ANY_OBJECT,
+    Acknowledgement,
+    Command,
+    Confidence,
+    FunctionalRule,
+    Meaning,
+    Question,
+    Retraction,
+    Rule,
+    Statement,
+    Target,
+    ToolCommand,
+)
+from .templates import Speech
+
+SECTIONS = ("rules", "targets", "commands", "questions", "replies")
+
+_SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
+
+
+@dataclass(frozen=True)
+class Expression:
+    """How one language puts meanings into sentences.
+
+    Attributes:
+        sentences: by section, and by the shape of the meaning.
+        speech: how things and acts are called.
+        words: the usual word for each confidence; none for the one that needs no word.
+        uses: the affordance that each act with a tool needs.
+        giving: the act that is done for somebody.
+    """
+
+    sentences: Mapping[str, Mapping[str, str]]
+    speech: Speech
+    words: Mapping[Confidence, str]
+    uses: Mapping[str, str]
+    giving: str = "pass"
+
+    def sentence(self, meaning: Meaning) -> str:
+        """A sentence that means it; without a capital, and without a full stop at its end.
+
+        Raises:
+            UnknownNameError: the language has no sentence of this shape.
+        """
+        match meaning:
+            case Statement(rules):
+                return self._statement(rules)
+            case Command() | ToolCommand():
+                return self._command(meaning)
+            case Question():
+                return self._question(meaning)
+            case Retraction(None):
+                return self._say("rules", "last_taken_back")
+            case Retraction(rule) if rule is not None:
+                return self._say("rules", "taken_back", rule=self._rule(rule, reported=True))
+            case Acknowledgement(ack):
+                return self._say("replies", ack)
+            case _:
+                raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
+
+    def _statement(self, rules: tuple[Rule, ...]) -> str:
+        text = self._say("rules", "several").join(self._rule(rule) for rule in rules)
+        revises = any(rule.revises for rule in rules)
+        return self._say("rules", "revised", rule=text) if revises else text
+
+    def _rule(self, rule: Rule, *, reported: bool = False) -> str:
+        slots = {"often": self._often(rule.confidence)}
+        if isinstance(rule, FunctionalRule):
+            slots |= {"thing": self._thing(rule), "affordance": rule.affordance}
+            return self._say("rules", "functional", **slots)
+        slots |= {"thing": self._thing(rule), "part": rule.part, "act": self._act(rule.context)}
+        return self._say("rules", "reported" if reported else "action", **slots)
+
+    def _often(self, confidence: Confidence) -> str:
+        if confidence not in self.words:
+            known = [f"[{lower:g}, {upper:g}]" for lower, upper in self.words]
+            raise UnknownNameError("word for the confidence", str(list(confidence)), known)
+        return self.words[confidence]
+
+    def _thing(self, rule: Rule) -> str:
+        return self.speech.thing(rule.object, rule.props)
+
+    def _act(self, name: str) -> str:
+        """What is done with the object itself: "cut with" for `cut`."""
+        return self.speech.tool_acts.get(name) or self.speech.act(name)
+
+    def _command(self, command: Command | ToolCommand) -> str:
+        slots = {"act": self.speech.act(command.goal)}
+        if isinstance(command, ToolCommand):
+            shape = ["patient"]
+            slots["patient"] = command.patient
+            if command.tool != Target(used_for=self.uses.get(command.goal, "")):
+                shape.append("tool")
+                slots["target"] = self._target(command.tool)
+        else:
+            slots |= _given({"part": command.part, "recipient": command.recipient})
+            shape = ["give" if command.goal == self.giving else "act", *sorted(slots)[1:]]
+            slots["target"] = self._target(command.target)
+        text = self._say("commands", " ".join(shape), **slots)
+        if not command.negated:
+            return text
+        return self._say("commands", "negated part" if "part" in slots else "negated", command=text)
+
+    def _target(self, target: Target) -> str:
+        slots = _given(
+            {
+                "object": target.object,
+                "used_for": target.used_for,
+                "not_used_for": target.not_used_for,
+            }
+        )
+        (shape,) = slots
+        if target.object == ANY_OBJECT:
+            shape = "props"
+        return self._say("targets", shape, props=" ".join(target.props), **slots)
+
+    def _question(self, question: Question) -> str:
+        filled = {each.name: getattr(question, each.name) for each in fields(question)}
+        ask = str(filled.pop("ask"))
+        slots = _given(filled)
+        return self._say("questions", " ".join([ask, *sorted(slots)]), **slots)
+
+    def _say(self, section: str, shape: str, **slots: str) -> str:
+        templates = self.sentences[section]
+        if shape not in templates:
+            raise UnknownNameError(f"sentence among the {section}", shape, templates)
+        text = _SLOT.sub(lambda found: self._slot(slots[found[1]], found[2]), templates[shape])
+        return " ".join(text.split()).replace(" ,", ",") if text.strip(" .") else text
+
+    def _slot(self, value: str, form: str | None) -> str:
+        if form == "act":
+            return self._act(value)
+        return self.speech.fill(f"{{slot:{form}}}" if form else "{slot}", {"slot": value})
+
+
+def load_expression(
+    path: Path, speech: Speech, words: Mapping[Confidence, str], uses: Mapping[str, str]
+) -> Expression:
+    """Read the sentences of a language.
+
+    Args:
+        path: the YAML file.
+        speech: how things and acts are called.
+        words: the usual word for each confidence.
+        uses: the affordance that each act with a tool needs.
+
+    Raises:
+        DataError: the file is not as expected; says where.
+    """
+    sections = read_yaml(path).entries(required=SECTIONS, optional=())
+    sentences = {name: _texts(field) for name, field in sections.items()}
+    return Expression(MappingProxyType(sentences), speech, words, uses)
+
+
+def _texts(field: Field) -> Mapping[str, str]:
+    return MappingProxyType({key: each.text() for key, each in field.entries().items()})
+
+
+def _given(slots: Mapping[str, str | None]) -> dict[str, str]:
+    return {name: value for name, value in slots.items() if value is not None}

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What Hilt says: templates that are data, filled with names in the form that fits.
+
+`answers.yaml` of a language lists every answer with its slots; a slot may ask for a form, as in
+`{object:a}` for "a red mug". The forms come from the inflection of the language, and how an act is
+called from its verbs.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeAlias
+
+from ...ontology.errors import UnknownNameError
+from ...ontology.yaml_reader import Field, read_yaml
+from ..lexicon.inflection import Inflection
+from ..semantics.meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
+
+Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
+MOST_OF_NEVER = 0.1
+"""The upper bound up to which a rule is said to hold never, and above it seldom."""
+
+_SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
+_LISTED = frozenset({"list", "things", "quotes", "names"})
+_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _LISTED
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One thing Hilt may say.
+
+    Attributes:
+        slots: the names that it is filled with.
+        say: the text, with `{slot}` or `{slot:form}`.
+    """
+
+    slots: tuple[str, ...]
+    say: str
+
+
+@dataclass(frozen=True)
+class Phrases:
+    """How rules are put into words, and small words needed everywhere.
+
+    Attributes:
+        functional: a functional rule, from `object`, `level` and `affordance`.
+        negative: a functional rule that is denied.
+        action: an action rule, from `object`, `context` and `part`.
+        seldom: a functional rule that holds now and then, but mostly not.
+        forbidden: an action rule that is denied.
+        seldom_by: an action rule that holds now and then, but mostly not.
+        weighed: `what` is said, with its `confidence` and the `speaker` it comes from.
+        any_object: what stands for every object.
+        any_with: the same with properties before it.
+        joined: the word before the last of several.
+    """
+
+    functional: str
+    negative: str
+    seldom: str
+    action: str
+    forbidden: str
+    seldom_by: str
+    weighed: str
+    any_object: str
+    any_with: str
+    joined: str
+
+
+@dataclass(frozen=True)
+class Speech:
+    """The voice of one language.
+
+    Attributes:
+        answers: by key.
+        phrases: how rules are put into words.
+        inflection: forms of words.
+        acts: the verb of each act, with its particle ("pickUp": "pick up").
+        tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
+    """
+
+    answers: Mapping[str, Answer]
+    phrases: Phrases
+    inflection: Inflection
+    acts: Mapping[str, str]
+    tool_acts: Mapping[str, str]
+
+    def say(self, key: str, **slots: Slot) -> str:
+        """An answer, filled in; its first letter is a capital.
+
+        Raises:
+            UnknownNameError: there is no such answer, or a slot is missing or one too many.
+        """
+        if key not in self.answers:
+            raise UnknownNameError("answer", key, self.answers)
+        answer = self.answers[key]
+        for name in {*answer.slots} ^ {*slots}:
+            raise UnknownNameError(f'slot of the answer "{key}"', name, answer.slots)
+        text = self.fill(answer.say, slots)
+        return text[:1].upper() + text[1:]
+
+    def rule(self, rule: Rule) -> str:
+        """A rule in words: "to pass a knife, grab it by the blade"."""
+        said, thing = self.phrases, self.thing(rule.object, rule.props)
+        at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
+        if isinstance(rule, FunctionalRule):
+            text = (said.negative, said.seldom, said.functional)[at]
+            return self.fill(text, {"object": thing, "affordance": rule.affordance})
+        text = (said.forbidden, said.seldom_by, said.action)[at]
+        act = self.tool_acts.get(rule.context) or self.act(rule.context)
+        return self.fill(text, {"object": thing, "act": act, "part": rule.part})
+
+    def weighed(self, what: str, confidence: tuple[float, float], speaker: str) -> str:
+        """Some words with how sure they are, and from whom: "cutting (0.95, from Sam)"."""
+        slots: dict[str, Slot] = {"what": what, "confidence": confidence, "speaker": speaker}
+        return self.fill(self.phrases.weighed, slots)
+
+    def thing(self, name: str, props: Sequence[str] = ()) -> str:
+        """A kind of object with its properties, with the indefinite article."""
+        if name != ANY_OBJECT:
+            return self.inflection.with_article(" ".join([*props, name]))
+        if not props:
+            return self.phrases.any_object
+        return self.phrases.any_with.replace("{props}", " ".join(props))
+
+    def act(self, name: str) -> str:
+        """What an act is called: "pick up" for `pickUp`."""
+        return self.acts.get(name, name)
+
+    def listed(self, items: Sequence[str]) -> str:
+        """Several items: "a knife, a mug and a shoe"."""
+        if len(items) < 2:
+            return "".join(items)
+        return f"{', '.join(items[:-1])} {self.phrases.joined} {items[-1]}"
+
+    def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
+        """A template with its slots filled."""
+        return _SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
+
+    def _form(self, value: Slot, form: str | None) -> str:
+        forms: Mapping[str, Callable[[str], str]] = {
+            "a": self.inflection.with_article,
+            "the": lambda word: f"the {word}",
+            "many": lambda word: self.inflection.form(word, "plural"),
+            "to": self.act,
+            "done": lambda word: self.inflection.form(self.act(word), "participle"),
+            "name": _capitalised,
+            "list": str,
+            "things": self.inflection.with_article,
+            "quotes": lambda text: f'"{text.removesuffix(".")}"',
+            "names": _capitalised,
+        }
+        if form == "level":
+            return _level(value)
+        if form in _LISTED:
+            items = (value,) if isinstance(value, (str, int, float)) else value
+            return self.listed([forms[form](str(each)) for each in items])
+        return forms[form](str(value)) if form else str(value)
+
+
+def load_speech(
+    path: Path, inflection: Inflection, acts: Mapping[str, str], tool_acts: Mapping[str, str]
+) -> Speech:
+    """Read the answers of a language.
+
+    Raises:
+        DataError: the file is not as expected, or a text uses a slot that it does not list.
+    """
+    entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
+    names = tuple(Phrases.__dataclass_fields__)
+    texts = entries["phrases"].entries(required=names, optional=())
+    answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
+    return Speech(
+        MappingProxyType(answers),
+        Phrases(**{name: texts[name].text() for name in names}),
+        inflection,
+        acts,
+        tool_acts,
+    )
+
+
+def _answer(field: Field) -> Answer:
+    parts = field.entries(required=("slots", "say"), optional=())
+    slots, say = parts["slots"].texts(), parts["say"].text()
+    for name, form in _SLOT.findall(say):
+        if name not in slots:
+            raise parts["say"].fail(f'uses "{name}", but the slots are {", ".join(slots)}.')
+        if form and form not in _SLOT_FORMS:
+            known = ", ".join(sorted(_SLOT_FORMS))
+            raise parts["say"].fail(f'there is no form "{form}"; expected one of {known}.')
+    unused = {*slots} - {name for name, _ in _SLOT.findall(say)}
+    if unused:
+        raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
+    return Answer(slots, say)
+
+
+def _capitalised(word: str) -> str:
+    return word[:1].upper() + word[1:]
+
+
+def _level(value: Slot) -> str:
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, Sequence):
+        return f"{value:g}"
+    lower, upper = (float(each) for each in value)
+    return f"{lower:g}" if upper == 1 else f"[{lower:g}, {upper:g}]"

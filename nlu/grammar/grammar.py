@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The grammar of a language: its categories, the names in its meanings, and what is an utterance.
+
+Read from `grammar.yaml` of the language. Every line is checked when it is read: each category must
+be declared and each term must have the type that its category demands. A mistake is a `DataError`
+with file, line and column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+from types import MappingProxyType
+
+from ...ontology.yaml_reader import Field, read_yaml
+from ..lexicon.patterns import spelt, steps_of
+from .categories import Atom, Category, Functor, type_of
+from .constructions import Gap
+from .notation import read_entry, read_type, read_unary
+from .terms import Term, Value, evaluate
+from .types import Arrow, Basic, Signature, Type, TypeMismatchError, check
+
+SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "REPLY")
+
+
+@dataclass(frozen=True)
+class Unary:
+    """A change of category that needs no word.
+
+    Attributes:
+        source: what is there.
+        target: what it becomes.
+        term: the function from the old meaning to the new one.
+        value: the same, ready to be applied.
+        cost: how unlikely it is.
+    """
+
+    source: Category
+    target: Category
+    term: Term
+    value: Value
+    cost: float = 0.0
+
+    def __str__(self) -> str:
+        return f"{self.source} => {self.target}"
+
+
+@dataclass(frozen=True)
+class Grammar:
+    """What all words of a language share.
+
+    Attributes:
+        types: the type of each atomic category.
+        descriptions: each atomic category in words, for messages.
+        signature: the types of the names that meanings are made of.
+        unary: the changes of category.
+        roots: the speech act of each category that is a whole utterance.
+        topic: the category of what is only named, for "it" to stand for.
+        general: the category of any object of a kind, like "a knife".
+    """
+
+    types: Mapping[str, Type]
+    descriptions: Mapping[str, str]
+    signature: Signature
+    unary: tuple[Unary, ...]
+    roots: Mapping[Category, str]
+    topic: Category
+    general: Category
+
+    def entry(self, field: Field, extra: Signature | None = None) -> tuple[Category, Term, float]:
+        """Read and check one line `category : term @cost` of a word.
+
+        Args:
+            field: the line.
+            extra: constants that only this line has, with their types.
+        """
+        category, term, cost = read_entry(field)
+        self.verify(category, term, field, extra)
+        return category, term, cost
+
+    def verify(
+        self, category: Category, term: Term, field: Field, extra: Signature | None = None
+    ) -> None:
+        """Check that a term has the type of its category.
+
+        Raises:
+            DataError: it has not, or an atom of the category is not declared.
+        """
+        signature = {**self.signature, **extra} if extra else self.signature
+        expected = _type_of(category, self.types, field)
+        try:
+            check(term, expected, signature)
+        except TypeMismatchError as error:
+            raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
+
+    def types_of(self, gaps: Sequence[Gap], field: Field) -> Signature:
+        """The types of the gaps of a construction, which its term has as constants.
+
+        Raises:
+            DataError: the category of a gap is not declared.
+        """
+        return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
+
+    def described(self, category: Category) -> str:
+        """A category in words, for a person who does not know it; empty where nobody expects it."""
+        while isinstance(category, Functor):
+            category = category.result
+        said = self.descriptions.get(category.name)
+        return _shortened(category.name) if said is None else said
+
+
+def _shortened(words: str) -> str:
+    """The words of a construction, of many spellings the first."""
+    spellings = map(" ".join, spelt(steps_of(words.strip('"'))))
+    return f'"{next(filter(None, spellings))}"'
+
+
+def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
+    """Read the grammar of a language.
+
+    Args:
+        path: the YAML file.
+        degrees: the names of the degrees of confidence, constants of type `d`.
+
+    Raises:
+        DataError: the file is not as expected; says where.
+    """
+    entries = read_yaml(path).entries(
+        required=("categories", "predicates", "unary", "roots", "topic", "general"), optional=()
+    )
+    atoms = entries["categories"].entries()
+    parts = {
+        name: field.entries(required=("type",), optional=("means",))
+        for name, field in atoms.items()
+    }
+    types = {name: read_type(part["type"]) for name, part in parts.items()}
+    signature: dict[str, list[Type]] = {name: [Basic("d")] for name in degrees}
+    for name, field in entries["predicates"].entries().items():
+        signature[name] = [read_type(item) for item in field.items()]
+    grammar = Grammar(
+        types=MappingProxyType(types),
+        descriptions=MappingProxyType(
+            {name: part["means"].text() if "means" in part else "" for name, part in parts.items()}
+        ),
+        signature=MappingProxyType(signature),
+        unary=(),
+        roots=_roots(entries["roots"], types),
+        topic=Atom(entries["topic"].text(choices=tuple(types))),
+        general=Atom(entries["general"].text(choices=tuple(types))),
+    )
+    unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
+    _refuse_cycles(unary, entries["unary"])
+    return replace(grammar, unary=unary)
+
+
+def _roots(field: Field, types: Mapping[str, Type]) -> Mapping[Category, str]:
+    roots: dict[Category, str] = {}
+    for name, act in field.entries().items():
+        if types.get(name) != Basic("t"):
+            raise act.fail(f'expected a category of type t, found "{name}".')
+        roots[Atom(name)] = act.text(choices=SPEECH_ACTS)
+    return MappingProxyType(roots)
+
+
+def _unary(field: Field, grammar: Grammar) -> Unary:
+    source, target, term = read_unary(field)
+    expected = Arrow(_type_of(source, grammar.types, field), _type_of(target, grammar.types, field))
+    try:
+        check(term, expected, grammar.signature)
+    except TypeMismatchError as error:
+        raise field.fail(f"{term} does not turn {source} into {target}: {error}.") from error
+    return Unary(source, target, term, evaluate(term))
+
+
+def _refuse_cycles(unary: tuple[Unary, ...], field: Field) -> None:
+    order: TopologicalSorter[Category] = TopologicalSorter()
+    for rule in unary:
+        order.add(rule.target, rule.source)
+    try:
+        order.prepare()
+    except CycleError as error:
+        source, target, *_ = error.args[1]
+        raise field.fail(
+            f"expected changes that end, but {source} => {target} comes back to itself."
+        ) from error
+
+
+def _type_of(category: Category, types: Mapping[str, Type], field: Field) -> Type:
+    try:
+        return type_of(category, types)
+    except KeyError as error:
+        known = ", ".join(sorted(types))
+        raise field.fail(
+            f'the category "{error.args[0]}" is not declared; expected one of {known}.'
+        ) from error

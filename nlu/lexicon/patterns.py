@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Spellings written short: `when (you|we) [want to]` for four of them.
+
+A choice stands in round brackets, what may be left out in square ones, as in the paper's Table 3
+and the JSpeech Grammar Format. A pattern becomes a graph that is walked word by word (an automaton
+without silent moves, after Glushkov 1961): it is as long as the text, however many it stands for.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import TypeAlias
+
+from ...ontology.yaml_reader import Field
+from ..parsing.tokenizer import BREAK
+
+_ANY = "*"
+_NEVER_ANY = frozenset({BREAK, "not", "never", "no"})
+
+MAX_SPELLINGS = 4000
+MAX_DEPTH = 20
+
+Steps: TypeAlias = "tuple[tuple[str, Steps] | int, ...]"
+"""Where one may go from a place: a word and what may follow it, or the number of the end."""
+
+_TOO_MANY = f"stands for more than {MAX_SPELLINGS} spellings."
+_NOTHING_LEFT = "expected at least one word that cannot be left out."
+_PIECE = re.compile(r"[()\[\]|]|[^\s()\[\]|]+")
+# Of a pattern with gaps: a bracket without gaps and further brackets is one piece.
+_PART = re.compile(rf"\([^()\[\]{{}}]*\)|\[[^()\[\]{{}}]*\]|{_PIECE.pattern}")
+_BRACKET = re.compile(r"[()\[\]|]")
+_WORD = re.compile(r"[^\s()\[\]|]+")
+_CLOSING = {"(": ")", "[": "]"}
+_OPENING = {")": "(", "]": "["}
+
+
+class PatternError(ValueError):
+    """A pattern is not as it should be; the message is one sentence."""
+
+
+def words_of(text: str) -> list[str]:
+    """All words that a pattern has, in any spelling."""
+    return _WORD.findall(text)
+
+
+def steps_of(text: str, end: int = 0) -> Steps:
+    """The graph of a pattern.
+
+    Args:
+        text: the pattern.
+        end: what stands at the end of each of its spellings.
+
+    Raises:
+        PatternError: a bracket is missing.
+    """
+    # From right to left, so that what follows a word is known when the word is met.
+    here: Steps = (end,)
+    within: list[tuple[str, Steps, list[Steps]]] = [("", here, [])]
+    for piece in reversed(_PIECE.findall(text)):
+        if piece in _OPENING:
+            within.append((piece, here, []))
+        elif piece == "|":
+            within[-1][2].append(here)
+            here = within[-1][1]
+        elif piece in _CLOSING:
+            closing, after, choices = within.pop()
+            if closing != _CLOSING[piece]:
+                raise _missing(_CLOSING[piece], text)
+            here = _either([*choices, here]) + (after if piece == "[" else ())
+        else:
+            here = ((piece, here),)
+    closing, _, choices = within.pop()
+    if closing:
+        raise _missing(_OPENING[closing], text)
+    return _either([*choices, here])
+
+
+def _either(choices: Sequence[Steps]) -> Steps:
+    return tuple(chain.from_iterable(reversed(choices)))
+
+
+def spelt(steps: Steps) -> Iterator[tuple[str, ...]]:
+    """All spellings of a graph, in the order of the choices; some of them may be the same."""
+    for step in steps:
+        if isinstance(step, int):
+            yield ()
+        else:
+            for rest in spelt(step[1]):
+                yield step[0], *rest
+
+
+def matches(steps: Steps, words: Sequence[str], start: int) -> Iterator[tuple[int, int]]:
+    """Where a pattern that begins at a place may end: the number of the end, and its place.
+
+    `*` in a pattern is any one word, but none that denies.
+    """
+    for step in steps:
+        if isinstance(step, int):
+            yield step, start
+        elif start < len(words) and _fits(step[0], words[start]):
+            yield from matches(step[1], words, start + 1)
+
+
+def _fits(wanted: str, word: str) -> bool:
+    return wanted == word or (wanted == _ANY and word not in _NEVER_ANY)
+
+
+def may_be_left_out(text: str) -> bool:
+    """Whether nothing at all is one of the spellings of a pattern."""
+    return text[:1] in _CLOSING and 0 in steps_of(text)
+
+
+def spellings(field: Field) -> list[tuple[str, ...]]:
+    """All that a pattern stands for, each as its words, in the order of the choices.
+
+    Raises:
+        DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
+    """
+    found: dict[tuple[str, ...], None] = {}
+    for words in spelt(checked(field)):
+        found[words] = None
+        if len(found) > MAX_SPELLINGS:
+            raise field.fail(_TOO_MANY)
+    return list(found)
+
+
+def checked(field: Field) -> Steps:
+    """The graph of a pattern in a file.
+
+    Raises:
+        DataError: a bracket is missing, or all of it may be left out.
+    """
+    return steps_of(words_in(field))
+
+
+def words_in(field: Field) -> str:
+    """The text of a pattern without gaps.
+
+    Raises:
+        DataError: a bracket is missing, or all of it may be left out.
+    """
+    text = field.text()
+    # Most are some words and nothing else.
+    if _BRACKET.search(text):
+        try:
+            steps = steps_of(text)
+        except PatternError as error:
+            raise field.fail(str(error)) from error
+        if 0 in steps:
+            raise field.fail(_NOTHING_LEFT)
+    return text
+
+
+def is_gap(piece: str) -> bool:
+    """Whether a piece of a pattern is a gap, like `{x:NP}`."""
+    return piece.startswith("{")
+
+
+def variants(field: Field) -> list[tuple[str, ...]]:
+    """All that a pattern with gaps stands for, as gaps and the patterns of words between them.
+
+    Only choices that have a gap within are multiplied out: words stay together in one pattern.
+
+    Raises:
+        DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
+    """
+    text = field.text()
+    try:
+        choices = _choices(iter(_PART.findall(text)), text)
+    except PatternError as error:
+        raise field.fail(str(error)) from error
+    found = dict.fromkeys(chain.from_iterable(map(_joined, choices)))
+    if () in found:
+        raise field.fail(_NOTHING_LEFT)
+    return list(found)
+
+
+def _choices(pieces: Iterator[str], text: str, within: str = "") -> list[tuple[str, ...]]:
+    """The choices up to the end of a bracket: gaps, words, and brackets without gaps, in order."""
+    if len(within) > MAX_DEPTH:
+        raise PatternError(f"expected at most {MAX_DEPTH} brackets within each other.")
+    found: list[tuple[str, ...]] = []
+    current: list[tuple[str, ...]] = [()]
+    for piece in pieces:
+        if piece in _OPENING:
+            if _OPENING[piece] != within[-1:]:
+                raise _missing(_OPENING[piece], text)
+            return found + current
+        if piece == "|":
+            found += current
+            current = [()]
+            continue
+        is_bracket = piece in _CLOSING
+        inner = _inner(pieces, text, within + piece) if is_bracket else [(piece,)]
+        current = [(*before, *after) for before in current for after in inner]
+        if len(found) + len(current) > MAX_SPELLINGS:
+            raise PatternError(_TOO_MANY)
+    if within:
+        raise _missing(_CLOSING[within[-1]], text)
+    return found + current
+
+
+def _inner(pieces: Iterator[str], text: str, within: str) -> list[tuple[str, ...]]:
+    """The choices of a bracket; the bracket as it is where there is no gap in it."""
+    inner, opening = _choices(pieces, text, within), within[-1]
+    if any(map(is_gap, chain.from_iterable(inner))):
+        return inner if opening == "(" else [*inner, ()]
+    return [(f"{opening}{'|'.join(map(' '.join, inner))}{_CLOSING[opening]}",)]
+
+
+def _joined(pieces: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """The pieces with neighbouring words as one; without words that may all be left out, too."""
+    place = next((n for n, piece in enumerate(pieces) if not is_gap(piece)), len(pieces))
+    end = next((n for n in range(place, len(pieces)) if is_gap(pieces[n])), len(pieces))
+    if place == end:
+        yield tuple(pieces)
+        return
+    words = " ".join(pieces[place:end])
+    is_optional = all(piece[0] in _CLOSING for piece in pieces[place:end])
+    for rest in _joined(pieces[end:]):
+        yield *pieces[:place], words, *rest
+        if is_optional and may_be_left_out(words):
+            yield *pieces[:place], *rest
+
+
+def _missing(bracket: str, text: str) -> PatternError:
+    return PatternError(f'expected "{bracket}" once more in "{text}".')

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words of the domain that the language part is given: names of objects, parts, uses, people.
+
+They are names only: which object has which part, or is used for what, is nothing that the language
+part knows. By default they come from the household domain of the ontology.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..semantics.meaning import NewWord
+
+if TYPE_CHECKING:
+    from ...ontology.objects import ObjectType
+
+ROLES = ("object", "part", "affordance", "context", "property", "person")
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """Names by role, all in their dictionary form: singular, bare verb, gerund for affordances.
+
+    Attributes:
+        objects: kinds of objects ("knife", "wine glass").
+        parts: kinds of parts ("handle").
+        affordances: gerunds of uses ("cutting").
+        contexts: bare verbs of acts on an object ("throw").
+        properties: what can be seen of an object ("sharp").
+        people: names of speakers, lower case.
+    """
+
+    objects: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
+    affordances: tuple[str, ...] = ()
+    contexts: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
+    people: tuple[str, ...] = ()
+
+    def names(self, role: str) -> tuple[str, ...]:
+        """The names that have a role, one of `ROLES`."""
+        return {
+            "object": self.objects,
+            "part": self.parts,
+            "affordance": self.affordances,
+            "context": self.contexts,
+            "property": self.properties,
+            "person": self.people,
+        }[role]
+
+
+def household_vocabulary(objects: Mapping[str, ObjectType] | None = None) -> Vocabulary:
+    """The names of objects, of their parts and of their properties.
+
+    Args:
+        objects: by name; those of the household domain when None.
+    """
+    from ...ontology.objects import load_objects  # here: who brings a vocabulary need not read it
+
+    objects = load_objects() if objects is None else objects
+    parts = {name: part for each in objects.values() for name, part in each.parts.items()}
+    properties = {name for each in objects.values() for name in each.properties}
+    properties |= {name for part in parts.values() for name in part.properties}
+    return Vocabulary(
+        objects=tuple(objects),
+        parts=tuple(parts),
+        properties=tuple(sorted(properties)),
+        people=("sam",),
+    )
+
+
+def vocabulary_of(words: tuple[NewWord, ...]) -> Vocabulary:
+    """Learned words as a vocabulary."""
+
+    def named(role: str) -> tuple[str, ...]:
+        return tuple(word.word for word in words if word.role == role)
+
+    return Vocabulary(named("object"), named("part"), named("affordance"), named("context"))

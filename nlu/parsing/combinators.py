@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How two neighbouring categories combine: application, and harmonic composition in normal form.
+
+Of the many derivations that composition gives one and the same meaning, only one is built
+(Eisner 1996): what came out of a forward composition is not used as the functor of a forward rule
+again, and the same backward. Categories are numbered, with the rule they came from where that
+matters, and what two numbers give is worked out once: a chart only looks it up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from enum import Enum
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+from ..grammar.categories import Atom, Category, Functor
+from ..grammar.grammar import Unary
+
+
+class Combination(Enum):
+    """A rule for two neighbours, with the sign that derivations show."""
+
+    FORWARD = ">"
+    """`X/Y Y` gives `X`."""
+    BACKWARD = "<"
+    """`Y X\\Y` gives `X`."""
+    FORWARD_COMPOSITION = ">B"
+    """`X/^Y Y/^Z` gives `X/^Z`."""
+    BACKWARD_COMPOSITION = "<B"
+    """`Y\\^Z X\\^Y` gives `X\\^Z`."""
+    GATHERED = "+"
+    """A frame that takes its parts in any order."""
+
+
+Sign: TypeAlias = int
+
+
+class _Way(NamedTuple):
+    """Where a functor seeks what, and what it gives; `forward` is None for no functor."""
+
+    forward: bool | None
+    sought: Sign
+    given: Sign
+    composes: bool
+
+
+class Turn(NamedTuple):
+    """What a category has to do with the words of constructions.
+
+    Attributes:
+        is_words: it stands for certain words, and nothing else.
+        needs: the signs of the words that it takes as arguments.
+        changes: the same of each category that it may change to.
+    """
+
+    is_words: bool
+    needs: frozenset[Sign]
+    changes: tuple[frozenset[Sign], ...]
+
+
+_NOWHERE = _Way(None, -1, -1, False)
+Joined: TypeAlias = "tuple[Sign, Sign, Sign, Combination]"
+
+MAX_REMEMBERED = 20_000
+"""A conversation needs a few thousand; of random words more would only take memory."""
+
+
+class Combinator:
+    """The table of what combines to what; it grows with use, up to `MAX_REMEMBERED` entries."""
+
+    def __init__(self, unary: Iterable[Unary]) -> None:
+        self._changes: dict[Category, list[Unary]] = {}
+        self._numbers: dict[tuple[Category, Combination | None], Sign] = {}
+        self._categories: list[Category] = []
+        self._origins: list[Combination | None] = []
+        # For each sign the plain sign of its category, and of what it seeks and gives, if anything.
+        self._plain: list[Sign] = []
+        self._ways: list[_Way] = []
+        self._pairs: dict[tuple[Sign, Sign], tuple[tuple[Sign, Combination], ...]] = {}
+        self._cells: dict[tuple[tuple[Sign, ...], tuple[Sign, ...]], tuple[Joined, ...]] = {}
+        self._unary: dict[Sign, tuple[tuple[Sign, Unary], ...]] = {}
+        self._turns: dict[Sign, Turn] = {}
+        for change in unary:
+            self.add(change)
+
+    def add(self, change: Unary) -> None:
+        """Know one more change of category."""
+        known = self._changes.setdefault(change.source, [])
+        if change not in known:
+            known.append(change)
+            self._unary.clear()
+            self._turns.clear()
+            self.__dict__.pop("wanted_by_changes", None)
+
+    def sign(self, category: Category, origin: Combination | None = None) -> Sign:
+        """The number of a category that came out of a rule.
+
+        Args:
+            category: the category.
+            origin: the composition that gave it, None for everything else.
+        """
+        number = self._numbers.get((category, origin))
+        if number is None:
+            number = self._numbers[category, origin] = len(self._categories)
+            self._categories.append(category)
+            self._origins.append(origin)
+            self._plain.append(number)
+            self._ways.append(_NOWHERE)
+            self._plain[number] = number if origin is None else self.sign(category)
+            if isinstance(category, Functor):
+                sought, given = self.sign(category.argument), self.sign(category.result)
+                self._ways[number] = _Way(category.forward, sought, given, category.composes)
+        return number
+
+    def category(self, sign: Sign) -> Category:
+        """The category that a number stands for."""
+        return self._categories[sign]
+
+    def turn(self, sign: Sign) -> Turn:
+        """What a category has to do with the words of constructions."""
+        found = self._turns.get(sign)
+        if found is None:
+            category = self._categories[sign]
+            is_words = isinstance(category, Atom) and category.is_words
+            changes = (self._needs(change.target) for change in self._changes.get(category, ()))
+            found = Turn(is_words, self._needs(category), tuple(changes))
+            self._turns[sign] = found
+        return found
+
+    @cached_property
+    def wanted_by_changes(self) -> frozenset[Sign]:
+        """The words that a category seeks which something else changed to."""
+        return frozenset(
+            need
+            for source, changes in self._changes.items()
+            if not (isinstance(source, Atom) and source.is_words)
+            for change in changes
+            for need in self._needs(change.target)
+        )
+
+    def _needs(self, category: Category) -> frozenset[Sign]:
+        return frozenset(self.sign(each) for each in _words_sought(category))
+
+    def changes(self, sign: Sign) -> tuple[tuple[Sign, Unary], ...]:
+        """What a category may become without a neighbour."""
+        found = self._unary.get(sign)
+        if found is None:
+            category = self._categories[sign]
+            found = tuple(
+                (self.sign(rule.target), rule) for rule in self._changes.get(category, ())
+            )
+            self._unary[sign] = found
+        return found
+
+    def join(self, left: tuple[Sign, ...], right: tuple[Sign, ...]) -> tuple[Joined, ...]:
+        """All that two neighbouring cells give: (result, left, right, rule)."""
+        key = (left, right)
+        found = self._cells.get(key)
+        if found is None:
+            if len(self._cells) >= MAX_REMEMBERED:
+                self._cells.clear()
+            found = tuple(self._joined(left, right))
+            self._cells[key] = found
+        return found
+
+    def _joined(self, left: tuple[Sign, ...], right: tuple[Sign, ...]) -> Iterator[Joined]:
+        # Only functors combine, and most neighbours are not what they seek: look at the few others.
+        lefts, rights = self._by_plain(left), self._by_plain(right)
+        ways = self._ways
+        pairs = [
+            (one, other)
+            for one in left
+            if ways[one].forward
+            for other in rights.get(ways[one].sought, ())
+        ]
+        pairs += [
+            (one, other)
+            for other in right
+            if ways[other].forward is False
+            for one in lefts.get(ways[other].sought, ())
+        ]
+        for one, other in dict.fromkeys(pairs):
+            for result, rule in self.combine(one, other):
+                yield result, one, other, rule
+
+    def _by_plain(self, signs: tuple[Sign, ...]) -> dict[Sign, list[Sign]]:
+        """The signs by what they are, and where they compose by what they give."""
+        found: dict[Sign, list[Sign]] = {}
+        for sign in signs:
+            found.setdefault(self._plain[sign], []).append(sign)
+            if self._ways[sign].composes:
+                found.setdefault(self._ways[sign].given, []).append(sign)
+        return found
+
+    def combine(self, left: Sign, right: Sign) -> tuple[tuple[Sign, Combination], ...]:
+        """All that two neighbouring categories give."""
+        key = (left, right)
+        found = self._pairs.get(key)
+        if found is None:
+            if len(self._pairs) >= MAX_REMEMBERED:
+                self._pairs.clear()
+            found = tuple(self._combinations(left, right))
+            self._pairs[key] = found
+        return found
+
+    def _combinations(self, left: Sign, right: Sign) -> Iterator[tuple[Sign, Combination]]:
+        one, other = self._categories[left], self._categories[right]
+        forward, backward = Combination.FORWARD_COMPOSITION, Combination.BACKWARD_COMPOSITION
+        if isinstance(one, Functor) and one.forward and self._origins[left] is not forward:
+            if one.argument == other:
+                yield self.sign(one.result), Combination.FORWARD
+            elif _composes(one, other):
+                yield self.sign(_composed(one, other), forward), forward
+        if isinstance(other, Functor) and not other.forward:
+            if self._origins[right] is backward:
+                return
+            if other.argument == one:
+                yield self.sign(other.result), Combination.BACKWARD
+            elif _composes(other, one):
+                yield self.sign(_composed(other, one), backward), backward
+
+
+def _words_sought(category: Category) -> Iterator[Category]:
+    while isinstance(category, Functor):
+        if isinstance(category.argument, Atom) and category.argument.is_words:
+            yield category.argument
+        category = category.result
+
+
+def _composes(outer: Functor, inner: Category) -> bool:
+    # Harmonic only: both look the same way, and both slashes allow it.
+    return (
+        isinstance(inner, Functor)
+        and inner.forward == outer.forward
+        and outer.composes
+        and inner.composes
+        and inner.result == outer.argument
+    )
+
+
+def _composed(outer: Functor, inner: Category) -> Category:
+    if not isinstance(inner, Functor):
+        raise TypeError("Only functors compose.")
+    return Functor(outer.result, inner.argument, forward=outer.forward, composes=True)

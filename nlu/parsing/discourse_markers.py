@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is said by the way: words that add nothing, tags, and words of confidence out of place.
+
+"Knives are, you know, really for cutting, aren't they?" is "knives are for cutting?". Only phrases
+that the language data lists as asides are ever set aside, and only when the utterance is no whole
+with them; so a word that nobody has declared to be empty is never lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from ...ontology.yaml_reader import Field
+from ..lexicon.patterns import Steps, checked, matches, spellings
+from .tokenizer import BREAK, Token, Tokens
+
+Phrase = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Asides:
+    """The phrases that may be set aside.
+
+    Attributes:
+        anywhere: they add nothing wherever they stand.
+        apart: they add nothing when a pause, or the end, is on both sides of them.
+        asking: at the end, with a question mark, they make a question of what goes before.
+        telling: at the end, with a question mark, they ask for nothing.
+        ending: with a pause after them they are a sentence of their own: "forget that, ...".
+        wishing: a beginning and the tag with which it asks for what stands between: "you could not
+            ..., could you?", with the end of a sentence between the two.
+        clauses: patterns of reasons that add nothing before a pause or the end.
+        reasons: patterns of reasons for what is asked for, up to a word like "so".
+        doubts: words with which a reason is no longer the speaker's own, like "said".
+        stand_ins: words like "it", which may stand for what a reason names.
+    """
+
+    anywhere: frozenset[Phrase] = frozenset()
+    apart: frozenset[Phrase] = frozenset()
+    asking: frozenset[Phrase] = frozenset()
+    telling: frozenset[Phrase] = frozenset()
+    ending: frozenset[Phrase] = frozenset()
+    wishing: frozenset[Phrase] = frozenset()
+    clauses: tuple[Steps, ...] = ()
+    reasons: tuple[Steps, ...] = ()
+    doubts: frozenset[Phrase] = frozenset()
+    stand_ins: frozenset[Phrase] = frozenset()
+
+    def reading(self, kind: str, field: Field) -> Asides:
+        """These asides, and further ones of a kind.
+
+        Raises:
+            DataError: there is no such kind, or a pattern is not as expected.
+        """
+        if kind in {"clauses", "reasons"}:
+            return replace(self, **{kind: (*getattr(self, kind), *map(checked, field.items()))})
+        if kind not in _PHRASES:
+            expected = sorted({*_PHRASES, "clauses", "reasons"})
+            raise field.fail(f'expected one of {expected}, found "{kind}".')
+        phrases = {words for each in field.items() for words in spellings(each)}
+        return replace(self, **{kind: getattr(self, kind) | phrases})
+
+    def parted(self, tokens: Tokens) -> Tokens:
+        """The utterance with a mark after what is a sentence of its own where a pause follows."""
+        words = tokens.words
+        ends = {p for p in tokens.pauses if any(words[:p][-len(e) :] == e for e in self.ending)}
+        items: list[Token] = []
+        pauses: list[int] = []
+        for place, token in enumerate(tokens.items):
+            if place in ends:
+                items.append(Token(BREAK, token.start, token.start))
+            elif place in tokens.pauses:
+                pauses.append(len(items))
+            items.append(token)
+        return replace(tokens, items=tuple(items), pauses=tuple(pauses)) if ends else tokens
+
+    def untagged(self, tokens: Tokens) -> Tokens:
+        """The utterance without the tag at its end: "..., isn't it?", "..., okay?"."""
+        place = self._tag(tokens, self.asking | self.telling)
+        if place is None:
+            return tokens
+        return replace(tokens.part(0, place), asks=tokens.words[place:] in self.asking)
+
+    def after_reason(self, tokens: Tokens) -> Tokens | None:
+        """What a reason at the beginning leads to: "..., so pass me the mug"; None without one."""
+        words = tokens.words
+        for end in sorted({end for steps in self.reasons for _, end in matches(steps, words, 0)}):
+            reason, rest = words[:end], words[end:]
+            if rest and not _any_of(self.doubts, reason) and not _any_of(self.stand_ins, rest):
+                return tokens.part(end, len(words))
+        return None
+
+    def requested(self, tokens: Tokens) -> Tokens | None:
+        """The utterance without a tag that may only urge: "..., will you?"; None without one."""
+        place = self._tag(tokens, self.telling)
+        if place is None:
+            return None
+        tag = (BREAK, *tokens.words[place:])
+        starts = (n for n in range(_LONGEST) if (*tokens.words[:n], *tag) in self.wishing)
+        return replace(tokens.part(next(starts, 0), place), asks=False)
+
+    def _tag(self, tokens: Tokens, tags: Collection[Phrase]) -> int | None:
+        """Where one of some tags begins, None where there is none."""
+        places = sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}) if tokens.asks else ()
+        return next((place for place in places if tokens.words[place:] in tags), None)
+
+    def removed(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
+        """The utterance without all that adds nothing.
+
+        Args:
+            tokens: the utterance.
+            kept_whole: phrases in which nothing is an aside, as "ever" in "hardly ever".
+        """
+        tokens = _begun_once(tokens)
+        words = tokens.words
+        edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
+        edges |= {place for place, word in enumerate(words) if word == BREAK}
+        kept: list[tuple[int, Token]] = []
+        place = 0
+        while place < len(words):
+            whole = _longest(words, place, kept_whole)
+            end = place if whole else self._end(words, place, edges)
+            if end == place:
+                end += whole or 1
+                kept += enumerate(tokens.items[place:end], start=place)
+            place = end
+        return _only(tokens, kept)
+
+    def _end(self, words: Phrase, start: int, edges: Collection[int]) -> int:
+        """One past the longest aside from a place on; the place itself where there is none."""
+        ends = [end for end in self._clause_ends(words, start) if end in edges]
+        for end in range(min(len(words), start + _LONGEST), start, -1):
+            phrase = words[start:end]
+            apart = start in edges and end in edges
+            if phrase in self.anywhere or (apart and phrase in self.apart):
+                ends.append(end)
+        return max(ends, default=start)
+
+    def _clause_ends(self, words: Phrase, start: int) -> Iterator[int]:
+        if words[start] in self._beginnings:
+            for steps in self.clauses:
+                yield from (end for _, end in matches(steps, words, start))
+
+    @cached_property
+    def _beginnings(self) -> frozenset[str]:
+        """The first words of all clauses."""
+        return frozenset(
+            step[0] for steps in self.clauses for step in steps if not isinstance(step, int)
+        )
+
+
+_PHRASES = frozenset(
+    {"anywhere", "apart", "asking", "telling", "ending", "wishing", "doubts", "stand_ins"}
+)
+
+_LONGEST = 8
+"""No aside but a clause is longer [words]."""
+
+
+def _begun_once(tokens: Tokens) -> Tokens:
+    """The utterance without what was begun twice: "you can, you can pound with it"."""
+    words = tokens.words
+    again = {
+        place
+        for pause in tokens.pauses
+        for length in range(1, min(pause, _LONGEST) + 1)
+        if words[pause - length : pause] == words[pause : pause + length]
+        for place in range(pause - length, pause)
+    }
+    return _only(tokens, [each for each in enumerate(tokens.items) if each[0] not in again])
+
+
+def _any_of(phrases: Collection[Phrase], words: Phrase) -> bool:
+    return any((word,) in phrases for word in words)
+
+
+def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
+    """The length of the longest of some phrases from a place on, 0 where there is none."""
+    longest = min(_LONGEST, len(words) - start)
+    return next((n for n in range(longest, 0, -1) if words[start : start + n] in phrases), 0)
+
+
+def fronted(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
+    """The utterance with its one phrase of a kind at its beginning; None when it is there already.
+
+    English lets an adverb stand almost anywhere: "a shoe you can sometimes pound with".
+    """
+    words = tokens.words
+    found = [
+        (start, start + length)
+        for length in sorted({len(phrase) for phrase in phrases}, reverse=True)
+        for start in range(len(words) - length + 1)
+        if words[start : start + length] in phrases
+    ]
+    if not found or found[0][0] == 0:
+        return None
+    start, end = found[0]
+    if any(later[0] >= end or later[1] <= start for later in found[1:]):
+        return None
+    items = tokens.items
+    pauses = (p + end - start if p <= start else p for p in tokens.pauses if not start < p <= end)
+    return Tokens(
+        tokens.text,
+        (*items[start:end], *items[:start], *items[end:]),
+        tokens.asks,
+        tuple(sorted({*pauses})),
+    )
+
+
+def _only(tokens: Tokens, kept: list[tuple[int, Token]]) -> Tokens:
+    pauses = {
+        next((new for new, (old, _) in enumerate(kept) if old >= pause), len(kept))
+        for pause in tokens.pauses
+    }
+    items = tuple(token for _, token in kept)
+    return Tokens(tokens.text, items, tokens.asks, tuple(sorted(pauses - {len(kept)})))
+
+
+def _after_breaks(tokens: Tokens) -> Iterator[int]:
+    return (place + 1 for place, token in enumerate(tokens.items) if token.word == BREAK)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a speaker wants by saying something: pragmatic rules over speech acts.
+
+`STATEMENT(A,B,X) => wantBelieve(A,B,X)`: when a person tells an agent something, it wants the agent
+to believe it. The rules are data (`pragmatics.yaml`), each with an interval of confidence, as in
+Scheutz et al. (2013) and Williams et al. (2015). Paper, section 3.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ...ontology.yaml_reader import Field, read_yaml
+from ..grammar.notation import read_rule
+from .evidence import EVIDENCE, Evidence
+from .meaning import Confidence
+from .predicates import Form, fill, match
+
+CERTAIN: Confidence = (1.0, 1.0)
+
+PRAGMATICS_FILE = Path(__file__).parents[2] / "ontology" / "pragmatics.yaml"
+
+
+@dataclass(frozen=True)
+class PragmaticRule:
+    """One rule from a speech act to an intention.
+
+    Attributes:
+        act: the pattern of the speech act.
+        intention: what the speaker wants, with the same variables.
+        interval: how sure the rule is, (lower, upper) in [0, 1].
+    """
+
+    act: Form
+    intention: Form
+    interval: Confidence
+
+    def __str__(self) -> str:
+        return f"{self.act} => {self.intention}"
+
+
+@dataclass(frozen=True)
+class Pragmatics:
+    """The pragmatic rules, and how sure an intention must be.
+
+    Attributes:
+        rules: in the order of the file.
+        threshold: the least certainty of an intention, in [0, 1].
+        evidence: how conclusions are drawn.
+    """
+
+    rules: tuple[PragmaticRule, ...]
+    threshold: float
+    evidence: Evidence = EVIDENCE
+
+    def intentions(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
+        """All that a speech act may be meant to bring about, the surest first.
+
+        Args:
+            act: the speech act.
+            heard: how sure it is that this was said, (lower, upper) in [0, 1].
+        """
+        found: dict[Form, list[Confidence]] = {}
+        for rule in self._by_act.get(act.name, ()):
+            variables = match(rule.act, act)
+            if variables is not None:
+                concluded = self.evidence.ponens(heard, rule.interval)
+                found.setdefault(fill(rule.intention, variables), []).append(concluded)
+        judged = [self._judged(form, intervals) for form, intervals in found.items()]
+        return sorted(judged, key=lambda each: -each.certainty)
+
+    def meant(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
+        """The intentions that are sure enough; with none or several of them, Hilt must ask."""
+        return [each for each in self.intentions(act, heard) if self.is_enough(each.interval)]
+
+    def is_enough(self, interval: Confidence) -> bool:
+        """Whether an intention is sure enough to go by."""
+        return self.evidence.certainty(interval) > self.threshold
+
+    @cached_property
+    def _by_act(self) -> Mapping[str, Sequence[PragmaticRule]]:
+        found: dict[str, list[PragmaticRule]] = {}
+        for rule in self.rules:
+            found.setdefault(rule.act.name, []).append(rule)
+        return found
+
+    def _judged(self, form: Form, intervals: Sequence[Confidence]) -> Intention:
+        interval = self.evidence.fused(intervals)
+        return Intention(form, interval, self.evidence.certainty(interval))
+
+
+@dataclass(frozen=True)
+class Intention:
+    """What a speaker may want.
+
+    Attributes:
+        form: the intention, as `want(sam,pass(self,knife))`.
+        interval: how sure it is, (lower, upper) in [0, 1].
+        certainty: the same in one number, in [0, 1]; 0 when it rather is not meant.
+    """
+
+    form: Form
+    interval: Confidence
+    certainty: float
+
+
+def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
+    """Read the pragmatic rules.
+
+    Raises:
+        DataError: the file is not as expected; says where.
+    """
+    entries = read_yaml(path).entries(required=("rules", "threshold"), optional=())
+    rules = tuple(_rule(field) for field in entries["rules"].items())
+    return Pragmatics(rules, entries["threshold"].number(low=0, high=1))
+
+
+def _rule(field: Field) -> PragmaticRule:
+    parts = field.entries(required=("rule", "interval"), optional=())
+    act, intention = read_rule(parts["rule"])
+    lower, upper = parts["interval"].numbers(count=2, low=0, high=1)
+    if lower > upper:
+        raise parts["interval"].fail(f"expected lower <= upper, found [{lower:g}, {upper:g}].")
+    unbound = {part.name for part in intention if part.is_variable}
+    unbound -= {part.name for part in act if part.is_variable}
+    if unbound:
+        raise parts["rule"].fail(f"{', '.join(sorted(unbound))} stands only on the right.")
+    return PragmaticRule(act, intention, (lower, upper))

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Degrees of confidence: what "often" and "sometimes" are worth as intervals.
+
+The words themselves belong to a language; the degrees they express, named as in the paper's
+predicate forms (`high`, `mediumLow`, ...), belong to the domain. Paper, sections 3.2 and 4.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from .yaml_reader import Field, read_yaml
+
+QUALIFIERS_FILE = Path(__file__).parent / "qualifiers.yaml"
+
+
+@dataclass(frozen=True)
+class Degrees:
+    """The degrees there are.
+
+    Attributes:
+        default: the degree of a rule that is told without a qualifier.
+        intervals: (lower, upper) in [0, 1] for each degree.
+    """
+
+    default: str
+    intervals: Mapping[str, tuple[float, float]]
+
+    def nearest(self, interval: tuple[float, float]) -> str:
+        """The degree whose interval lies closest to this one."""
+        lower, upper = interval
+
+        def distance(degree: str) -> float:
+            low, high = self.intervals[degree]
+            return abs(low - lower) + abs(high - upper)
+
+        return min(self.intervals, key=distance)
+
+
+def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:
+    """Read the degrees from YAML.
+
+    Raises:
+        DataError: the file is not as expected; says where.
+    """
+    entries = read_yaml(path).entries(required=("default", "degrees"), optional=())
+    intervals = {
+        name: _interval(field.entries(required=("interval",), optional=())["interval"])
+        for name, field in entries["degrees"].entries().items()
+    }
+    return Degrees(entries["default"].text(choices=intervals), MappingProxyType(intervals))
+
+
+def _interval(field: Field) -> tuple[float, float]:
+    lower, upper = field.numbers(count=2, low=0, high=1)
+    if lower > upper:
+        raise field.fail(f"expected lower <= upper, found [{lower:g}, {upper:g}].")
+    return lower, upper

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How near an arm comes to things: spheres on its links against seen points and the table.
+
+The robot knows of its surroundings only what its cameras saw, so a path is checked against points,
+not against the simulator's bodies. Spheres are cheap and a little too large, which is the safe
+side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import poses
+from ..poses import Array
+from .kinematics import Chain
+from .models import Gripper
+
+FINGER_BALLS = 4  # along each finger
+FAR = 0.04  # [m], a gap that no way needs
+AT_ONCE = 200_000  # pairs of a sphere and a point, so that their distances stay in the cache
+BALL_SHARE = 0.45  # radius of a finger's ball, as a share of the finger's width
+
+
+@dataclass(frozen=True)
+class Spheres:
+    """Spheres fixed to the links of an arm.
+
+    Attributes:
+        link: (s,), index of the link in the chain.
+        centre: (s, 3) in the frame of that link [m].
+        radius: (s,) [m].
+    """
+
+    link: np.ndarray
+    centre: Array
+    radius: Array
+
+    def joined(self, other: Spheres) -> Spheres:
+        """These and the other ones."""
+        return Spheres(
+            np.concatenate([self.link, other.link]),
+            np.concatenate([self.centre, other.centre]),
+            np.concatenate([self.radius, other.radius]),
+        )
+
+    def placed(self, base_from_link: Array) -> Array:
+        """The centres (n, s, 3) when the links are at `base_from_link` (n, links, 4, 4)."""
+        at = base_from_link[:, self.link]
+        return np.einsum("nsij,sj->nsi", at[..., :3, :3], self.centre) + at[..., :3, 3]
+
+
+def arm_spheres(chain: Chain, spheres: Mapping[str, Array]) -> Spheres:
+    """The spheres of `robots.yaml` on their links."""
+    link = [chain.links.index(name) for name, each in spheres.items() for _ in each]
+    stacked = np.concatenate([np.zeros((0, 4)), *spheres.values()])
+    return Spheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3])
+
+
+def finger_spheres(chain: Chain, gripper: Gripper, opening: float) -> Spheres:
+    """The fingers of a hand that is open by `opening` [m]."""
+    radius = BALL_SHARE * gripper.finger_width
+    heights = np.linspace(gripper.palm, gripper.tip - radius, FINGER_BALLS) + gripper.grip
+    aside = opening / 2 + gripper.finger_thickness / 2
+    centre = [(0.0, side * aside, z) for side in (-1, 1) for z in heights]
+    return on_hand(chain, np.array(centre), radius)
+
+
+def on_hand(chain: Chain, points: Array, radius: float) -> Spheres:
+    """Equal spheres at points (n, 3) of the hand's frame: something that the hand holds."""
+    link = np.full(len(points), len(chain.links) - 1)
+    return Spheres(link, points, np.full(len(points), radius))
+
+
+def clearance(
+    chain: Chain,
+    spheres: Spheres,
+    joints: Array,
+    *,
+    world_from_base: Array,
+    seen: Array,
+    table: float,
+) -> float:
+    """The smallest gap [m] between the spheres and what they may hit, over all postures.
+
+    Gaps to points that are larger than `FAR` are told as that.
+
+    Args:
+        chain: the arm.
+        spheres: what it fills.
+        joints: postures (n, k) [rad].
+        world_from_base: (4, 4).
+        seen: points (p, 3) in the world [m].
+        table: height of the table in the world [m].
+    """
+    centres = poses.transform(world_from_base, spheres.placed(chain.frames(joints)).reshape(-1, 3))
+    radius = np.tile(spheres.radius, len(joints))
+    gap = float(np.min(centres[:, 2] - radius)) - table
+    return min(gap, _gap_to_points(centres, radius, seen)) if len(seen) else gap
+
+
+def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
+    """The smallest gap between spheres (n, 3), (n,) and points (p, 3), at most `FAR` [m].
+
+    Few points and few spheres near them: to compare them all takes less than a tree of them.
+    """
+    reach = radius[:, None] + FAR
+    low, high = points.min(axis=0), points.max(axis=0)
+    near = np.flatnonzero(((centres > low - reach) & (centres < high + reach)).all(axis=1))
+    gap, count = FAR, max(1, AT_ONCE // len(points))
+    for first in range(0, len(near), count):
+        some = near[first : first + count]
+        squares = np.zeros((len(some), len(points)))
+        for axis in range(3):
+            squares += np.subtract.outer(centres[some, axis], points[:, axis]) ** 2
+        gap = min(gap, float((np.sqrt(squares.min(axis=1)) - radius[some]).min()))
+    return gap
+
+
+def self_clearance(chain: Chain, held: Spheres, arm: Spheres, joints: Array) -> float:
+    """The smallest gap [m] between what the hand holds and the arm behind it.
+
+    Args:
+        chain: the arm.
+        held: spheres on the hand.
+        arm: spheres on all links; those that move with the hand do not count.
+        joints: postures (n, k) [rad].
+    """
+    last = max(i for i, joint in enumerate(chain.joints) if joint.kind != "fixed")
+    behind = arm.link < last
+    frames = chain.frames(joints)
+    at = held.placed(frames)[:, :, None] - arm.placed(frames)[:, None, behind]
+    gaps = np.linalg.norm(at, axis=-1) - held.radius[:, None] - arm.radius[behind]
+    return float(gaps.min(initial=np.inf))

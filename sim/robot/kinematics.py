@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Kinematics of an arm: where its tip is for given joints, and which joints put it there.
+
+A `Chain` is read from the URDF file of a robot. `forward` multiplies the joints' poses; `solve`
+is damped least squares (Wampler 1986) from several starts, all of them and all targets at once:
+a step is dq = J^T (J J^T + d^2 I)^-1 e, with the pose error e = (position, rotation vector) and a
+damping d that grows with the error, so that steps stay short near singular postures. Afterwards
+every answer is checked against its target and the limits of the joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ...ontology.errors import DataError
+from .. import poses
+from ..poses import Array
+
+POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to 30 steps
+ROTATION_TOLERANCE = 2e-3  # [rad]
+MAX_STEPS = 50  # from a start far away; what needs more is mostly out of reach
+TRACK_STEPS = 15  # from the pose before
+LARGEST_STEP = 0.4  # [rad] a joint may turn in one step, else the linearisation means little
+LARGEST_JUMP = 0.5  # [rad] between two poses of a path; more means another branch of the arm
+DAMPING = 0.03  # of a far target; near the target it goes down to a tenth
+REACH_SCALE = 0.3  # [m], an error of this size is far
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint of a chain.
+
+    Attributes:
+        name: as the URDF has it.
+        kind: "revolute", "prismatic" or "fixed".
+        parent_from_joint: (4, 4), where the joint sits on the link before it.
+        axis: (3,), unit, in the joint's frame.
+        low: lower limit [rad] or [m].
+        high: upper limit [rad] or [m].
+        speed: the fastest it can go [rad/s] or [m/s].
+    """
+
+    name: str
+    kind: str
+    parent_from_joint: Array
+    axis: Array
+    low: float
+    high: float
+    speed: float
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What inverse kinematics found for m targets.
+
+    Attributes:
+        joints: (m, k) [rad], the best answer for each target, within the limits; for paths
+            (m, t, k).
+        found: (m,) bool, whether that answer reaches the target within the tolerances.
+    """
+
+    joints: Array
+    found: np.ndarray
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The joints from the base of a robot to its tip.
+
+    Attributes:
+        joints: all of them in order, the fixed ones too.
+        links: the link behind each joint.
+    """
+
+    joints: tuple[Joint, ...]
+    links: tuple[str, ...]
+
+    @cached_property
+    def moving(self) -> tuple[Joint, ...]:
+        """The joints that move; k of them."""
+        return tuple(joint for joint in self.joints if joint.kind != "fixed")
+
+    @cached_property
+    def low(self) -> Array:
+        """Lower limits (k,) [rad]."""
+        return np.array([joint.low for joint in self.moving])
+
+    @cached_property
+    def high(self) -> Array:
+        """Upper limits (k,) [rad]."""
+        return np.array([joint.high for joint in self.moving])
+
+    @cached_property
+    def speed(self) -> Array:
+        """Speed limits (k,) [rad/s]."""
+        return np.array([joint.speed for joint in self.moving])
+
+    @cached_property
+    def _terms(self) -> tuple[Array, Array, Array, Array]:
+        """What `frames` multiplies: (links, 4, 4) each, for 1, the sine, 1 - cosine, the value."""
+        constant = np.stack([joint.parent_from_joint for joint in self.joints])
+        sine, cosine, value = (np.zeros_like(constant) for _ in range(3))
+        for index, joint in enumerate(self.joints):
+            if joint.kind == "revolute":
+                cross = poses.cross_matrix(joint.axis)
+                sine[index, :3, :3] = constant[index, :3, :3] @ cross
+                cosine[index, :3, :3] = sine[index, :3, :3] @ cross
+            elif joint.kind != "fixed":
+                value[index, :3, 3] = constant[index, :3, :3] @ joint.axis
+        return constant, sine, cosine, value
+
+    @cached_property
+    def _is_moving(self) -> np.ndarray:
+        """Which of the links (links,) have a joint that moves."""
+        return np.array([joint.kind != "fixed" for joint in self.joints])
+
+    @cached_property
+    def _turning(self) -> Array:
+        """1 for each moving joint that turns, 0 for one that slides (k, 1)."""
+        return np.array([[float(joint.kind == "revolute")] for joint in self.moving])
+
+    def frames(self, joints: Array) -> Array:
+        """`base_from_link` of each link: (n, len(links), 4, 4) for joints (n, k)."""
+        constant, sine, cosine, value = self._terms
+        values = np.zeros((len(joints), len(self.joints), 1, 1))
+        values[:, self._is_moving, 0, 0] = joints
+        # Rodrigues for all joints at once: R = 1 + sin K + (1 - cos) K^2.
+        result = constant + np.sin(values) * sine + (1 - np.cos(values)) * cosine + values * value
+        for index in range(1, len(self.joints)):
+            result[:, index] = result[:, index - 1] @ result[:, index]
+        return result
+
+    def forward(self, joints: Array) -> Array:
+        """`base_from_tip` (n, 4, 4) for joints (n, k)."""
+        return self.frames(joints)[:, -1]
+
+    def jacobian(self, frames: Array) -> Array:
+        """How tip position and rotation change with the joints (n, 6, k), from `frames`."""
+        moving = frames[:, self._is_moving]
+        axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self._axes)
+        x, y, z = np.moveaxis(axes, -1, 0)
+        arm_x, arm_y, arm_z = np.moveaxis(frames[:, -1:, :3, 3] - moving[..., :3, 3], -1, 0)
+        sweep = np.stack(
+            [y * arm_z - z * arm_y, z * arm_x - x * arm_z, x * arm_y - y * arm_x], axis=-1
+        )
+        linear = self._turning * sweep + (1 - self._turning) * axes
+        return np.swapaxes(np.concatenate([linear, self._turning * axes], axis=-1), 1, 2)
+
+    @cached_property
+    def _axes(self) -> Array:
+        """The axes of the moving joints, each in its own frame (k, 3)."""
+        return np.stack([joint.axis for joint in self.moving])
+
+    def solve(self, base_from_tip: Array, starts: Array) -> Solution:
+        """Joints that put the tip at each of m targets.
+
+        Args:
+            base_from_tip: targets (m, 4, 4).
+            starts: postures (s, k) to start from; of those that reach a target, the answer that
+                stays closest to the first start is taken.
+        """
+        m, s = len(base_from_tip), len(starts)
+        targets = np.repeat(base_from_tip, s, axis=0)
+        joints = np.clip(np.tile(starts, (m, 1)), self.low, self.high)
+        error = self._descend(joints, targets)
+        found = _is_small(error).reshape(m, s)
+        far = np.abs(joints - starts[0]).max(axis=1).reshape(m, s)
+        best = np.argmin(np.where(found, far, 1e3 + np.linalg.norm(error, axis=1).reshape(m, s)), 1)
+        rows = np.arange(m)
+        return Solution(joints.reshape(m, s, -1)[rows, best], found[rows, best])
+
+    def _descend(self, joints: Array, targets: Array, *, most: int = MAX_STEPS) -> Array:
+        """Improve `joints` (n, k) in place, in `most` steps; the errors (n, 6) that remain."""
+        error = np.empty((len(joints), 6))
+        busy = np.arange(len(joints))
+        for _ in range(most):
+            frames = self.frames(joints[busy])
+            error[busy] = pose_error(frames[:, -1], targets[busy])
+            unfinished = ~_is_small(error[busy])
+            busy, frames = busy[unfinished], frames[unfinished]
+            if not len(busy):
+                break
+            step = _damped_step(self.jacobian(frames), error[busy])
+            joints[busy] = np.clip(joints[busy] + step, self.low, self.high)
+        return error
+
+    def track(self, base_from_tip: Array, starts: Array) -> Solution:
+        """Joints along m paths of t poses each, every pose sought from the one before.
+
+        Args:
+            base_from_tip: (m, t, 4, 4).
+            starts: (m, k), joints a little before each path [rad].
+
+        Returns:
+            Joints (m, t, k); a path is found when all its poses are, without a jump of the joints.
+        """
+        joints, path = starts.copy(), []
+        found = np.ones(len(starts), dtype=bool)
+        for step in range(base_from_tip.shape[1]):
+            rows = np.flatnonzero(found)  # those that are lost need not be followed any longer
+            after = joints[rows]
+            error = self._descend(after, base_from_tip[rows, step], most=TRACK_STEPS)
+            near = np.abs(after - joints[rows]).max(axis=1, initial=0.0) < LARGEST_JUMP
+            found[rows] = _is_small(error) & near
+            joints[rows] = after
+            path.append(joints.copy())
+        return Solution(np.stack(path, axis=1), found)
+
+
+def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
+    """Position [m] and rotation vector [rad] (n, 6) that lead from the tip to the target."""
+    turn = base_from_target[:, :3, :3] @ np.swapaxes(base_from_tip[:, :3, :3], 1, 2)
+    shift = base_from_target[:, :3, 3] - base_from_tip[:, :3, 3]
+    return np.concatenate([shift, poses.rotation_vector(turn)], axis=1)
+
+
+def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
+    """The chain of a URDF file from its root link to the link `tip`.
+
+    Args:
+        path: the URDF.
+        tip: the last link.
+        fixed: names of joints to take as fixed at zero.
+
+    Raises:
+        DataError: the file is no URDF, or has no link `tip`.
+    """
+    try:
+        root = ElementTree.parse(path).getroot()  # noqa: S314 - a robot file of the installation
+    except (OSError, ElementTree.ParseError) as error:
+        raise DataError(f"expected a URDF file: {error}.", source=str(path)) from error
+    above = {_attribute(each, "child", "link"): each for each in root.findall("joint")}
+    elements: list[ElementTree.Element] = []
+    links: list[str] = []
+    while tip in above:
+        elements.insert(0, above[tip])
+        links.insert(0, tip)
+        tip = _attribute(above[tip], "parent", "link")
+    if not elements:
+        raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
+    return Chain(tuple(_read_joint(each, fixed) for each in elements), tuple(links))
+
+
+def _damped_step(jacobian: Array, error: Array) -> Array:
+    size = np.minimum(np.linalg.norm(error, axis=1) / REACH_SCALE, 1.0)
+    damping = DAMPING * np.maximum(size, 0.1)
+    normal = jacobian @ np.swapaxes(jacobian, 1, 2)  # (n, 6, 6)
+    normal += (damping**2)[:, None, None] * np.eye(6)
+    step = np.einsum("nik,ni->nk", jacobian, np.linalg.solve(normal, error[..., None])[..., 0])
+    longest = np.abs(step).max(axis=1, keepdims=True)
+    return step * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-12))
+
+
+def _is_small(error: Array) -> np.ndarray:
+    return (np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE) & (
+        np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
+    )
+
+
+def _read_joint(element: ElementTree.Element, fixed: Sequence[str]) -> Joint:
+    name, kind = element.get("name", ""), element.get("type", "fixed")
+    kind = "fixed" if name in fixed else {"continuous": "revolute"}.get(kind, kind)
+    limit, safety = element.find("limit"), element.find("safety_controller")
+    low = _number(safety, "soft_lower_limit", _number(limit, "lower", -np.pi))
+    high = _number(safety, "soft_upper_limit", _number(limit, "upper", np.pi))
+    origin = poses.pose(
+        poses.rotation_from_rpy(*_triple(element, "origin", "rpy")),
+        _triple(element, "origin", "xyz"),
+    )
+    axis = np.array(_triple(element, "axis", "xyz"))
+    length = float(np.linalg.norm(axis))
+    axis = axis / length if length else np.array([1.0, 0.0, 0.0])
+    return Joint(name, kind, origin, axis, low, high, _number(limit, "velocity", 1.0))
+
+
+def _attribute(element: ElementTree.Element, child: str, key: str) -> str:
+    found = element.find(child)
+    return "" if found is None else found.get(key, "")
+
+
+def _number(element: ElementTree.Element | None, key: str, default: float) -> float:
+    return default if element is None else float(element.get(key, default))
+
+
+def _triple(element: ElementTree.Element, child: str, key: str) -> tuple[float, float, float]:
+    x, y, z = (float(word) for word in (_attribute(element, child, key) or "0 0 0").split())
+    return x, y, z

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robots as data: arm, gripper and the spheres they fill, read from `robots.yaml`.
+
+The comments at the head of that file say what each entry means. The numbers of the joints come
+from the robot's own URDF file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from math import radians
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from ...ontology.errors import UnknownNameError
+from ...ontology.yaml_reader import Field, read_yaml
+from .. import poses
+from ..models.urdf import Attachment, robot_file
+from ..poses import Array
+from .kinematics import Chain, read_chain
+
+ROBOTS_FILE = Path(__file__).with_name("robots.yaml")
+OWN_FILE = ".yaml"
+
+_GRIPPER_LENGTHS = (
+    "grip",
+    "opening",
+    "pad_width",
+    "finger_width",
+    "pad_length",
+    "tip",
+    "finger_thickness",
+    "root_thickness",
+    "root",
+    "palm",
+)
+
+
+@dataclass(frozen=True)
+class Gripper:
+    """Two parallel fingers.
+
+    The grip frame lies in the middle between the pads: x along their width, y the way they
+    close, z out of the hand.
+
+    Attributes:
+        joints: the two finger joints.
+        links: the two fingers.
+        grip: from the hand's origin to the grip frame, along z [m].
+        opening: the widest gap between the pads [m].
+        force: of each finger [N].
+        pad_width: flat part of a finger along x [m].
+        finger_width: a finger along x [m].
+        pad_length: a pad along z, centred on the grip frame [m].
+        tip: the ends of the fingers, z in the grip frame [m].
+        finger_thickness: a finger along y, at its tip [m].
+        root_thickness: the same nearer to the hand than `root` [m].
+        root: where the finger becomes thicker, z in the grip frame [m].
+        palm: front of the hand, z in the grip frame [m].
+        palm_size: of the hand along x and y [m].
+    """
+
+    joints: tuple[str, str]
+    links: tuple[str, str]
+    grip: float
+    opening: float
+    force: float
+    pad_width: float
+    finger_width: float
+    pad_length: float
+    tip: float
+    finger_thickness: float
+    root_thickness: float
+    root: float
+    palm: float
+    palm_size: tuple[float, float]
+
+    @property
+    def hand_from_grip(self) -> Array:
+        """The grip frame on the hand (4, 4)."""
+        return poses.translation(0.0, 0.0, self.grip)
+
+
+@dataclass(frozen=True)
+class RobotType:
+    """One kind of robot.
+
+    Attributes:
+        name: how settings call it.
+        label: how people call it.
+        urdf: the file of its arm.
+        hand: the link at the end of the arm.
+        home: (k,) joints of the arm where it waits [rad].
+        turns: added to the first of them for further starts of inverse kinematics [rad].
+        gripper: None when it has none.
+        spheres: link -> (n, 4), centres and radii [m] of the spheres that it fills.
+        attachment: the hand, when it comes from another file.
+        speeds: of the joints, where the file does not tell how fast they can go [rad/s].
+    """
+
+    name: str
+    label: str
+    urdf: Path
+    hand: str
+    home: Array
+    turns: tuple[float, ...]
+    gripper: Gripper | None
+    spheres: Mapping[str, Array]
+    attachment: Attachment | None = None
+    speeds: tuple[float, ...] = ()
+
+    @cached_property
+    def file(self) -> Path:
+        """The URDF of arm and hand together, as the simulator loads it."""
+        return robot_file(self.name, self.urdf, attachment=self.attachment, speeds=self.speeds)
+
+    @cached_property
+    def arm(self) -> Chain:
+        """The joints from the base to the hand."""
+        return read_chain(self.file, self.hand)
+
+    @cached_property
+    def starts(self) -> Array:
+        """Postures (s, k) from which inverse kinematics starts; `home` is the first."""
+        starts = np.tile(self.home, (1 + len(self.turns), 1))
+        starts[1:, 0] += self.turns
+        return starts
+
+
+def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
+    """All robots of the file, by name.
+
+    Raises:
+        DataError: the file says something else than expected; tells where.
+    """
+    entries = read_yaml(path).entries()
+    return {name: _read_robot(name, field) for name, field in entries.items()}
+
+
+def find_robot(name: str) -> RobotType:
+    """The robot of this name.
+
+    Args:
+        name: one that comes with Hilt, or a file of robots like `robots.yaml`: "mine.yaml", or
+            "mine.yaml:NAME" where there are several in it.
+
+    Raises:
+        UnknownNameError: there is none; lists those there are.
+        DataError: the file says something else than expected.
+    """
+    file, mark, inside = name.partition(OWN_FILE)
+    robots = load_robots(Path(file + mark)) if mark else _shipped()
+    wanted = inside.removeprefix(":") if mark else name
+    if mark and not wanted and len(robots) == 1:
+        return next(iter(robots.values()))
+    if wanted not in robots:
+        raise UnknownNameError("robot", wanted or name, robots)
+    return robots[wanted]
+
+
+@cache
+def _shipped() -> Mapping[str, RobotType]:
+    """The robots that come with Hilt, read once in a process."""
+    return MappingProxyType(load_robots())
+
+
+def _read_robot(name: str, field: Field) -> RobotType:
+    entries = field.entries(
+        required=("label", "urdf", "hand", "home", "spheres"),
+        optional=("turns", "gripper", "attached", "speeds"),
+    )
+    home = np.array(entries["home"].numbers(low=-np.pi * 2, high=np.pi * 2))
+    robot = RobotType(
+        name=name,
+        label=entries["label"].text(),
+        urdf=_find_urdf(entries["urdf"]),
+        hand=entries["hand"].text(),
+        home=home,
+        turns=entries["turns"].numbers() if "turns" in entries else (),
+        gripper=_read_gripper(entries["gripper"]) if "gripper" in entries else None,
+        spheres={link: _read_spheres(each) for link, each in entries["spheres"].entries().items()},
+        attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
+        speeds=entries["speeds"].numbers(low=0.0, high=20.0) if "speeds" in entries else (),
+    )
+    if len(home) != len(robot.arm.moving):
+        problem = f"expected {len(robot.arm.moving)} joints, found {len(home)}."
+        raise entries["home"].fail(problem)
+    return robot
+
+
+def _read_attachment(field: Field) -> Attachment:
+    entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
+    x, y, z = entries["at"].numbers(count=3, low=-1.0, high=1.0)
+    angles = entries["turn_deg"].numbers(count=3) if "turn_deg" in entries else (0.0, 0.0, 0.0)
+    roll, pitch, yaw = (radians(angle) for angle in angles)
+    return Attachment(
+        _find_urdf(entries["urdf"]),
+        entries["link"].text(),
+        entries["carrier"].text(),
+        (x, y, z),
+        (roll, pitch, yaw),
+    )
+
+
+def _find_urdf(field: Field) -> Path:
+    path = Path(field.source).parent / field.text()
+    if not path.is_file():
+        from importlib.util import find_spec
+
+        # Only the folder of this package is wanted, and importing it costs time.
+        found = find_spec("pybullet_data")
+        path = Path(found.origin or "").parent / field.text() if found else path
+    if not path.is_file():
+        raise field.fail(f'there is no file "{path}".')
+    return path
+
+
+def _read_gripper(field: Field) -> Gripper:
+    entries = field.entries(
+        required=(*_GRIPPER_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
+    )
+    left_joint, right_joint = _pair(entries["joints"])
+    left_link, right_link = _pair(entries["links"])
+    along_x, along_y = entries["palm_size"].numbers(count=2, low=0.0, high=1.0)
+    return Gripper(
+        joints=(left_joint, right_joint),
+        links=(left_link, right_link),
+        force=entries["force"].number(low=0.0, high=1000.0),
+        palm_size=(along_x, along_y),
+        **{key: entries[key].number(low=-1.0, high=1.0) for key in _GRIPPER_LENGTHS},
+    )
+
+
+def _pair(field: Field) -> tuple[str, ...]:
+    texts = field.texts()
+    if len(texts) != 2:
+        raise field.fail(f"expected 2 names, found {len(texts)}.")
+    return texts
+
+
+def _read_spheres(field: Field) -> Array:
+    spheres = np.array([each.numbers(count=4, low=-2.0, high=2.0) for each in field.items()])
+    spheres.flags.writeable = False
+    return spheres

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrangements: where the objects of a scene stand, so that none touches another.
+
+An object covers a convex footprint on the table. Places are drawn at random until each footprint
+is clear of the others, the longest objects first; when a table fills up so badly that one finds
+no place, all are drawn again. The same scene and seed always give the same arrangement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from ...ontology.errors import SimulationError
+from ...ontology.objects import Mount, ObjectType
+from .. import poses
+from ..poses import Array
+from .scene import Placement, Scene
+
+DROP = 0.0005  # [m], how far above the table an object is let go
+AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], x and y that the middle of an object may have
+REACH = 0.80  # [m] from the robot at the origin; 1 cm nearer a hand that looks down can still lift
+LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], x and y that every point of it must have
+TRIES = 60
+ROUNDS = 60
+
+
+class Outlined(Protocol):
+    """What is known of an object before it is placed; a `Model` is one."""
+
+    @property
+    def kind(self) -> ObjectType:
+        """Its type."""
+        ...
+
+    @property
+    def points(self) -> Array:
+        """Corners of its hull (n, 3), in its own frame [m]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Where one object of a scene is let go.
+
+    Attributes:
+        placement: the object; all that was open is now filled in.
+        world_from_object: its pose (4, 4).
+        footprint: corners of what it covers (k, 2), counter-clockwise [m].
+    """
+
+    placement: Placement
+    world_from_object: Array
+    footprint: Array
+
+
+def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
+    """Find a place for every object of a scene, in the order of the scene.
+
+    Args:
+        scene: what is to stand on the table.
+        models: type -> its outline.
+
+    Raises:
+        SimulationError: there is no room for all, or two fixed places overlap.
+    """
+    rng = np.random.default_rng(scene.seed)
+    loose = [placement for placement in scene.placements if placement.within is None]
+    spots = {spot.placement.name: spot for spot in _arrange_loose(loose, models, scene.gap, rng)}
+    for placement in scene.placements:
+        mount = models[placement.object].kind.mount
+        if placement.within is not None and mount is not None:
+            spots[placement.name] = _mount(placement, mount, spots[placement.within])
+    return tuple(spots[placement.name] for placement in scene.placements)
+
+
+def _arrange_loose(
+    placements: Sequence[Placement],
+    models: Mapping[str, Outlined],
+    gap: float,
+    rng: np.random.Generator,
+) -> tuple[Spot, ...]:
+    pieces = [_lay(placement, models[placement.object], rng) for placement in placements]
+    order = sorted(range(len(pieces)), key=lambda i: _urgency(pieces[i]))
+    for _ in range(ROUNDS):
+        spots: dict[int, Spot] = {}
+        for i in order:
+            spot = _find_spot(pieces[i], list(spots.values()), gap, rng)
+            if spot is None:
+                break
+            spots[i] = spot
+        else:
+            return tuple(spots[i] for i in range(len(pieces)))
+    raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
+
+
+def _mount(placement: Placement, mount: Mount, support: Spot) -> Spot:
+    """The spot of what stands in something that has its place."""
+    x, y, z = mount.at
+    support_from_object = poses.translation(x, y, z - mount.depth)
+    at, yaw = support.placement.at, support.placement.yaw
+    filled = replace(placement, at=at, yaw=yaw, rest="mounted")
+    return Spot(filled, support.world_from_object @ support_from_object, support.footprint)
+
+
+@dataclass(frozen=True)
+class _Laid:
+    """An object in the way it lies or stands, not yet turned nor put anywhere."""
+
+    placement: Placement
+    rotation: Array  # (3, 3)
+    height: float  # of its frame above the table [m]
+    footprint: Array  # (k, 2) round its frame [m]
+
+
+def _lay(placement: Placement, model: Outlined, rng: np.random.Generator) -> _Laid:
+    usual = [rest.name for rest in model.kind.rests if rest.usual]
+    drawn = usual[int(rng.integers(len(usual)))]  # drawn in any case: it keeps the others' draws
+    rest = model.kind.rest(placement.rest or drawn)
+    rotation = poses.rotation_from_rpy(*rest.turn)
+    points = model.points @ rotation.T
+    filled = replace(placement, rest=rest.name)
+    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), outline(points[:, :2]))
+
+
+def _urgency(laid: _Laid) -> tuple[bool, float]:
+    """Sorts fixed places first, then long objects."""
+    return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.footprint, axis=0)))
+
+
+def _find_spot(laid: _Laid, taken: list[Spot], gap: float, rng: np.random.Generator) -> Spot | None:
+    fixed = laid.placement.at is not None
+    for _ in range(TRIES):
+        spot = _draw_spot(laid, rng)
+        within = fixed or _is_within(spot.footprint)
+        if within and all(_are_clear(spot.footprint, other.footprint, gap) for other in taken):
+            return spot
+        if fixed and laid.placement.yaw is not None:
+            raise SimulationError(
+                f'"{laid.placement.name}" stands less than {gap:g} m from another object. Move it.'
+            )
+    return None
+
+
+def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
+    placement = laid.placement
+    yaw = placement.yaw if placement.yaw is not None else float(rng.uniform(-np.pi, np.pi))
+    about_vertical = poses.rotation_from_rpy(0, 0, yaw)
+    footprint = laid.footprint @ about_vertical[:2, :2].T
+    if placement.at is None:
+        middle = (footprint.min(axis=0) + footprint.max(axis=0)) / 2
+        at = np.array([rng.uniform(*AREA[0]), rng.uniform(*AREA[1])]) - middle
+    else:
+        at = np.array(placement.at)
+    world_from_object = poses.pose(about_vertical @ laid.rotation, (*at, laid.height))
+    filled = replace(placement, at=(float(at[0]), float(at[1])), yaw=yaw)
+    return Spot(filled, world_from_object, footprint + at)
+
+
+def _are_clear(first: Array, second: Array, gap: float) -> bool:
+    """Whether two footprints are far enough apart."""
+    gaps = np.maximum(
+        first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
+    )
+    return bool(gaps.max() >= gap) or distance(first, second) >= gap
+
+
+def _is_within(footprint: Array) -> bool:
+    low, high = np.array(LIMITS).T
+    inside = bool((footprint >= low).all() and (footprint <= high).all())
+    return inside and float(np.linalg.norm(footprint, axis=1).max()) <= REACH
+
+
+def outline(points: Array) -> Array:
+    """The convex hull of points (n, 2) in the plane, counter-clockwise (Andrew 1979)."""
+    # Points that differ by rounding only would be corners with no side between them.
+    ordered = np.unique(np.round(points, 9), axis=0)
+    return np.array(_half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1])
+
+
+def _half_hull(points: Array) -> list[Array]:
+    chain: list[Array] = []
+    for point in points:
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0:
+            chain.pop()
+        chain.append(point)
+    return chain
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def distance(first: Array, second: Array) -> float:
+    """The distance of two convex polygons (n, 2) and (m, 2) [m]; 0 where they overlap."""
+    if not (_separated(first, second) or _separated(second, first)):
+        return 0.0
+    return min(_corner_distance(first, second), _corner_distance(second, first))
+
+
+def _separated(first: Array, second: Array) -> bool:
+    """Whether a side of the first polygon has all of the second on its outer side."""
+    ahead = np.roll(first, -1, axis=0) - first
+    offsets = second[None] - first[:, None]  # (sides, corners, 2)
+    aside = ahead[:, None, 0] * offsets[..., 1] - ahead[:, None, 1] * offsets[..., 0]
+    return bool((aside < 0).all(axis=1).any())
+
+
+def _corner_distance(corners: Array, polygon: Array) -> float:
+    ahead = np.roll(polygon, -1, axis=0) - polygon
+    offsets = corners[:, None] - polygon[None]  # (corners, sides, 2)
+    along = np.einsum("csd,sd->cs", offsets, ahead) / np.einsum("sd,sd->s", ahead, ahead)
+    nearest = offsets - np.clip(along, 0, 1)[..., None] * ahead[None]
+    return float(np.linalg.norm(nearest, axis=2).min())

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The world: a table, what stands on it, and time.
+
+A `World` fills an engine with the room and the objects of a scene and lets them settle. The
+robot is not part of it: it is loaded into the same engine by `robot`. Other parts let time pass
+through `World.step`, so that whoever watches (a recorder) sees every moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import TracebackType
+
+import numpy as np
+
+from ...ontology.errors import UnknownNameError
+from ...ontology.objects import Mount, ObjectType
+from .. import poses
+from ..models.object_models import INTO, SOCKET, Model, model_of
+from ..physics.engine import TIME_STEP, Engine
+from ..poses import Array
+from .placement import Spot, arrange
+from .scene import Scene
+
+FLOOR, TABLE = "floor", "table"
+FLOOR_HEIGHT = -0.72  # [m], where the legs of the table end
+TABLE_CENTRE = (0.40, 0.0, 0.0)  # [m], so that the robot stands on the table near its edge
+SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists turning
+# [m]; lets round things come to rest. The table has it, and not the things, which then would also
+# resist rolling between the fingers: there it helps nothing and keeps contacts from being solved.
+ROLLING_FRICTION = 0.0003
+
+MOUNT_FORCE = 20_000.0  # [N], what holds the socket of a nail in its block: more than any blow
+
+SETTLE_LIMIT = 3.0  # [s]
+STILL_STEPS = 24  # over so many steps the poses are compared; speeds of light things only jitter
+STILL_SHIFT = 1e-4  # [m]
+STILL_TURN = 0.004  # [rad]
+
+
+@dataclass(repr=False)
+class World:
+    """The room with the objects of one scene.
+
+    Use it in a `with` block, or `close` it.
+
+    Attributes:
+        scene: what was asked for.
+        engine: the simulator it lives in.
+        objects: the types there are, by name.
+        kinds: name of each object on the table -> its type.
+        models: type -> its model.
+        watcher: called after every step while it is not None.
+    """
+
+    scene: Scene
+    engine: Engine
+    objects: Mapping[str, ObjectType]
+    kinds: Mapping[str, ObjectType]
+    models: Mapping[str, Model]
+    watcher: Callable[[], None] | None = None
+    _supports: dict[str, str] = field(default_factory=dict[str, str])
+
+    @classmethod
+    def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
+        """Put a scene on the table and let it settle.
+
+        Args:
+            scene: what is to stand there.
+            objects: the types there are, room included.
+            gui: whether to show a window.
+
+        Raises:
+            SimulationError: there is no room for all.
+        """
+        models = {name: model_of(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
+        spots = arrange(scene, models)
+        world = cls(
+            scene,
+            Engine(gui=gui),
+            objects,
+            {spot.placement.name: objects[spot.placement.object] for spot in spots},
+            models,
+        )
+        world._furnish()
+        for spot in sorted(spots, key=lambda spot: spot.placement.within is not None):
+            world._add(spot)
+        world.settle()
+        return world
+
+    def _furnish(self) -> None:
+        floor = poses.translation(0, 0, FLOOR_HEIGHT)
+        self.engine.load(FLOOR, self.models[FLOOR].urdf, floor, fixed=True)
+        self.engine.load(
+            TABLE, self.models[TABLE].urdf, poses.translation(*TABLE_CENTRE), fixed=True
+        )
+        self.engine.set_surface(TABLE, rolling=ROLLING_FRICTION)
+
+    def _add(self, spot: Spot) -> None:
+        name, model = spot.placement.name, self.models[spot.placement.object]
+        mount, support = model.kind.mount, spot.placement.within
+        if mount is None or support is None:
+            self.engine.load(name, model.urdf, spot.world_from_object)
+        else:
+            self.engine.load(name, model.mounted, spot.world_from_object)
+            self._mount(name, mount, support)
+        self.engine.set_surface(name, spinning=SPINNING_FRICTION)
+
+    def _mount(self, name: str, mount: Mount, support: str) -> None:
+        """Let an object stand in another one, which holds it by friction."""
+        for link in self.engine.links(name):
+            for other in self.engine.links(support):
+                if link != SOCKET:
+                    self.engine.ignore_contacts(name, link, support, other)
+        self.engine.attach(name, support, force=MOUNT_FORCE)
+        # A motor that wants to stand still, and can do no more than this, is dry friction.
+        self.engine.drive_speed(name, INTO, 0.0, force=mount.resistance)
+        self._supports[name] = support
+
+    def close(self) -> None:
+        """Stop the simulator."""
+        self.engine.close()
+
+    def __enter__(self) -> World:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<World of {', '.join(self.kinds) or 'nothing'}>"
+
+    @property
+    def time(self) -> float:
+        """How much time has passed in the world [s]."""
+        return self.engine.steps * TIME_STEP
+
+    def step(self, count: int = 1) -> None:
+        """Let `count` steps pass, and let whoever watches see each of them."""
+        if self.watcher is None:
+            self.engine.step(count)
+            return
+        for _ in range(count):
+            self.engine.step()
+            self.watcher()
+
+    def settle(self, limit: float = SETTLE_LIMIT) -> bool:
+        """Let time pass until all objects are still.
+
+        Args:
+            limit: most time to wait [s].
+
+        Returns:
+            Whether all are still.
+        """
+        before = self._poses()
+        for _ in range(round(limit / TIME_STEP / STILL_STEPS)):
+            self.step(STILL_STEPS)
+            after = self._poses()
+            if _are_close(before, after):
+                return True
+            before = after
+        return False
+
+    def _poses(self) -> Array:
+        return np.array([self.pose(name) for name in self.kinds] or [np.eye(4)])
+
+    def pose(self, name: str) -> Array:
+        """`world_from_object` of an object."""
+        # The first part has the frame of the object, also where the base is a socket.
+        return self.engine.pose(name, next(iter(self.kinds[name].parts)))
+
+    def depth(self, name: str) -> float:
+        """How deep an object stands in another one [m]: a nail in its block.
+
+        Raises:
+            UnknownNameError: it does not stand in anything.
+        """
+        mount = self.kinds[name].mount if name in self._supports else None
+        if mount is None:
+            raise UnknownNameError("thing that stands in another", name, self._supports)
+        return mount.depth + float(self.engine.joint_positions(name, [INTO])[0])
+
+    def support(self, name: str) -> str | None:
+        """The name of what an object stands in; None for what lies loose."""
+        return self._supports.get(name)
+
+    def points(self, name: str) -> Array:
+        """Corners of an object's hull where it is now (n, 3), in the world [m]."""
+        return poses.transform(self.pose(name), self.models[self.kinds[name].name].points)
+
+    def top(self, name: str) -> Array:
+        """The place above the middle of an object, as high as its highest point (3,) [m]."""
+        points = self.points(name)
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        return np.array([middle[0], middle[1], points[:, 2].max()])
+
+    def clearance(self, name: str) -> float:
+        """How high the lowest point of an object is above the table [m]."""
+        return float(self.points(name)[:, 2].min())
+
+
+def _are_close(before: Array, after: Array) -> bool:
+    """Whether no pose of (n, 4, 4) has moved or turned from one moment to the other."""
+    shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
+    turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])
+    return bool((shifts < STILL_SHIFT).all() and (turns < STILL_TURN).all())

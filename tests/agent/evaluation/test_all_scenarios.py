@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The verification of all learning scenarios: its cases, its hypotheses and its certificate."""
+
+from __future__ import annotations
+
+import json
+import runpy
+from copy import deepcopy
+from decimal import Decimal
+from math import comb, factorial
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hilt.agent.evaluation.case import Case, Result, line_of
+from hilt.agent.evaluation.experiments.all_scenarios import AllScenarios
+from hilt.agent.evaluation.verification.finite_cases import TaughtSpace, scores
+from hilt.agent.evaluation.verification.hypotheses import teaching
+from hilt.agent.evaluation.verification.space import Cell, Space, belief
+from hilt.agent.evaluation.verification.taught_agent import Taught
+from hilt.agent.evaluation.verification.tracing import Opaque, Traced
+from hilt.agent.evaluation.verification.weak_orders import Block, blocks, surjections
+from hilt.inference.decision import Judge
+from hilt.inference.evidence import EPSILON, Operators
+from hilt.inference.settings import Settings
+from hilt.inference.types import Inference, Target
+from hilt.kb import Interval, KnowledgeBase, functional
+
+CHECKER = Path(__file__).parents[3] / "examples" / "check_certificate.py"
+SMALL = AllScenarios(objects=2, affordances=2, taught=2, traced=2)
+
+
+@pytest.fixture(scope="module")
+def results() -> list[Result]:
+    """What comes of the verification for two objects and two affordances."""
+    sent = [Case.from_json(json.loads(line_of(case.as_json()))) for case in SMALL.cases()]
+    return [SMALL.run(case) for case in sent]
+
+
+@pytest.fixture(scope="module")
+def checker() -> dict[str, object]:
+    """What the checker defines."""
+    return runpy.run_path(str(CHECKER))
+
+
+@pytest.fixture(scope="module")
+def certificate(results):
+    """The certificate as the checker reads it."""
+    document = SMALL.files(results)["certificate.json"]
+    return json.loads(json.dumps(document), parse_float=Decimal)
+
+
+def numbers_of(document, path=()):
+    """The paths of all numbers in a document, and of all digests."""
+    if isinstance(document, (dict, list)):
+        pairs = document.items() if isinstance(document, dict) else enumerate(document)
+        return [found for key, each in pairs for found in numbers_of(each, (*path, key))]
+    is_number = isinstance(document, (int, Decimal)) or (path and path[-1] == "digest")
+    return [path] if is_number else []
+
+
+def test_every_finite_case_is_right(results):
+    """The program does what the definition says in all blocks of cases."""
+    assert [result.found for result in results if not result.right] == []
+
+
+def test_the_paper_has_2189146_finite_cases():
+    """The blocks hold as many cases as the counting formulas say."""
+
+    def size(block: Block) -> int:
+        stirling = sum(
+            (-1) ** i * comb(block.levels, i) * (block.levels - i) ** block.ranked
+            for i in range(block.levels + 1)
+        ) // factorial(block.levels)
+        ranked = comb(8, block.ranked) * 2 ** (8 - block.ranked)
+        return ranked * factorial(block.levels) * stirling
+
+    choices = sum(size(block) for block in blocks(8))
+
+    assert choices == 2_183_339
+    assert choices + 559 + 72 * 16 + 8 * 2 * 16**2 == 2_189_146
+
+
+def test_blocks_hold_each_weak_order_once():
+    """The orders of all blocks of three objects are distinct, and as many as counted."""
+    orders = [order for block in blocks(3) for order in block.orders()]
+
+    assert len(orders) == len(set(orders)) == sum(comb(3, k) * 2 ** (3 - k) * f for k, f in
+                                                  enumerate((1, 1, 3, 13)))  # fmt: skip
+    assert len(surjections(3, 2)) == 6
+
+
+def test_rule_states_are_counted_over_the_whole_space(results):
+    """The weak orders, weighted, are all 17^n ways to teach one affordance and lay a scene."""
+    states = SMALL.summary(results)["rule_states"]
+
+    unique = sum(2 * (code + 1) for code in range(1, 16))
+    assert states == {"none": 4, "unique": unique, "ties": 17**2 - unique - 4}
+
+
+def test_certificate_passes_its_checker(certificate, checker):
+    """What the program did is what the definition says, number by number."""
+    assert list(checker["differences"](certificate, checker["expected"](certificate))) == []
+
+
+@settings(max_examples=80, deadline=None)
+@given(data=st.data())
+def test_checker_refuses_any_changed_number(certificate, checker, data):
+    """A certificate in which one number or digest is another one is refused."""
+    path = data.draw(st.sampled_from(numbers_of(certificate)))
+    changed = deepcopy(certificate)
+    inner = changed
+    for key in path[:-1]:
+        inner = inner[key]
+    before = inner[path[-1]]
+    inner[path[-1]] = "0" + before[1:] if isinstance(before, str) else before + data.draw(
+        st.sampled_from([1, -1, Decimal("0.000000001")]))  # fmt: skip
+
+    wanted = checker["expected"](changed)
+
+    assert inner[path[-1]] == before or any(checker["differences"](changed, wanted))
+
+
+@pytest.mark.parametrize("key", ["format", "seed", "threshold", "tolerance"])
+def test_checker_refuses_other_settings(certificate, checker, key):
+    """Nor does it pass with another seed, threshold or tolerance than the program's."""
+    changed = certificate | {key: certificate[key] + 1}
+
+    assert any(checker["differences"](changed, checker["expected"](changed)))
+
+
+def test_checker_says_what_a_certificate_stands_for(results, tmp_path, checker, capsys):
+    """Run as a script it names the situations and learning scenarios, or the first difference."""
+    file = tmp_path / "certificate.json"
+    file.write_text(json.dumps(SMALL.files(results)["certificate.json"]), encoding="utf-8")
+    assert not checker["main"](file)
+
+    file.write_text(json.dumps(SMALL.files(results[:-1])["certificate.json"]), encoding="utf-8")
+    assert checker["main"](file)
+
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].endswith("right for all 24 * 2^48 situations and learning scenarios.")
+    assert said[1].endswith("certificate[choices]: other keys, or another number of them.")
+
+
+def test_another_fusion_is_found_out(monkeypatch):
+    """Scores by the mean of what was told are not those of the definition."""
+    other = Settings(operators=Operators(fusion="mean"))
+    monkeypatch.setattr(Settings, "load", classmethod(lambda cls: other))
+
+    _, wrong = scores(TaughtSpace(Space.of_paper(1, 1)), shift=3)
+
+    assert wrong
+
+
+def test_base_that_forgets_is_found_out(monkeypatch):
+    """A base in which a rule takes the place of others of its node is no set of what was told."""
+    believe = KnowledgeBase.believe
+
+    def forgetful(self, text, predicate, speaker, rules, **more):
+        told = list(rules)
+        before = [rule.id for rule in self.rules_at_nodes([rule.node for rule in told])]
+        return believe(self, text, predicate, speaker, told, **more | {"supersedes": before})
+
+    monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
+
+    _, wrong = teaching(TaughtSpace(Space.of_paper(1, 1)), seed=0)
+
+    assert "what is believed is not the union of what each rule leaves" in wrong
+
+
+def test_choice_that_drops_ties_is_found_out(monkeypatch):
+    """A program that hides what ties with the best is not right."""
+    ranked = Judge.ranked
+    monkeypatch.setattr(
+        Judge,
+        "ranked",
+        lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
+    )
+
+    facts, wrong = Block(2, 2, 1).chosen()
+
+    assert facts["ties"] == 0
+    assert wrong == ["(2, 2) ranked (0, 0) gives 1"]
+
+
+def test_choice_that_looks_at_scores_is_found_out(monkeypatch):
+    """Scores cannot be added, rounded or hashed."""
+    with pytest.raises(TypeError):
+        Opaque(1) + 1
+    with pytest.raises(TypeError):
+        round(Opaque(1))
+    with pytest.raises(TypeError, match="only be compared"):
+        hash(Opaque(1))
+    with pytest.raises(TypeError, match="tolerance"):
+        Opaque(1) - 0.5
+
+
+@given(st.integers(0, 20), st.integers(0, 20))
+def test_opaque_scores_compare_like_their_levels(one, other):
+    """Order, reversal, and a little less than a score is still more than the next one below."""
+    assert (Opaque(one) < Opaque(other)) == (one < other)
+    assert (-Opaque(one) < -Opaque(other)) == (other < one)
+    assert (Opaque(one) > Opaque(other) - EPSILON) == (one >= other)
+
+
+def test_trace_notes_what_is_read_of_a_rule():
+    """Which cell a rule is about may be asked freely; how sure it is, is noted."""
+    with KnowledgeBase.open("memory:") as base:
+        base.believe("", "", "sam", [functional("mug", "containing", interval=Interval(0.5, 1))])
+        traced = Traced(base)
+        (rule,) = traced.rules_at_nodes(["findObject.containing"])
+        assert (rule.object, rule.affordance, traced.read) == ("mug", "containing", set())
+
+        assert rule.support == Interval(0.5, 1)
+
+    assert traced.read == {Cell("mug", "containing")}
+
+
+def test_decision_reads_only_what_is_on_the_table():
+    """Rules about what is not in the scene are not read."""
+    rules = [functional(name, "cutting", interval=Interval(0.5, 1)) for name in ("knife", "spoon")]
+    with Taught(rules) as taught:
+        decided = taught.decide("pointTo", Target(used_for="cutting"), ["knife"])
+
+    assert decided.read == {Cell("knife", "cutting")}
+
+
+@pytest.mark.parametrize(
+    ("code", "wanted"), [(0, 0.0), (1, 0.25), (8, 0.95), (9, 0.9625), (15, 0.9953125)]
+)
+def test_belief_of_a_code_is_what_its_levels_leave(code, wanted):
+    """One minus the product of what each level leaves open."""
+    assert belief(code) == wanted

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reports of evaluations: the page, the files, and two runs compared."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from hilt.agent.cli import main
+from hilt.agent.evaluation.case import Case, Done, Result
+from hilt.agent.evaluation.experiments.noise import NoiseRun
+from hilt.agent.evaluation.experiments.paper import PaperRun
+from hilt.agent.evaluation.reports.comparing import compare
+from hilt.agent.evaluation.reports.export import write_report
+from hilt.agent.evaluation.reports.html import Picture, page
+from hilt.agent.evaluation.reports.plots import curve_svg
+from hilt.agent.evaluation.reports.summary import Report
+from hilt.agent.evaluation.runners.base import run
+from hilt.ontology.errors import DataError
+
+POINTS = [
+    {"x": 0.0, "accuracy": 1.0, "lower": 0.9, "upper": 1.0},
+    {"x": 0.5, "accuracy": 0.5, "lower": 0.4, "upper": 0.6},
+]
+
+
+class Links(HTMLParser):
+    """What a page links to, has anchors for, and loads."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.targets: list[str] = []
+        self.anchors: set[str] = set()
+        self.sources: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        """Take down what a tag links to, names or loads."""
+        found = dict(attrs)
+        self.anchors.add(found.get("id") or "")
+        self.targets += [found["href"]] if "href" in found else []
+        self.sources += [found["src"]] if "src" in found else []
+
+
+@pytest.fixture(scope="module")
+def paper():
+    """Two scenes of the paper's run: the experiment, its cases and their report."""
+    experiment = PaperRun(scenes=2)
+    cases = experiment.cases()
+    return experiment, cases, Report.of(experiment, run(experiment, cases))
+
+
+def test_every_case_links_to_its_explanation(paper):
+    """Each row has a link to a section that stands in the page, with rules and proofs."""
+    _, cases, _ = paper
+
+    text = page(*paper)
+
+    links = Links(text)
+    assert len(links.targets) == len(cases)
+    assert all(target.removeprefix("#") in links.anchors for target in links.targets)
+    assert "modus ponens" in text and "said sam in utterance" in text
+    assert {case.key for case in cases} <= links.anchors
+
+
+def test_page_needs_nothing_else(paper):
+    """No script, and nothing that is loaded from elsewhere."""
+    text = page(*paper, pictures=[Picture("scene 1", "AAAA")])
+
+    assert Links(text).sources == ["data:image/png;base64,AAAA"]
+    assert "<script" not in text and "http" not in text
+
+
+def test_page_shows_what_is_wrong_and_escapes_it(paper):
+    """A wrong case stands out, and its texts are text."""
+    experiment, cases, _ = paper
+    result = Result("A/<b>", False, "unique", 1, "<i>mug</i>", "knife", {"why": ["1 < 2"]})
+    wrong = Report("paper", {}, (Done(result, 0.1),))
+
+    text = page(experiment, [Case("paper", "A/<b>", cases[0].spec)], wrong)
+
+    assert 'class="wrong"' in text and "&lt;i&gt;mug&lt;/i&gt;" in text and "1 &lt; 2" in text
+
+
+def test_curve_is_an_image_with_a_band_for_each_line():
+    """It is well-formed, and says in words what it shows."""
+    drawn = ET.fromstring(curve_svg("share & more", {"one": POINTS, "two": POINTS}))  # noqa: S314
+
+    assert len(drawn.findall("polygon")) == len(drawn.findall("polyline")) == 2
+    assert drawn.get("aria-label") == "accuracy against share & more"
+    assert "50.0% [40.0%, 60.0%] at 0.5" in [each.text for each in drawn.iter("title")]
+
+
+def test_page_of_noise_has_its_curves():
+    """The curves of a run stand in its page, with their figures."""
+    experiment = NoiseRun(trials=1)
+    cases = [case for case in experiment.cases() if case.key.startswith("missed/default/0/")]
+
+    text = page(experiment, cases, Report.of(experiment, run(experiment, cases)))
+
+    assert text.count("<svg") == 1
+    assert "<th>accuracy</th>" in text
+
+
+def test_csv_and_json_hold_every_case(paper, tmp_path):
+    """A line a case; the counts and the results."""
+    _, cases, report = paper
+    write_report(tmp_path / "r.csv", *paper)
+    write_report(tmp_path / "r.json", *paper)
+
+    with (tmp_path / "r.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    document = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert [row["key"] for row in rows] == [case.key for case in cases]
+    assert document["runs"] == len(document["results"]) == len(report.results)
+
+
+def test_unknown_form_is_refused_before_the_run():
+    """The end of the file's name must say a form."""
+    with pytest.raises(SystemExit) as ended:
+        main(["evaluate", "paper", "--report", "out.txt"])
+
+    assert ended.value.code == 2
+
+
+def test_equal_runs_do_not_differ(paper, tmp_path):
+    """Times are not compared."""
+    experiment, cases, report = paper
+    slower = Report.of(experiment, [Done(each.result, each.cpu_s + 1) for each in report.done])
+    write_report(tmp_path / "a.json", *paper)
+    write_report(tmp_path / "b.json", experiment, cases, slower)
+
+    assert compare(tmp_path / "a.json", tmp_path / "b.json").is_empty
+
+
+def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys):
+    """Counts and cases that differ are named; the exit code says that there are some."""
+    experiment, cases, report = paper
+    (first, *others) = report.done
+    worse = Done(Result(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
+    write_report(tmp_path / "a.json", *paper)
+    write_report(tmp_path / "b.json", experiment, cases, Report.of(experiment, [worse, *others]))
+
+    files = [str(tmp_path / name) for name in ("a.json", "b.json")]
+    with pytest.raises(SystemExit) as ended:
+        main(["evaluate", "--compare", *files, "--json"])
+
+    found = json.loads(capsys.readouterr().out)
+    assert ended.value.code == 1
+    assert found["counts"]["right"] == [len(cases), len(cases) - 1]
+    assert found["cases"][first.result.key][1] == "wrong: shoe"
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"), [("{", "is not JSON"), ("{}", "hilt evaluate --json"), ("[]", "expected")]
+)
+def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str, problem: str):
+    """The file is named."""
+    (tmp_path / "a.json").write_text(text, encoding="utf-8")
+
+    with pytest.raises(DataError, match=problem) as raised:
+        compare(tmp_path / "a.json", tmp_path / "a.json")
+
+    assert re.search(r"a\.json", str(raised.value))
+
+
+@pytest.mark.sim
+def test_page_of_a_simulated_run_has_pictures(tmp_path):
+    """Each scene stands there as a picture, and what the robot saw explains its choice."""
+    experiment = PaperRun(scenes=1, sim=True)
+    cases = [case for case in experiment.cases() if case.key == "A/0/pointTo/cutting"]
+    done = run(experiment, cases)
+
+    write_report(tmp_path / "r.html", experiment, cases, Report.of(experiment, done))
+
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert len(Links(text).sources) == 1
+    assert done[0].result.facts["why"]

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The running example in the simulated world: what the fingers touch is what was said."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from hilt.agent.agent import Agent
+from hilt.agent.cli import main
+from hilt.agent.execution.outcome import World
+from hilt.sim.manipulation.pick_and_place import MEETING
+
+pytestmark = pytest.mark.sim
+
+ALONE = "objects:knife"
+
+
+def world(agent: Agent, command: str) -> World:
+    """What happened in the world when something was asked for."""
+    reply = agent.hear(command)
+    assert reply.achievement is not None, reply.said
+    return reply.achievement.world
+
+
+@pytest.mark.parametrize(
+    ("pick_up", "hand_over"), [("handle", "blade"), ("blade", "handle")], ids=["told", "exchanged"]
+)
+def test_fingers_touch_the_part_that_was_said(pick_up: str, hand_over: str):
+    """With handle and blade exchanged in the sentences the robot does the exchange."""
+    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+        agent.hear("A knife is used for cutting")
+        agent.hear(f"To pickup a knife grab the knife by the {pick_up}")
+        agent.hear(f"To pass a knife grab the knife by the {hand_over}")
+
+        passed = world(agent, "pass me something used for cutting")
+        picked = world(agent, "pick up the knife")
+
+    assert (passed.touched, picked.touched) == ((hand_over,), (pick_up,))
+    assert passed.handed_over
+    assert passed.as_json()["handed_over_at"]["position_m"] == pytest.approx(MEETING, abs=0.125)
+    assert min(passed.lifted_m, picked.lifted_m) >= 0.10
+    assert min(passed.held_s, picked.held_s) >= 1.0
+
+
+def test_robot_does_not_move_for_what_it_was_not_told():
+    """Without the sentences nothing is touched, and the answer says why."""
+    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+        reply = agent.hear("pass me something used for cutting")
+
+    assert (reply.ending, reply.said) == ("failed", "I see nothing that is used for cutting.")
+    assert reply.achievement is not None
+    assert reply.achievement.world == World()
+
+
+def test_robot_does_not_look_for_a_part_that_is_not_there():
+    """It says so, and leaves the thing where it is."""
+    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+        reply = agent.hear("pass me the knife by the stem")
+
+    assert (reply.ending, reply.said) == ("failed", "A knife has no stem.")
+    assert reply.achievement is not None
+    assert not reply.achievement.world.touched
+
+
+def test_same_seed_gives_the_same_run():
+    """Every number of what happened repeats."""
+    runs: list[World] = []
+    for _ in range(2):
+        with Agent.open("memory:", scene=ALONE, seed=5) as agent:
+            agent.hear("To pass a knife grab the knife by the blade")
+            runs.append(world(agent, "pass me the knife"))
+
+    assert runs[0] == runs[1]
+
+
+def test_demo_shows_the_example_and_writes_its_pictures(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
+    """`hilt demo` ends well, tells what happened, and leaves pictures and an animation."""
+    with pytest.raises(SystemExit) as ended:
+        main(["demo", "--out", str(tmp_path)])
+    out = capfd.readouterr().out
+
+    assert ended.value.code == 0
+    assert "Here is the knife. I hold it by the blade, as you told me." in out
+    assert "I picked up the knife by the handle, as you told me." in out
+    assert "I see nothing that is used for rolling." in out
+    frames = {}
+    for path in tmp_path.iterdir():
+        with Image.open(path) as picture:
+            frames[path.name] = getattr(picture, "n_frames", 1)
+            assert picture.size[0] >= 400
+    assert set(frames) == {"before.png", "grasp.png", "hand-over.png", "animation.gif"}
+    assert frames["animation.gif"] > 10
+
+
+def test_nail_is_pounded_with_what_is_used_for_it():
+    """Told what pounds, the robot drives the nail in with it, and takes it by its handle."""
+    with Agent.open("memory:", scene="objects:hammer,knife,nail", seed=3) as agent:
+        agent.hear("A hammer is used for pounding")
+
+        reply = agent.hear("pound the nail")
+
+    document = reply.as_do_json()["world"]
+    assert (reply.ending, reply.said) == ("done", "I pounded the nail with the hammer.")
+    assert isinstance(document, dict)
+    assert document["touched"] == ["handle"]
+    assert document["nail_depth_mm"] > document["driven_mm"] > 10

@@ -1,0 +1,390 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Section 4.2 through sentences: tools chosen by what they afford, and what comes next.
+
+The hands are scripted: they say which thing cannot be had and why, so that each way in which a walk
+can go on is met without a simulator.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hilt.agent.agent import Agent
+from hilt.agent.dialogue.reply import Reply
+from hilt.agent.execution.outcome import Constraint
+from hilt.inference.settings import Settings
+from hilt.inference.taxonomy import Taxonomy
+from hilt.kb.interval import Interval
+from hilt.kb.rule import Atom, Rule
+from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.vision.percept import PartPercept, Percept
+
+POUND = "pound the nail"
+POINT = np.zeros((1, 3))
+
+
+class Eyes:
+    """Sees things of these kinds, each with a confidence."""
+
+    def __init__(self, **things: float) -> None:
+        self.things = {name.replace("_", " "): sure for name, sure in things.items()}
+
+    def search(self, features: Sequence[str]) -> list[Percept]:
+        """The things that show one of the features."""
+        wanted = {feature.partition(":")[2] for feature in features}
+        return [
+            Percept(name=name, object=name, confidence=sure, parts={})
+            for name, sure in self.things.items()
+            if name in wanted
+        ]
+
+
+class OneThing:
+    """Sees this one thing, whatever is looked for."""
+
+    def __init__(self, seen: Percept) -> None:
+        self.seen = seen
+
+    def search(self, features: Sequence[str]) -> list[Percept]:
+        """The one thing."""
+        return [self.seen]
+
+
+class Arm:
+    """Does as it is told, but for the things that it cannot do it with.
+
+    Attributes:
+        fails: (action, thing held or meant) -> how often, and why.
+        done: what it did, in order.
+        parts: by which parts it took hold.
+    """
+
+    abilities = frozenset(
+        {"graspObject", "moveTo", "handOver", "pointAt", "moveAbove", "raise", "lower", "shake"}
+    )
+
+    def __init__(self, fails: Mapping[tuple[str, str], str], *, drives: bool = True) -> None:
+        self.fails = dict(fails)
+        self.drives = drives
+        self.done: list[str] = []
+        self.held = ""
+        self.parts: list[str | None] = []
+
+    def _report(self, action: str, thing: str, **facts: bool) -> MotionReport:
+        reason = self.fails.get((action, thing), "")
+        once = reason.removesuffix("!")
+        if reason.endswith("!"):
+            del self.fails[action, thing]
+        self.done.append(f"{action} {thing}".strip())
+        return MotionReport(action, ok=not reason, reason=once, **facts)
+
+    def grasp(self, percept: Percept, part: str | None) -> MotionReport:
+        """Take a thing."""
+        self.held = percept.name
+        self.parts.append(part)
+        return self._report("grasp", percept.name)
+
+    def lift(self) -> MotionReport:
+        """Lift it."""
+        return self._report("lift", self.held)
+
+    def hand_over(self) -> MotionReport:
+        """Hand it over."""
+        return self._report("hand over", self.held)
+
+    def point_at(self, percept: Percept) -> MotionReport:
+        """Point."""
+        return self._report("point", percept.name)
+
+    def move_above(self, percept: Percept) -> MotionReport:
+        """Bring what is held above a thing."""
+        return self._report("above", percept.name)
+
+    def raise_(self) -> MotionReport:
+        """Raise."""
+        return self._report("raise", self.held)
+
+    def lower(self) -> MotionReport:
+        """Strike."""
+        return self._report("lower", self.held, driven=self.drives)
+
+    def perform(
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: Constraint | None
+    ) -> MotionReport:
+        """Do something of its own."""
+        names = [each.name if isinstance(each, Percept) else each for each in arguments.values()]
+        bound = f" ({constraint.argument})" if constraint else ""
+        return self._report(action, " ".join(names) + bound)
+
+
+@contextmanager
+def robot(
+    arm: Arm | None = None, actions: Path | None = None, **things: float
+) -> Iterator[tuple[Agent, Arm]]:
+    """An agent with scripted hands that sees these things."""
+    arm = arm or Arm({})
+    with Agent.open("memory:", vision=Eyes(**things), motion=arm, actions=actions) as agent:
+        for lesson in (
+            "A hammer is used for pounding",
+            "A shoe is sometimes used for pounding",
+            "A spoon is never used for pounding",
+        ):
+            agent.hear(lesson)
+        yield agent, arm
+
+
+def tool(reply: Reply) -> str | None:
+    """What the command was carried out with."""
+    assert reply.achievement is not None and reply.achievement.decision is not None
+    best = reply.achievement.decision.object.best
+    return best.object if best else None
+
+
+# --- Which tool ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("things", "said"),
+    [
+        ({"hammer": 1.0, "shoe": 1.0}, "I pounded the nail with the hammer."),
+        ({"shoe": 1.0}, "I pounded the nail with the shoe."),
+        (
+            {},
+            "I see nothing that is used for pounding. I know of a hammer and a shoe, but I see "
+            "none.",
+        ),
+        (
+            {"shoe": 0.2},
+            "I am not sure enough that a shoe is used for pounding: 0.1. Shall I take it?",
+        ),
+    ],
+    ids=["the best", "the next best when it is absent", "tool absent", "not sure enough"],
+)
+def test_tool_nobody_named_is_chosen_by_what_it_affords(things: dict[str, float], said: str):
+    """Section 4.2: the argument review looks for something used for pounding."""
+    with robot(nail=1.0, **things) as (agent, _):
+        assert agent.hear(POUND).said == said
+
+
+def test_tool_that_is_named_is_used_whatever_it_affords():
+    """Who says which tool has decided."""
+    with robot(nail=1.0, hammer=1.0, spoon=1.0) as (agent, arm):
+        reply = agent.hear("pound the nail with the spoon")
+
+    assert reply.said == "I pounded the nail with the spoon."
+    assert arm.done[:2] == ["grasp spoon", "lift spoon"]
+
+
+def test_tool_that_is_named_and_absent_is_not_replaced():
+    """The hammer was meant; a shoe is no hammer."""
+    with robot(nail=1.0, shoe=1.0) as (agent, arm):
+        reply = agent.hear("pound the nail with the hammer")
+
+    assert (reply.said, arm.done) == ("I do not see a hammer.", [])
+
+
+def test_what_is_known_not_to_do_is_told_from_what_is_not_known():
+    """To believe not is not the same as not to know, nor as not to see."""
+    said: list[str] = []
+    for lesson in ("A spoon is never used for rolling", "A mug is used for rolling", "hello"):
+        with robot(nail=1.0, spoon=1.0) as (agent, _):
+            agent.hear(lesson)
+            said.append(agent.hear("pass me something used for rolling").said)
+
+    assert said == [
+        "I see nothing that is used for rolling. I was told the contrary of a spoon.",
+        "I see nothing that is used for rolling. I know of a mug, but I see none.",
+        "I see nothing that is used for rolling.",
+    ]
+
+
+def test_yes_settles_a_tool_that_was_not_sure_enough():
+    """Asked and confirmed, the shoe is used."""
+    with robot(nail=1.0, shoe=0.2) as (agent, _):
+        asked = agent.hear(POUND)
+        done = agent.hear("yes")
+
+    assert (asked.ending, done.said) == ("asked", "I pounded the nail with the shoe.")
+
+
+# --- What comes next -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("failure", "excuse"),
+    [
+        (("grasp", "hammer", "unreachable"), "I cannot reach the handle of the hammer."),
+        (("grasp", "hammer", "too_wide"), "The handle of the hammer is too wide for my hand."),
+        (("raise", "hammer", "unreachable"), "I cannot strike the nail with the hammer as I hold"),
+    ],
+)
+def test_next_best_tool_is_taken_when_the_best_cannot_be(
+    failure: tuple[str, str, str], excuse: str
+):
+    """It says why, and what it did instead; both are among the candidates."""
+    action, thing, reason = failure
+    with robot(Arm({(action, thing): reason}), nail=1.0, hammer=1.0, shoe=1.0) as (agent, arm):
+        reply = agent.hear(POUND)
+
+    assert reply.said.startswith(excuse)
+    assert reply.said.endswith("I pounded the nail with the shoe.")
+    assert arm.done[-1] == "lower shoe"
+    document = reply.as_do_json()["decision"]
+    assert [(each["object"], each["accepted"]) for each in document["candidates"]] == [
+        ("shoe", True),
+        ("hammer", False),
+    ]
+    assert (
+        document["candidates"][1]["reason"]
+        == f"it was tried first, but: {reason.replace('_', ' ')}"
+    )
+
+
+def test_next_best_that_is_not_sure_enough_is_asked_about():
+    """The hammer cannot be had, and the shoe is hardly seen."""
+    arm = Arm({("grasp", "hammer"): "unreachable"})
+    with robot(arm, nail=1.0, hammer=1.0, shoe=0.2) as (agent, _):
+        asked = agent.hear(POUND)
+        done = agent.hear("yes")
+
+    assert asked.said.startswith("I cannot reach the handle of the hammer. I am not sure enough")
+    assert (asked.ending, tool(done)) == ("asked", "shoe")
+
+
+def test_last_failure_is_told_when_nothing_is_left():
+    """Neither can be reached."""
+    arm = Arm({("grasp", "hammer"): "unreachable", ("grasp", "shoe"): "blocked"})
+    with robot(arm, nail=1.0, hammer=1.0, shoe=1.0) as (agent, _):
+        reply = agent.hear(POUND)
+
+    assert reply.ending == "failed"
+    assert reply.said.startswith("I cannot reach the handle of the hammer. Other things leave no")
+
+
+def test_what_is_known_not_to_do_is_never_the_next_best():
+    """A spoon is never used for pounding, and stays on the table."""
+    arm = Arm({("grasp", "hammer"): "unreachable"})
+    with robot(arm, nail=1.0, hammer=1.0, spoon=1.0) as (agent, _):
+        reply = agent.hear(POUND)
+
+    assert (reply.ending, arm.done) == ("failed", ["grasp hammer"])
+
+
+def test_nothing_is_picked_up_for_a_nail_that_is_not_there():
+    """What a tree requires is asked for before its first step."""
+    with robot(hammer=1.0) as (agent, arm):
+        reply = agent.hear(POUND)
+
+    assert (reply.said, arm.done) == ("I do not see a nail.", [])
+
+
+def test_pounding_ends_when_the_nail_does_not_go_in():
+    """Every blow of the loop is tried, with each tool that is sure enough."""
+    arm = Arm({}, drives=False)
+    with robot(arm, nail=1.0, hammer=1.0) as (agent, _):
+        reply = agent.hear(POUND)
+
+    assert reply.said == "I pounded the nail with the hammer, but it does not go in."
+    assert arm.done.count("lower hammer") == 12
+
+
+# --- Actions of one's own ------------------------------------------------------------------
+
+OWN = """
+primitives:
+  shake: [object]
+failures: [spilled]
+trees:
+  season:
+    parameters: [patient, tool]
+    defaults: {tool: {usedFor: seasoning}}
+    requires: [{sees: patient}]
+    steps:
+      - pickUp: tool
+      - shake: tool
+    otherwise:
+      - {after: [spilled], again: 2}
+      - {after: any, steps: [{handOver: tool}]}
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Path:
+    """A file with an action of one's own."""
+    path = tmp_path / "own.yaml"
+    path.write_text(OWN, encoding="utf-8")
+    return path
+
+
+def test_action_of_ones_own_is_asked_for_by_its_name(own: Path):
+    """The verb, the tool it needs and the robot's own primitive all come from the file."""
+    with robot(actions=own, glass=1.0, mug=1.0) as (agent, arm):
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("season the mug")
+
+    assert reply.said == "I seasoned the mug with the glass."
+    assert arm.done == ["grasp glass", "lift glass", "shake glass"]
+
+
+@pytest.mark.parametrize(
+    ("reason", "shaken", "ending"), [("spilled!", 2, "done"), ("slipped!", 1, "done")]
+)
+def test_branches_mend_what_failed(own: Path, reason: str, shaken: int, ending: str):
+    """Spilling is tried again; anything else ends in putting it down, and is told."""
+    arm = Arm({("shake", "glass"): reason})
+    with robot(arm, own, glass=1.0, mug=1.0) as (agent, _):
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("season the mug")
+
+    assert (arm.done.count("shake glass"), reply.ending) == (shaken, ending)
+    assert ("hand over glass" in arm.done) == (reason == "slipped!")
+
+
+def test_rule_of_any_functor_binds_a_primitive_of_ones_own(own: Path, tmp_path: Path):
+    """What a rule concludes at a node reaches the hands as their constraint."""
+    gently = Rule(
+        frozenset({Atom("object", "glass")}), frozenset({Atom("action", "season")}), "shake",
+        Atom("property", "gentle"), Interval(0.9, 1),
+    )  # fmt: skip
+    with robot(actions=own, glass=1.0, mug=1.0) as (agent, arm):
+        agent.base.believe("Shake glasses gently", "", "sam", [gently])
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("season the mug")
+
+    assert arm.done[-1] == "shake glass (property:gentle)"
+    steps = {step["node"]: step for step in reply.as_do_json()["steps"]}
+    assert steps["season/shake"]["constraint"]["argument"] == "property:gentle"
+
+
+# --- By which part -------------------------------------------------------------------------
+
+
+def test_guess_that_is_not_sure_enough_is_asked_about_first():
+    """What follows by likeness alone is asked about before its first use, and "yes" settles it."""
+    careful = Settings(threshold=0.5)
+    with Agent.open("memory:", simulate=False, induces=True, settings=careful) as agent:
+        agent.hear("To pass a knife grab it by the blade")
+        asked = agent.hear("pass me the screwdriver")
+        done = agent.hear("yes")
+
+    assert asked.said == (
+        "Nobody told me how to pass a screwdriver, but it is like something else. By the shaft?"
+    )
+    assert (asked.ending, done.said) == ("asked", "I would pass the screwdriver by the shaft.")
+
+
+def test_part_of_a_kind_is_the_part_that_the_thing_has():
+    """What was told of blades holds for the serrated blade of a bread knife."""
+    blade, serrated = Atom("part", "blade"), Atom("part", "serrated blade")
+    seen = Percept("bread knife", "knife", 1.0, {"serrated blade": PartPercept("", POINT, 1)})
+    arm = Arm({})
+    with Agent.open("memory:", vision=Eyes(), motion=arm) as agent:
+        agent.affordances.taxonomy = Taxonomy([(serrated, blade)])
+        agent.goals.vision = OneThing(seen)
+        agent.hear("To pass a knife grab it by the blade")
+        reply = agent.hear("pass me the knife")
+
+    assert (reply.ending, arm.parts) == ("done", ["serrated blade"])

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about the fast reader of lines: it finds what the engine's parser finds."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hilt.kb.bulk.statements import Block, Group, in_full
+from hilt.kb.rdf.annotations import Reified
+from hilt.kb.rdf.rule_mapping import BELIEFS, statements
+from hilt.kb.rdf.terms import Quad
+from hilt.kb.rule import Rule
+from hilt.kb.stores.oxigraph import line_reader, read_groups, read_rdf, write_rdf
+from hilt.ontology.errors import DataError
+
+from ..strategies import rules
+
+RULE = "<https://w3id.org/hilt/rule/0123456789abcdef>"
+LOWER, DECIMAL = "<https://w3id.org/hilt#lower>", "<http://www.w3.org/2001/XMLSchema#decimal>"
+GRAPH = "<https://w3id.org/hilt/graph/beliefs>"
+
+
+def fast(text: bytes, form: str = "nquads") -> list[Quad]:
+    """The statements as the fast reader finds them."""
+    groups = read_groups(io.BytesIO(text), format=form, source="x", default=BELIEFS)
+    return [quad for one in in_full(groups) if isinstance(one, Group) for quad in one.quads()]
+
+
+def plain(text: bytes, form: str = "nquads") -> list[object]:
+    """The statements as the engine finds them."""
+    return list(read_rdf(io.BytesIO(text), format=form, source="x", default=BELIEFS))
+
+
+@given(st.lists(rules, max_size=4), st.sampled_from(["nquads", "ntriples"]))
+@settings(deadline=None)
+def test_rules_are_read_as_the_engine_reads_them(some: list[Rule], form: str):
+    """Every statement, in its order."""
+    text = write_rdf([quad for rule in some for quad in statements(rule)], format=form)
+
+    assert fast(text, form) == plain(text, form)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .',
+        f'{RULE}\t{LOWER}   "0.5"^^{DECIMAL} {GRAPH}. # half',
+        f'{RULE} {LOWER} "+00.50"^^{DECIMAL} {GRAPH} .',
+        f'{RULE} {LOWER} "nonsense"^^{DECIMAL} {GRAPH} .',
+        f'{RULE} {LOWER} "a \\" {GRAPH} ." {GRAPH} .',
+        f'{RULE} {LOWER} "a b c" .',
+        f'{RULE} {LOWER} "a {GRAPH}" .',
+        f'{RULE} {LOWER} "Grüße"@de {GRAPH} .',
+        f"{RULE} {LOWER} <urn:\\u0041> {GRAPH} .",
+        f"{RULE} {LOWER} {RULE} {GRAPH} .",
+        f"_:b {LOWER} _:c {GRAPH} .",
+        f"{RULE} {LOWER} {RULE} {GRAPH} .\r{RULE} {LOWER} {RULE} <urn:g> .",
+        "# nothing",
+        "",
+    ],
+)
+def test_lines_in_any_form_are_read_as_the_engine_reads_them(line: str):
+    """Also the second time, when their terms are remembered."""
+    text = f"{line}\n{line}\r\n{line}".encode()
+
+    assert fast(text) == plain(text)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f'"0.5"^^{DECIMAL} {LOWER} {RULE} {GRAPH} .',
+        f'{RULE} "0.5"^^{DECIMAL} {RULE} {GRAPH} .',
+        f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} ,',
+        f'{RULE} {LOWER} "0.5 {GRAPH} .',
+        f'{RULE} {LOWER} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .',
+        f"{RULE} {LOWER} <http://[> {GRAPH} .",
+    ],
+)
+def test_wrong_lines_are_told_with_their_number(line: str):
+    """Although the terms of the lines before are remembered."""
+    good = f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .\n' * 3
+
+    with pytest.raises(DataError) as error:
+        fast((good + line + "\n").encode())
+
+    assert (error.value.line, error.value.text) == (4, line)
+
+
+@given(st.integers(1, 400))
+@settings(deadline=None)
+def test_chunks_may_end_anywhere(size: int):
+    """Also within a line, and within a character."""
+    text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
+    reader = line_reader("nquads", source="x", default=BELIEFS)
+
+    def read() -> Iterator[Group | Block | Reified]:
+        for start in range(0, len(text), size):
+            yield from reader.feed(text[start : start + size])
+        yield from reader.finish()
+
+    groups = [one for one in in_full(read()) if isinstance(one, Group)]
+    assert [quad for group in groups for quad in group.quads()] == plain(text)
+
+
+def test_an_endless_line_is_refused():
+    """Before it fills the memory."""
+    endless = b"<urn:" + b"a" * (17 * 2**20)
+
+    with pytest.raises(DataError, match="more than 16 MB"):
+        fast(endless)
+
+
+def test_other_encodings_are_refused():
+    """Bytes that are no UTF-8."""
+    with pytest.raises(DataError, match="expected UTF-8 text"):
+        fast(f'{RULE} {LOWER} "Gr\\u00fc'.encode() + b'\xff" .\n')

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about SPARQL texts."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.kb.sparql.text import bind, form, syntax_problem
+from hilt.kb.stores.base import open_store
+from hilt.ontology.errors import QueryError
+from hilt.ontology.vocabulary import Iri
+
+
+def test_binding_stands_at_the_head_of_the_where_group():
+    """A value becomes a VALUES block, several values are alternatives."""
+    bound = bind("SELECT ?s WHERE { ?s ?p ?o }", {"s": [Iri("urn:a"), Iri("urn:b")]})
+
+    assert bound == "SELECT ?s WHERE { VALUES ?s { <urn:a> <urn:b> } ?s ?p ?o }"
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "CONSTRUCT { ?s ?p ?o } WHERE # a { brace\n { ?s ?p ?o }",
+        "SELECT (EXISTS { ?s ?p ?o } AS ?x) WHERE { ?s ?p ?o }",
+        'SELECT ?s { ?s ?p "{" }',
+        "ASK { ?s ?p ?o } VALUES ?p { <urn:p> }",
+    ],
+)
+def test_binding_finds_the_outermost_group(query: str):
+    """Templates, expressions, strings and comments are not taken for the WHERE group."""
+    bound = bind(query, {"s": Iri("urn:a")})
+
+    head = bound.index("VALUES ?s")
+    assert bound[:head].rstrip().endswith("{")
+    assert "?s ?p" in bound[head:]
+    open_store("memory:").select(bound) if form(query) == "SELECT" else None
+
+
+@given(st.text(st.characters(exclude_categories=["Cs"])))
+def test_bound_text_never_leaves_its_literal(text: str):
+    """Whatever the text, the query finds that text and nothing else."""
+    bound = bind("SELECT ?x WHERE { BIND(?x AS ?y) }", {"x": text})
+
+    assert open_store("memory:").select(bound).rows == ((text,),)
+
+
+def test_query_without_group_cannot_be_bound():
+    """There is no place for the values."""
+    with pytest.raises(QueryError, match="no WHERE group"):
+        bind("DESCRIBE <urn:x>", {"x": 1})
+
+
+def test_malformed_value_is_refused():
+    """A value that is no term, and a name that is no variable, are refused."""
+    with pytest.raises(QueryError, match=r"value for \?x is wrong"):
+        bind("SELECT * { ?x ?p ?o }", {"x": Iri("urn:a> }")})
+    with pytest.raises(QueryError, match="no name of a variable"):
+        bind("SELECT * { ?x ?p ?o }", {"x } #": 1})
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("# SELECT\nPREFIX ask: <urn:SELECT> ask {}", "ASK"),
+        ("select * {}", "SELECT"),
+        ("construct where {}", "CONSTRUCT"),
+        ("DESCRIBE <urn:x>", "DESCRIBE"),
+        ("INSERT DATA {}", ""),
+        ("", ""),
+    ],
+)
+def test_form_is_the_first_keyword(text: str, expected: str):
+    """Prefixes and comments before it do not count."""
+    assert form(text) == expected
+
+
+def test_undeclared_prefix_is_named():
+    """The engine says something else; the person needs the prefix."""
+    assert syntax_problem("error at 1:1", "ASK { ex:a ?p ?o }") == (
+        'The prefix "ex:" is not declared.'
+    )
+
+
+def test_mistake_is_told_with_its_place():
+    """Line, column, and what stands there."""
+    with pytest.raises(QueryError, match=r'at line 2, column 6: found "\{ \?s \?p \?o \}"'):
+        open_store("memory:").select("SELECT ?s\nWERE { ?s ?p ?o }")

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Learned words are kept with their teacher, and can be revoked."""
+
+import pytest
+
+from hilt.kb.interval import Interval
+from hilt.kb.knowledge_base import KnowledgeBase
+from hilt.kb.learned_words import LEXICON, Word
+from hilt.kb.rule import Atom, functional
+from hilt.ontology.errors import UnknownNameError
+
+SAW = Word(Atom("object", "saw"), "saw", "sam")
+TEXT = "A saw is used for cutting"
+
+
+@pytest.fixture
+def base():
+    """A base that learned of saws."""
+    with KnowledgeBase.open("memory:") as kb:
+        rule = functional("saw", "cutting", interval=Interval(0.95, 1.0))
+        kb.believe(TEXT, "implies(saw,cutting,high)", "sam", [rule], words=[SAW], heard=0.8)
+        yield kb
+
+
+def test_word_keeps_its_teacher_and_its_sentence(base: KnowledgeBase):
+    """Who taught it, and in which utterance, can be told."""
+    (word,) = base.words()
+
+    assert (word.atom, word.speaker) == (Atom("object", "saw"), "sam")
+    assert base.utterance(word.utterance or 0).text == TEXT
+
+
+def test_revoked_word_is_known_no_more_but_stays_in_the_graph(base: KnowledgeBase):
+    """Forgetting changes its status."""
+    base.forget_word("saw", "forget the word saw", "sam")
+
+    assert base.words() == []
+    assert any(base.store.quads(None, None, None, LEXICON))
+
+
+def test_word_can_be_learned_again(base: KnowledgeBase):
+    """What was revoked may be taught anew."""
+    base.forget_word("saw", "forget the word saw", "sam")
+    base.believe(TEXT, "", "sam", [], words=[SAW])
+
+    assert [word.atom.name for word in base.words()] == ["saw"]
+
+
+def test_unknown_word_cannot_be_forgotten(base: KnowledgeBase):
+    """The error lists the words that were learned."""
+    with pytest.raises(UnknownNameError, match="Known: saw"):
+        base.forget_word("axe", "forget axe", "sam")
+
+
+def test_recognition_score_stands_at_the_utterance(base: KnowledgeBase):
+    """How surely it was heard is kept beside what was said."""
+    assert base.utterance(1).heard == 0.8

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What Hilt says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hilt.nlu import ANY_OBJECT, ActionRule, FunctionalRule, Language, Rule
+from hilt.nlu.generation.templates import Phrases, load_speech
+from hilt.ontology.errors import DataError, UnknownNameError
+
+SURE = (0.95, 1.0)
+NEVER = (0.0, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("rule", "words"),
+    [
+        (FunctionalRule("knife", "cutting", SURE), "a knife is used for cutting"),
+        (FunctionalRule("egg", "rolling", NEVER), "an egg is not used for rolling"),
+        (ActionRule("knife", "pass", "blade", SURE), "to pass a knife, grab it by the blade"),
+        (
+            ActionRule("mug", "pickUp", "handle", SURE, ("red",)),
+            "to pick up a red mug, grab it by the handle",
+        ),
+        (
+            ActionRule("knife", "cut", "blade", NEVER),
+            "to cut with a knife, never grab it by the blade",
+        ),
+        (
+            ActionRule(ANY_OBJECT, "pass", "handle", SURE, ("sharp",)),
+            "to pass something sharp, grab it by the handle",
+        ),
+    ],
+)
+def test_rules_are_put_into_words(language: Language, rule: Rule, words: str) -> None:
+    """Articles, particles and prepositions are right."""
+    assert language.phrase(rule) == words
+
+
+@pytest.mark.parametrize(
+    "rule",
+    [
+        FunctionalRule("wine glass", "containing", SURE),
+        FunctionalRule("spoon", "cutting", NEVER),
+        FunctionalRule(ANY_OBJECT, "cutting", SURE, ("sharp",)),
+        ActionRule("knife", "pointTo", "blade", SURE),
+        ActionRule("hammer", "pound", "handle", SURE),
+        ActionRule("hammer", "use", "handle", SURE),
+        ActionRule(ANY_OBJECT, "pass", "handle", SURE),
+        ActionRule("mug", "pickUp", "handle", NEVER, ("red",)),
+    ],
+)
+def test_what_is_said_of_a_rule_is_understood_as_it(language: Language, rule: Rule) -> None:
+    """Hilt understands its own words."""
+    meaning = language.understand(language.phrase(rule)).meaning
+
+    assert meaning.as_json() == rule.as_json()
+
+
+@pytest.mark.parametrize(
+    ("key", "slots", "said"),
+    [
+        (
+            "learned",
+            {"rule": "to pass a knife, grab it by the blade", "confidence": SURE, "speaker": "sam"},
+            "I learned: to pass a knife, grab it by the blade (0.95, from Sam).",
+        ),
+        (
+            "learned",
+            {"rule": "x", "confidence": NEVER, "speaker": "sam"},
+            "I learned: x ([0, 0.05], from Sam).",
+        ),
+        (
+            "passed_by",
+            {"object": "knife", "part": "blade"},
+            "Here is the knife. I hold it by the blade.",
+        ),
+        ("nothing_used_for", {"affordance": "rolling"}, "I see nothing that is used for rolling."),
+        ("will_not", {"goal": "pickUp", "object": "mug"}, "All right, I will not pick up the mug."),
+        ("see", {"objects": ["knife", "mug", "egg"]}, "I see a knife, a mug and an egg."),
+        (
+            "done_with_tool",
+            {"goal": "pound", "patient": "nail", "tool": "hammer"},
+            "I pounded the nail with the hammer.",
+        ),
+        ("nothing_about", {"object": "knife"}, "I know nothing about knives yet."),
+    ],
+)
+def test_answers_are_filled_in(
+    language: Language, key: str, slots: dict[str, object], said: str
+) -> None:
+    """Each slot takes the form that its place asks for."""
+    assert language.say(key, **slots) == said  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("key", "slots"), [("hum", {}), ("passed", {}), ("okay", {"object": "mug"})]
+)
+def test_a_wrong_key_or_slot_is_told(language: Language, key: str, slots: dict[str, str]) -> None:
+    """The error lists what there is."""
+    with pytest.raises(UnknownNameError):
+        language.say(key, **slots)
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        ('{slots: [], say: "{object}"}', 'uses "object", but the slots are'),
+        ('{slots: [object], say: "Yes."}', "object is not used"),
+        ('{slots: [object], say: "{object:dual}"}', 'there is no form "dual"'),
+    ],
+)
+def test_a_wrong_answer_is_told(
+    language: Language, tmp_path: Path, answer: str, message: str
+) -> None:
+    """A template is checked when it is read."""
+    phrases = Phrases.__dataclass_fields__
+    path = tmp_path / "answers.yaml"
+    path.write_text(
+        f"answers: {{a: {answer}}}\nphrases: {{{', '.join(f'{each}: x' for each in phrases)}}}\n",
+        encoding="utf-8",
+    )
+
+    with pytest.raises(DataError, match=message):
+        load_speech(path, language.inflection, {}, {})

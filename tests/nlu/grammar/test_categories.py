@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Categories, their types, and how two of them combine."""
+
+from __future__ import annotations
+
+import pytest
+
+from hilt.nlu.grammar.categories import Atom, sought, type_of
+from hilt.nlu.grammar.notation import read_category
+from hilt.nlu.grammar.types import Basic
+from hilt.nlu.parsing.combinators import Combination, Combinator
+from hilt.ontology.yaml_reader import Field
+
+
+def category(text: str):
+    """A category from its notation."""
+    return read_category(Field(text, "<text>", 1, 1))
+
+
+def combined(left: str, right: str) -> list[tuple[str, Combination]]:
+    """All that two categories give."""
+    table = Combinator(())
+    found = table.combine(table.sign(category(left)), table.sign(category(right)))
+    return [(str(table.category(sign)), rule) for sign, rule in found]
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "result", "rule"),
+    [
+        ("NP/N", "N", "NP", Combination.FORWARD),
+        ("NP", "S\\NP", "S", Combination.BACKWARD),
+        ("S/^C", "C/^NP", "S/^NP", Combination.FORWARD_COMPOSITION),
+        ("C\\^NP", "S\\^C", "S\\^NP", Combination.BACKWARD_COMPOSITION),
+    ],
+)
+def test_neighbours_combine(left: str, right: str, result: str, rule: Combination) -> None:
+    """Application always, composition where both slashes allow it."""
+    assert combined(left, right) == [(result, rule)]
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("N", "NP/N"),
+        ("S\\NP", "NP"),
+        ("S/C", "C/NP"),
+        ("S/^C", "C/NP"),
+        ("S/^C", "C\\^NP"),
+        ("S\\^C", "C/^NP"),
+    ],
+)
+def test_nothing_else_combines(left: str, right: str) -> None:
+    """Nothing crosses, nothing is raised, and a plain slash does not compose."""
+    assert combined(left, right) == []
+
+
+def test_a_composed_functor_does_not_lead_again() -> None:
+    """Eisner's normal form: one derivation of many with the same meaning."""
+    table = Combinator(())
+    one, two = table.sign(category("A/^B")), table.sign(category("B/^C"))
+    ((composed, _),) = table.combine(one, two)
+
+    assert table.combine(composed, table.sign(category("C"))) == ()
+    assert table.combine(one, table.sign(category("B"))) != ()
+
+
+def test_the_type_of_a_functor_is_a_function() -> None:
+    """`S/NP` means a function from what NPs mean to what Ss mean."""
+    atoms = {"S": Basic("t"), "NP": Basic("e")}
+
+    assert str(type_of(category("(S\\NP)/NP"), atoms)) == "e -> e -> t"
+
+
+def test_an_undeclared_atom_has_no_type() -> None:
+    """The error names it."""
+    with pytest.raises(KeyError, match="VP"):
+        type_of(category("VP/NP"), {"NP": Basic("e")})
+
+
+def test_a_functor_seeks_its_argument() -> None:
+    """An atom seeks nothing."""
+    assert sought(category("NP/N")) == Atom("N")
+    assert sought(Atom("N")) is None

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words never heard: their roles, their forms, and slips of known ones."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.nlu import AskBack, Language, Misunderstanding, NewWord
+from hilt.nlu.lexicon.unknown_words import nearest, slips
+
+WORDS = st.text("abc", max_size=6)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("A ladle is used for cutting", {"ladle": "object"}),
+        ("Ladles are used for cutting", {"ladle": "object"}),
+        ("A knife is used for whittling", {"whittling": "affordance"}),
+        ("A knife is used to whittle", {"whittling": "affordance"}),
+        ("You can whittle with a knife", {"whittling": "affordance"}),
+        ("To pass a knife grab it by the ferrule", {"ferrule": "part"}),
+        ("To throw a mug grab it by the handle", {"throw": "context"}),
+        ("When throwing a mug, grab it by the handle", {"throw": "context"}),
+        ("To store a mug, grab it by the handle", {"store": "context"}),
+        ("A ladle is used for scooping", {"ladle": "object", "scooping": "affordance"}),
+        ("To pass a ladle grab it by the ferrule", {"ladle": "object", "ferrule": "part"}),
+        ("Scissors are used for cutting", {"scissors": "object"}),
+    ],
+)
+def test_the_rest_of_the_sentence_tells_the_role(
+    language: Language, text: str, words: dict[str, str]
+) -> None:
+    """A new word is named in its dictionary form."""
+    understood = language.understand(text)
+
+    assert understood.kind == "statement"
+    assert {word.word: word.role for word in understood.new_words} == words
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "unknown"),
+    [
+        ("pass me the ladle", "command", "ladle"),
+        ("what is a ladle used for", "question", "ladle"),
+        ("pick up something used for scooping", "command", "scooping"),
+        ("cut the rope with the saw", "command", "saw"),
+    ],
+)
+def test_commands_and_questions_teach_no_words(
+    language: Language, text: str, kind: str, unknown: str
+) -> None:
+    """What is not known can be asked about and asked for, and is told to be unknown."""
+    understood = language.understand(text)
+
+    assert understood.kind == kind
+    assert understood.new_words == ()
+    assert understood.unknown == (unknown,)
+
+
+def test_who_does_it_is_no_part(language: Language) -> None:
+    """After "by" may stand a part or a doer, so one of a passive's two words must be known."""
+    assert language.understand("A mug is washed by the handle").kind == "statement"
+    assert language.understand("A mug is washed by the cleaner").kind == "error"
+
+
+def test_what_is_in_the_way_is_not_called_unknown(language: Language) -> None:
+    """Each word is known, only not so."""
+    meaning = language.understand("you may not touch the knife").meaning
+
+    assert isinstance(meaning, Misunderstanding)
+    assert meaning.message == 'I do not understand "you may not touch the knife".'
+
+
+@pytest.mark.parametrize("text", ["cut Kim with the knife", "Poke Bob."])
+def test_nothing_is_done_to_people(language: Language, text: str) -> None:
+    """A new name in a command is that of a thing."""
+    assert language.understand(text).kind in {"error", "ask_back"}
+
+
+@pytest.mark.parametrize(
+    ("text", "suggestion"),
+    [
+        ("A knfe is used for cutting", "knife"),
+        ("A hamer is used for pounding", "hammer"),
+        ("A knife is uesd for cutting", "used"),
+        ("To pass a knife grab it by the hadnle", "handle"),
+        ("A knife is used for cuttng", "cutting"),
+        ("pass me the knive", "knife"),
+        ("A mugg is used for drinking", "mug"),
+        ("Knivs are used for cutting", "knives"),
+    ],
+)
+def test_a_slip_is_asked_about(language: Language, text: str, suggestion: str) -> None:
+    """A near miss of a known word is never learned silently."""
+    meaning = language.understand(text).meaning
+
+    assert isinstance(meaning, AskBack)
+    assert meaning.choices == (suggestion,)
+
+
+def test_a_speaker_may_insist(language: Language) -> None:
+    """A word is new when its speaker says so, however close it is to another."""
+    understood = language.understand("A hamper is used for containing", insist={"hamper"})
+
+    assert understood.new_words == (NewWord("hamper", "object", "hamper"),)
+
+
+def test_learned_words_are_known_in_all_forms(language: Language) -> None:
+    """Plural, gerund, infinitive: at once."""
+    taught = language.with_words(
+        [NewWord("fork", "object", "fork"), NewWord("stirring", "affordance", "stirring")]
+    )
+
+    for text in ("pass me the fork", "pick up something to stir with", "what are forks used for"):
+        assert taught.understand(text).kind in {"command", "question"}
+    assert language.understand("pass me the fork").unknown == ("fork",)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A knife is used for nothing",
+        "To pass a knife grab it by the wrong",
+        "none is used for cutting",
+    ],
+)
+def test_words_of_grammar_are_no_names(language: Language, text: str) -> None:
+    """Nothing is no use, and none no object."""
+    assert language.understand(text).kind == "error"
+
+
+def test_too_many_new_words_are_refused(language: Language) -> None:
+    """From three unknown words on, the rest of a sentence tells too little."""
+    assert language.understand("To zorp a florp grab the blick by the quux").kind == "error"
+
+
+@given(WORDS, WORDS)
+def test_slips_are_symmetric(one: str, other: str) -> None:
+    """It does not matter which of two words is the known one."""
+    assert slips(one, other, 9) == slips(other, one, 9)
+
+
+@given(WORDS, WORDS)
+def test_only_a_word_itself_is_no_slip_away(one: str, other: str) -> None:
+    """Zero slips means the same word."""
+    assert (slips(one, other, 9) == 0) == (one == other)
+
+
+@given(WORDS, WORDS, st.integers(0, 6))
+def test_a_limit_only_cuts_off(one: str, other: str, limit: int) -> None:
+    """More slips than the limit count as one more."""
+    assert slips(one, other, limit) == min(slips(one, other, 9), limit + 1)
+
+
+def test_the_nearest_word_is_found() -> None:
+    """Among several, the one with fewest slips; swapped letters are one."""
+    assert nearest("hnadle", frozenset({"handle", "candle", "hand"})) == "handle"
+    assert nearest("mop", frozenset({"mug", "map"})) is None
+
+
+@pytest.mark.parametrize("text", ["Cake, knives are for cutting", "Cake. Knives are for cutting"])
+def test_no_name_goes_over_a_pause(language: Language, text: str) -> None:
+    """A cake knife is one thing, cake and then knives are two, in whatever way it is tried."""
+    together = language.understand(text.replace(",", "").replace(".", ""))
+    apart = language.understand(text)
+
+    assert together.meaning.as_json()["object"] == "cake knife"
+    assert apart.meaning.as_json().get("object") != "cake knife"

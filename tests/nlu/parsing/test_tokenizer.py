@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From text to tokens."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.nlu.parsing.tokenizer import tokenize
+
+SHORT = {"don't": ("do", "not")}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("A  Knife\tis used!", ["a", "knife", "is", "used"]),
+        ("To pass a knife, grab it", ["to", "pass", "a", "knife", "grab", "it"]),
+        ("Don’t “grab” it", ["do", "not", "grab", "it"]),
+        ("the knife's blade", ["the", "knife", "'s", "blade"]),
+        ("pick-up the mug", ["pick", "up", "the", "mug"]),
+        ("One. Two? Three...", ["one", ";", "two", ";", "three"]),
+        ("pass me 2 mugs", ["pass", "me", "2", "mugs"]),
+        ("pass|cat", ["pass", "|cat"]),
+        ("", []),
+        ("?!...", []),
+    ],
+)
+def test_a_text_is_taken_apart(text: str, words: list[str]) -> None:
+    """Commas, quotes and dashes go; what is no word stays."""
+    assert list(tokenize(text, SHORT).words) == words
+
+
+@pytest.mark.parametrize(
+    ("text", "asks"), [("Why?", True), ("Why?!", True), ("Why", False), ("Why? No.", False)]
+)
+def test_a_question_mark_at_the_end_is_kept(text: str, asks: bool) -> None:
+    """Only the last mark counts."""
+    assert tokenize(text, SHORT).asks is asks
+
+
+def test_a_span_is_the_text_as_it_was_said() -> None:
+    """The original spelling can be shown again."""
+    tokens = tokenize("Pass me, please, the KNIFE", SHORT)
+
+    assert tokens.span(2, 5) == "please, the KNIFE"
+
+
+@given(st.text(max_size=200))
+def test_no_character_but_silence_is_lost(text: str) -> None:
+    """Every letter and digit of a text is in some token."""
+    tokens = tokenize(text, {})
+
+    kept = sum(character.isalnum() for token in tokens.words for character in token)
+    assert kept >= sum(
+        character.isalnum() for character in tokens.text if len(character.lower()) == 1
+    )

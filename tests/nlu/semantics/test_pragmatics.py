@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Speech acts and what is wanted by them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hilt.nlu.grammar.notation import parse_term
+from hilt.nlu.semantics.evidence import Evidence
+from hilt.nlu.semantics.pragmatics import load_pragmatics
+from hilt.nlu.semantics.predicates import Form, form_of_term
+from hilt.ontology.errors import DataError
+
+
+def form(text: str) -> Form:
+    """A form from its notation."""
+    return form_of_term(parse_term(text))
+
+
+@pytest.mark.parametrize(
+    ("act", "intention"),
+    [
+        ("STATEMENT(sam,self,implies(a,b,c))", "wantBelieve(sam,self,implies(a,b,c))"),
+        ("INSTRUCT(sam,self,pass(self,knife))", "want(sam,pass(self,knife))"),
+        ("QUESTION(sam,self,why)", "wantKnow(sam,self,why)"),
+        ("QUESTION(sam,self,can(self,pass(self,knife)))", "want(sam,pass(self,knife))"),
+        ("STATEMENT(sam,self,need(sam,knife))", "want(sam,pass(self,knife))"),
+        ("STATEMENT(sam,self,need(evan,knife))", "want(sam,pass(self,knife,evan))"),
+    ],
+)
+def test_the_most_detailed_rule_decides(act: str, intention: str) -> None:
+    """A request in the form of a question is a request."""
+    assert [str(each.form) for each in load_pragmatics().meant(form(act))] == [intention]
+
+
+def test_all_rules_that_fit_are_there() -> None:
+    """The others stay as less likely intentions."""
+    found = load_pragmatics().intentions(form("QUESTION(sam,self,can(self,x))"))
+
+    assert [str(each.form) for each in found] == ["want(sam,x)", "wantKnow(sam,self,can(self,x))"]
+    assert found[0].interval == (0.9, 1.0)
+    assert found[1].certainty < 0.1
+
+
+def test_what_was_badly_heard_is_less_sure() -> None:
+    """The score of a recogniser bounds how sure an intention can be."""
+    act = form("INSTRUCT(sam,self,pass(self,knife))")
+
+    heard = load_pragmatics().intentions(act, heard=(0.8, 1.0))
+
+    assert heard[0].interval == pytest.approx((0.76, 1.0))
+    assert load_pragmatics().meant(act, heard=(0.5, 1.0)) == []
+
+
+def test_rules_for_two_intentions_leave_both(tmp_path: Path) -> None:
+    """Where the data cannot tell what is meant, Hilt has to ask."""
+    path = tmp_path / "pragmatics.yaml"
+    path.write_text(
+        "threshold: 0.1\nrules:\n  - {rule: 'INSTRUCT(A,B,X) => want(A,X)', interval: [0.9, 1]}\n"
+        "  - {rule: 'INSTRUCT(A,B,X) => wantKnow(A,B,X)', interval: [0.8, 1]}\n",
+        encoding="utf-8",
+    )
+
+    assert len(load_pragmatics(path).meant(form("INSTRUCT(sam,self,x)"))) == 2
+
+
+def test_another_inference_can_be_handed_in() -> None:
+    """What draws the conclusions is a value."""
+    careful = replace(load_pragmatics(), evidence=Evidence(certainty=lambda interval: 0.0))
+
+    assert careful.meant(form("INSTRUCT(sam,self,x)")) == []
+
+
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    [
+        ("{rule: 'STATEMENT(A,B,X) => want(A,Y)', interval: [0, 1]}", "Y stands only on the right"),
+        ("{rule: 'STATEMENT(A,B,X) => want(A,X)', interval: [1, 0]}", "expected lower <= upper"),
+        ("{rule: 'STATEMENT(A,B,X)', interval: [0, 1]}", "expected"),
+        ("{rule: 'STATEMENT(A,B,X) => want(A,X)'}", 'the key "interval" is missing'),
+    ],
+)
+def test_a_wrong_rule_is_told(tmp_path: Path, rule: str, message: str) -> None:
+    """File, line, column, and what was expected."""
+    path = tmp_path / "pragmatics.yaml"
+    path.write_text(f"threshold: 0.1\nrules:\n  - {rule}\n", encoding="utf-8")
+
+    with pytest.raises(DataError, match=message) as caught:
+        load_pragmatics(path)
+
+    assert caught.value.line == 3

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""YAML is read with positions, and what is wrong is told where it stands."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.ontology.errors import DataError
+from hilt.ontology.yaml_reader import MAX_DEPTH, parse_yaml, read_yaml
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers(-1000, 1000) | st.text("abc xyz", max_size=8),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text("kmn", min_size=1), inner),
+    max_leaves=20,
+)
+
+
+@given(plain)
+def test_plain_data_reads_back_as_written(value: object):
+    """What YAML can say without tags survives reading."""
+    text = yaml.safe_dump(value)
+
+    assert parse_yaml(text).plain() == value
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "<text>: the file is empty."),
+        ("a: 1\na: 2", '<text>:2:1: the key "a" stands here twice.'),
+        ("a: &x [1]\nb: *x", "<text>:2:4: aliases are not allowed."),
+        ("a: [1", "<text>:2:1: is not YAML: did not find expected ',' or ']'."),
+        ("a: !!python/name:os.system x", '<text>:1:4: the type "tag:yaml.org,2002:python/name'),
+        ("a: 2026-11-21", '<text>:1:4: the type "tag:yaml.org,2002:timestamp" is not allowed'),
+        ("yes: 1", "<text>:1:1: expected a text, found True."),
+        ("[" * (MAX_DEPTH + 2), f"<text>:1:{MAX_DEPTH + 1}: nested too deeply."),
+    ],
+)
+def test_what_is_not_plain_data_is_refused_with_its_place(text: str, message: str):
+    """A file error names line and column."""
+    with pytest.raises(DataError) as caught:
+        parse_yaml(text)
+
+    assert str(caught.value).startswith(message)
+
+
+def test_unknown_key_is_refused_with_what_there_is():
+    """A misspelt key is told with the nearest one."""
+    field = parse_yaml("name: knife\nmas: 0.1")
+
+    with pytest.raises(DataError, match=r'2:6: unknown key "mas" \(did you mean "mass"\?\); expe'):
+        field.entries(required={"name", "mass"}, optional=())
+
+
+def test_missing_key_is_told():
+    """A missing key is told with the ones that were found."""
+    with pytest.raises(DataError, match='the key "mass" is missing; found name'):
+        parse_yaml("name: knife").entries(required={"name", "mass"})
+
+
+@pytest.mark.parametrize(
+    ("text", "ask", "message"),
+    [
+        ("-1", lambda f: f.number(low=0, high=1), r"expected a number in \[0, 1\], found -1"),
+        ("x", lambda f: f.number(), 'expected a number in .*, found "x"'),
+        ("true", lambda f: f.integer(), "expected a whole number, found True"),
+        ("1.5", lambda f: f.integer(), "expected a whole number, found 1.5"),
+        ("[1, 2]", lambda f: f.numbers(count=3), "expected 3 numbers, found 2"),
+        ("gren", lambda f: f.text(choices={"green"}), r'did you mean "green"\?'),
+        ("{}", lambda f: f.items(), "expected a list, found a mapping"),
+        ("[]", lambda f: f.entries(), "expected a mapping, found a list"),
+        ("~", lambda f: f.text(), "expected a text, found nothing"),
+        ("1", lambda f: f.truth(), "expected true or false, found 1"),
+    ],
+)
+def test_value_of_another_kind_is_refused(text: str, ask, message: str):
+    """Each question to a field says what it expected and what it found."""
+    with pytest.raises(DataError, match=message):
+        ask(parse_yaml(text))
+
+
+def test_file_that_is_not_utf8_is_refused(tmp_path: Path):
+    """A wrong encoding is an error of the file, not a crash."""
+    path = tmp_path / "bad.yaml"
+    path.write_bytes(b"a: \xff\xfe")
+
+    with pytest.raises(DataError, match="expected UTF-8 text; byte 3 is not"):
+        read_yaml(path)
+
+
+def test_missing_file_is_told(tmp_path: Path):
+    """A file that is not there is named."""
+    with pytest.raises(DataError, match=r"none\.yaml: cannot be read: No such file"):
+        read_yaml(tmp_path / "none.yaml")
+
+
+def test_excerpt_points_at_the_column():
+    """The caret stands under the place where YAML stopped making sense."""
+    with pytest.raises(DataError) as caught:
+        parse_yaml("a: 1\nb: ]")
+
+    assert caught.value.excerpt() == "b: ]\n   ^"

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What cannot be done is said, not tried; what is lost on the way is noticed and taken again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hilt.ontology.objects import load_objects
+from hilt.sim import poses
+from hilt.sim.body import Body
+from hilt.sim.grasping.selection import MAX_ATTEMPTS
+from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.robot.robot import NAME
+from hilt.sim.scene.scene import Placement, Scene, parse_scene
+from hilt.sim.vision.camera import Camera, View
+
+pytestmark = pytest.mark.sim
+
+OBJECTS = load_objects()
+INVERTED = Placement("mug", "mug", (0.5, 0.0), 0.0, "upside down")
+BETWEEN = (
+    Placement("knife", "knife", (0.45, 0.008), 0.0),
+    Placement("shoe", "shoe", (0.38, 0.072), 0.0, "upright"),
+    Placement("shoe 2", "shoe", (0.38, -0.072), 0.0, "upright"),
+)
+
+
+def body_at(*placements: Placement, robot: str = "panda") -> Body:
+    """A body at a table on which things stand close to each other."""
+    return Body(Scene(placements, 1, gap=0.002), OBJECTS, seed=1, robot=robot)
+
+
+def body_with(spec: str, *, seed: int) -> Body:
+    """A body at a table with these objects."""
+    return Body(parse_scene(spec, seed=seed, objects=OBJECTS), OBJECTS, seed=seed)
+
+
+def grasped(body: Body, name: str, part: str) -> MotionReport:
+    """What came of grasping a thing in sight by a part."""
+    return body.grasp(body.search([f"object:{name}"])[0], part)
+
+
+@pytest.mark.parametrize(
+    ("placements", "part", "reason"),
+    [((INVERTED,), "barrel", "too_wide"), (BETWEEN, "handle", "blocked")],
+    ids=["barrel of an inverted mug", "handle between two shoes"],
+)
+def test_what_cannot_be_grasped_is_not_tried(
+    placements: tuple[Placement, ...], part: str, reason: str
+):
+    """The reason is told, the hand has not closed, and no time has passed."""
+    with body_at(*placements) as body:
+        before = body.world.time
+
+        report = grasped(body, placements[0].name, part)
+
+        assert (report.ok, report.reason, report.attempts) == (False, reason, 0)
+        assert body.world.time == before
+        assert body.holding is None
+
+
+@pytest.mark.parametrize("at", [(1.0, 0.1), (0.9, 0.6), (-0.4, 0.2)])
+def test_thing_out_of_reach_is_told_as_that(at: tuple[float, float]):
+    """However little of it is seen from there: not that it cannot be held, but that it is far."""
+    with body_at(Placement("mug", "mug", at, 0.3)) as body:
+        before = body.world.time
+
+        report = grasped(body, "mug", "handle")
+
+        assert (report.ok, report.reason, report.attempts) == (False, "unreachable", 0)
+        assert body.world.time == before
+
+
+def test_other_part_of_the_inverted_mug_is_grasped():
+    """That its barrel is too wide says nothing about its handle."""
+    with body_at(INVERTED) as body:
+        report = grasped(body, "mug", "handle")
+
+    assert report.ok
+    assert report.touched == ("handle",)
+
+
+def test_thing_that_always_slips_is_given_up():
+    """Without friction every closing fails, each is told, and the hand is empty afterwards."""
+    with body_with("objects:screwdriver", seed=3) as body:
+        for finger in body.robot.gripper.links:
+            body.world.engine.set_surface(NAME, finger, friction=0.0, spinning=0.0)
+
+        report = grasped(body, "screwdriver", "handle")
+        if report.ok:
+            report = body.lift()
+
+        assert not report.ok
+        assert report.reason in {"slipped", "dropped", "missed", "no_grasp", "unreachable"}
+        assert 1 <= len(report.failures) == report.attempts <= MAX_ATTEMPTS
+        assert body.holding is None
+
+
+def test_thing_torn_away_on_the_way_is_taken_and_given_all_the_same():
+    """Somebody lays the knife back on the table while it is carried; the second time it arrives."""
+    with body_with("objects:knife", seed=7) as body:
+        where = body.world.pose("knife")
+        assert grasped(body, "knife", "handle").ok
+        assert body.lift().ok
+        body.world.engine.place("knife", poses.translation(0, 0, 0.002) @ where)
+
+        report = body.hand_over()
+
+        assert report.ok
+        assert (report.attempts, report.failures) == (2, ("dropped",))
+        assert report.touched == ("handle",)
+        assert body.world.points("knife")[:, 2].min() > 0.1
+
+
+def test_run_that_is_not_recorded_draws_only_what_the_eyes_need(monkeypatch: pytest.MonkeyPatch):
+    """A glance and a look of each of four cameras, together less than one whole image."""
+    drawn: list[int] = []
+    look = Camera.look
+
+    def counted(*args: Any, **options: Any) -> View:
+        view = look(*args, **options)
+        drawn.append(view.labels.size)
+        return view
+
+    monkeypatch.setattr(Camera, "look", counted)
+
+    with body_with("objects:spatula", seed=4) as body:
+        assert grasped(body, "spatula", "handle").ok
+        assert body.lift().ok
+        assert body.hand_over().ok
+
+    assert len(drawn) == 8
+    assert sum(drawn) < 640 * 480
+
+
+def test_second_robot_takes_by_the_part_too():
+    """The KUKA arm with its hand takes the blade, and gives the handle."""
+    scene = parse_scene("objects:knife", seed=9, objects=OBJECTS)
+    with Body(scene, OBJECTS, seed=9, robot="kuka") as body:
+        assert grasped(body, "knife", "blade").ok
+        assert body.lift().ok
+        report = body.hand_over()
+        handle, blade = (
+            body.search(["object:knife"])[0].part(part).cloud.mean(axis=0)
+            for part in ("handle", "blade")
+        )
+
+    assert report.ok
+    assert report.touched == ("blade",)
+    assert handle[0] > blade[0]
+
+
+def test_thing_put_back_lies_still():
+    """A mug that was put back stands where it stood, upright."""
+    with body_with("objects:mug", seed=6) as body:
+        before = body.world.pose("mug")
+        assert grasped(body, "mug", "handle").ok
+        assert body.lift().ok
+        assert body.put_back().ok
+        body.world.settle()
+        after = body.world.pose("mug")
+
+    assert np.linalg.norm(after[:3, 3] - before[:3, 3]) < 0.02
+    assert after[2, 2] == pytest.approx(before[2, 2], abs=0.02)

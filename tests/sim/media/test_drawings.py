@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is drawn into pictures is where it belongs in the world."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hilt.sim import poses
+from hilt.sim.media.drawings import FINGER, GraspMark, with_grasps, with_names
+from hilt.sim.media.pictures import OVERVIEW
+
+CAMERA = replace(OVERVIEW, width=320, height=240)
+BLANK = np.full((240, 320, 3), 255, dtype=np.uint8)
+DOWNWARD = poses.pose(poses.rotation_from_rpy(np.pi, 0, 0), (0.4, 0.0, 0.1))
+
+
+def drawn(picture: np.ndarray) -> np.ndarray:
+    """Columns and rows of the pixels that are no longer white (n, 2)."""
+    rows, columns = np.nonzero((picture < 250).any(axis=2))
+    return np.column_stack([columns, rows])
+
+
+def test_grasp_is_drawn_where_it_is():
+    """The fingers end where the grip frame says, half the opening to each side."""
+    picture = with_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=True)])
+
+    tips = poses.transform(DOWNWARD, np.array([[0, -0.04, 0], [0, 0.04, 0], [0, 0.04, -FINGER]]))
+    for place in CAMERA.pixels(tips):
+        assert np.linalg.norm(drawn(picture) - place, axis=1).min() < 1.5
+
+
+def test_good_grasps_are_green_and_others_red():
+    """What was accepted, what was ruled out and what was taken look different."""
+    pictures = [
+        with_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=ok, chosen=taken)])
+        for ok, taken in ((True, False), (False, False), (True, True))
+    ]
+
+    good, bad, taken = (picture[tuple(drawn(picture).T[::-1])].mean(axis=0) for picture in pictures)
+    assert good[1] > good[0]
+    assert bad[0] > bad[1]
+    assert len(drawn(pictures[2])) > 1.5 * len(drawn(pictures[0]))
+    assert taken.sum() < good.sum()
+
+
+def test_nothing_behind_the_camera_is_drawn():
+    """A grasp at the camera's back leaves the picture as it was."""
+    behind = poses.translation(*(2 * np.array(CAMERA.eye) - np.array(CAMERA.target)))
+
+    picture = with_grasps(BLANK, CAMERA, [GraspMark(behind, 0.08, accepted=True)])
+
+    assert (picture == BLANK).all()
+
+
+def test_names_stand_above_their_places_without_covering_each_other():
+    """Two names at one place are written one above the other."""
+    place = np.array([0.4, 0.0, 0.0])
+
+    one = with_names(BLANK, CAMERA, {"mug": place})
+    two = with_names(BLANK, CAMERA, {"mug": place, "cup": place})
+
+    assert drawn(one)[:, 1].max() <= CAMERA.pixels(place[None])[0, 1] + 1
+    assert np.ptp(drawn(two)[:, 1]) > np.ptp(drawn(one)[:, 1]) + 8

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clearance: gaps between an arm made of spheres and what it may hit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hilt.sim import poses
+from hilt.sim.robot.collision import (
+    FAR,
+    arm_spheres,
+    clearance,
+    finger_spheres,
+    on_hand,
+    self_clearance,
+)
+from hilt.sim.robot.models import find_robot
+
+PANDA = find_robot("panda")
+ARM = PANDA.arm
+HOME = PANDA.home[None]
+NOTHING = np.zeros((0, 3))
+
+
+def gap(points: np.ndarray, *, table: float = -1.0) -> float:
+    """The gap of the waiting arm to these points and the table."""
+    spheres = arm_spheres(ARM, PANDA.spheres)
+    return clearance(ARM, spheres, HOME, world_from_base=np.eye(4), seen=points, table=table)
+
+
+def test_gap_of_a_ball_to_a_point_is_what_geometry_says():
+    """A ball of 2 cm round the hand's origin, and a point at (1.5, 1.5, 1.5) cm from it."""
+    hand = ARM.forward(HOME)[0]
+    point = hand[None, :3, 3] + 0.015
+    ball = on_hand(ARM, np.zeros((1, 3)), 0.02)
+
+    found = clearance(ARM, ball, HOME, world_from_base=np.eye(4), seen=point, table=-9.0)
+
+    assert found == pytest.approx(0.015 * np.sqrt(3) - 0.02)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gap_to_many_points_is_that_to_the_nearest(seed: int):
+    """It agrees with the distances of all balls to all points, up to where no way needs more."""
+    rng = np.random.default_rng(seed)
+    points = ARM.forward(HOME)[0, :3, 3] + rng.normal(0.0, 0.2, (800, 3))
+    balls = arm_spheres(ARM, PANDA.spheres)
+    centres = balls.placed(ARM.frames(HOME))[0]
+
+    apart = np.linalg.norm(centres[:, None] - points, axis=2) - balls.radius[:, None]
+
+    assert gap(points, table=-9.0) == pytest.approx(min(FAR, apart.min()))
+
+
+def test_point_inside_the_hand_gives_a_negative_gap():
+    """What the hand already fills cannot be passed."""
+    assert gap(ARM.forward(HOME)[:, :3, 3] + (0.0, 0.0, -0.03)) < 0
+
+
+def test_table_counts_as_much_as_points_do():
+    """A table raised to the hand is hit, one at the floor is not."""
+    hand_height = float(ARM.forward(HOME)[0, 2, 3])
+
+    assert gap(NOTHING, table=hand_height) < 0
+    assert gap(NOTHING) > 0.2
+
+
+def test_robot_that_stands_elsewhere_hits_other_points():
+    """The same arm, two metres away, is clear of what it hit here."""
+    inside = ARM.forward(HOME)[:, :3, 3] + (0.0, 0.0, -0.03)
+    spheres = arm_spheres(ARM, PANDA.spheres)
+    away = poses.translation(2.0, 0.0, 0.0)
+
+    found = clearance(ARM, spheres, HOME, world_from_base=away, seen=inside, table=-1.0)
+
+    assert found > 0
+
+
+def test_fingers_of_an_open_hand_stand_apart():
+    """No ball of a finger lies within the opening."""
+    assert PANDA.gripper is not None
+
+    fingers = finger_spheres(ARM, PANDA.gripper, 0.06)
+
+    assert (np.abs(fingers.centre[:, 1]) - fingers.radius >= 0.027).all()
+
+
+def test_thing_held_into_the_arm_is_noticed():
+    """A rod that reaches back to the shoulder hits it; one that hangs down does not."""
+    spheres = arm_spheres(ARM, PANDA.spheres)
+    shoulder = poses.transform(poses.inverse(ARM.forward(HOME)[0]), np.array([[0.0, 0, 0.333]]))
+    below = np.array([[0.0, 0.0, 0.25]])
+
+    assert self_clearance(ARM, on_hand(ARM, shoulder, 0.01), spheres, HOME) < 0
+    assert self_clearance(ARM, on_hand(ARM, below, 0.01), spheres, HOME) > 0.05

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The robot in the simulator: it goes where it is told, and feels what it closes on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hilt.sim import poses
+from hilt.sim.physics.engine import TIME_STEP, Engine
+from hilt.sim.poses import Array
+from hilt.sim.robot.models import find_robot
+from hilt.sim.robot.paths import timed
+from hilt.sim.robot.robot import NAME, Robot
+
+pytestmark = pytest.mark.sim
+
+BLOCK = """<robot name="block"><link name="core">
+<inertial><mass value="0.1"/>
+<inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>
+<collision><geometry><box size="0.03 0.03 0.03"/></geometry></collision></link></robot>"""
+
+
+@pytest.fixture
+def robot() -> Iterator[Robot]:
+    """A Panda alone in the world."""
+    with Engine() as engine:
+        yield Robot(engine, find_robot("panda"))
+
+
+def test_follow_ends_where_the_path_does(robot: Robot):
+    """The joints end within a milliradian of the path's last posture."""
+    goal = robot.kind.home + np.array((0.4, 0.2, 0.1, -0.2, 0.1, 0.2, 0.5))
+
+    arrived = robot.follow(np.vstack([robot.joints, goal]), pace=0.6)
+    robot.wait(0.1)
+
+    assert arrived
+    assert np.abs(robot.joints - goal).max() < 1e-3
+
+
+def test_arm_keeps_to_its_way_when_all_its_joints_hurry(robot: Robot):
+    """Also where the wrist is flung about, no joint is farther from its way than a step's worth."""
+    goal = robot.kind.home + np.array((0.8, 0.3, 0.25, -0.3, -1.7, 0.5, -0.9))
+    wanted, _ = timed(np.vstack([robot.joints, goal]), robot.chain.speed, step=TIME_STEP, pace=0.9)
+    found: list[Array] = []
+    robot.follow(
+        np.vstack([robot.joints, goal]), pace=0.9, stop=lambda: found.append(robot.joints) or False
+    )
+
+    assert np.abs(np.array(found) - wanted).max() < 0.012
+
+
+def test_follow_stops_when_it_is_asked_to(robot: Robot):
+    """A path is left at the first step whose question is answered with yes."""
+    goal = robot.kind.home + 0.4
+    start = robot.engine.steps
+
+    arrived = robot.follow(np.vstack([robot.joints, goal]), pace=0.5, stop=lambda: True)
+
+    assert not arrived
+    assert robot.engine.steps == start + 1
+
+
+def test_hand_in_the_simulator_is_where_the_chain_has_it(robot: Robot):
+    """Kinematics and simulator agree on the grip frame."""
+    base_from_hand = robot.chain.forward(robot.joints[None])[0]
+
+    assert np.allclose(robot.world_from_hand, base_from_hand, atol=1e-5)
+
+
+def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
+    """The gear keeps the fingers symmetric."""
+    robot.open(0.05)
+    robot.wait(0.5)
+    halfway = robot.opening
+    fingers = robot.engine.joint_positions(NAME, robot.gripper.joints)
+    robot.close()
+
+    assert halfway == pytest.approx(0.05, abs=5e-4)
+    assert fingers[0] == pytest.approx(fingers[1], abs=2e-4)
+    assert robot.opening < 1e-3
+
+
+def test_closed_hand_feels_what_is_between_its_fingers(robot: Robot, tmp_path: Path):
+    """Both fingers press on a block, and hold it against gravity without any constraint."""
+    urdf = tmp_path / "block.urdf"
+    urdf.write_text(BLOCK, encoding="utf-8")
+    robot.open(0.034)
+    robot.wait(0.5)
+    robot.engine.load("block", urdf, poses.pose(np.eye(3), robot.world_from_grip[:3, 3]))
+
+    robot.close()
+    first, second = robot.felt()
+    robot.wait(0.5)
+
+    assert {c.other for c in (*first, *second)} == {"block"}
+    assert sum(c.force for c in first) == pytest.approx(robot.gripper.force, rel=0.3)
+    assert abs(robot.engine.pose("block")[2, 3] - robot.world_from_grip[2, 3]) < 0.02
+
+
+def test_empty_hand_feels_nothing(robot: Robot):
+    """The fingers that meet each other do not count."""
+    robot.close()
+
+    assert robot.felt() == ((), ())

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cameras: pixels and the points behind them."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.ontology.objects import load_objects
+from hilt.sim import poses
+from hilt.sim.models.object_models import model_of
+from hilt.sim.physics.engine import Engine
+from hilt.sim.vision.camera import SAMPLE, Camera, View, Window, cameras_round_table
+
+CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
+BLOCK = model_of(load_objects()["block"])
+coordinates = st.floats(-0.3, 0.3)
+
+
+@pytest.fixture(scope="module")
+def view() -> Iterator[View]:
+    """A block seen by a camera."""
+    with Engine() as engine:
+        engine.load("block", BLOCK.urdf, fixed=True)
+        yield CAMERA.look(engine)
+
+
+@given(coordinates, coordinates, coordinates)
+def test_projection_and_pixels_agree(x: float, y: float, z: float):
+    """A point appears where the OpenGL projection puts it."""
+    point = np.array([[x, y, z]])
+
+    seen = poses.transform(poses.inverse(CAMERA.world_from_camera), point)[0]
+    clip = CAMERA.projection @ (*seen, 1.0)
+    expected = (
+        (clip[0] / clip[3] + 1) / 2 * CAMERA.width,
+        (1 - clip[1] / clip[3]) / 2 * CAMERA.height,
+    )
+
+    assert CAMERA.pixels(point)[0] == pytest.approx(expected)
+
+
+def test_target_is_in_the_middle():
+    """A camera sees what it looks at in the middle of its image."""
+    assert CAMERA.pixels(np.array([CAMERA.target]))[0] == pytest.approx((320, 240))
+
+
+def test_what_is_behind_has_no_pixel():
+    """A point behind the camera appears nowhere."""
+    assert np.isnan(CAMERA.pixels(np.array([[1.6, -1.0, 1.2]]))).all()
+
+
+def test_camera_may_look_straight_down():
+    """Looking down, x of the world points up in the image."""
+    camera = Camera("top", (0.4, 0.0, 1.0), (0.4, 0.0, 0.0))
+
+    (column, row), middle = camera.pixels(np.array([[0.5, 0, 0], [0.4, 0, 0]]))
+
+    assert column == pytest.approx(middle[0])
+    assert row < middle[1]
+
+
+@pytest.mark.sim
+def test_points_lie_on_the_surface(view: View):
+    """The points behind the pixels of a block are on its faces, to a tenth of a millimetre."""
+    points = view.points(view.mask("block"))
+
+    low, high = BLOCK.points.min(axis=0), BLOCK.points.max(axis=0)
+    outside = np.maximum(low - points, points - high).max(axis=1)
+    assert len(points) > 4000
+    assert np.abs(outside).max() < 0.003  # on the bevel
+    assert np.quantile(np.abs(outside), 0.9) < 0.0001
+
+
+@pytest.mark.sim
+def test_points_return_to_their_pixels(view: View):
+    """Seen again by the same camera, a point is in the pixel that it came from."""
+    mask = view.mask("block", "body")
+
+    pixels = CAMERA.pixels(view.points(mask))
+
+    rows, columns = np.nonzero(mask)
+    assert pixels == pytest.approx(np.column_stack([columns, rows]) + SAMPLE, abs=0.01)
+
+
+@pytest.mark.sim
+def test_mask_of_what_is_not_there_is_empty(view: View):
+    """Nothing shows a body that does not exist."""
+    assert not view.mask("mug").any()
+    assert not view.mask("block", "handle").any()
+
+
+@pytest.mark.sim
+def test_window_shows_its_part_of_the_image():
+    """The same pixels, and the same points in the world behind them."""
+    with Engine() as engine:
+        engine.load("block", BLOCK.urdf, fixed=True)
+        whole = CAMERA.look(engine)
+        view = CAMERA.look(engine, window=Window(300, 200, 90, 70))
+
+    mask = np.zeros_like(whole.labels, dtype=bool)
+    mask[200:270, 300:390] = True
+    assert (view.labels == whole.labels[200:270, 300:390]).mean() > 0.999
+    assert view.points(view.labels == view.labels) == pytest.approx(whole.points(mask), abs=1e-4)
+
+
+def test_four_cameras_watch_the_table():
+    """The middle of the table is in the image of every camera that vision uses."""
+    cameras = cameras_round_table()
+
+    pixels = np.vstack([camera.pixels(np.array([[0.5, 0.0, 0.0]])) for camera in cameras])
+
+    assert len(cameras) == 4
+    assert ((pixels > (200, 150)) & (pixels < (440, 330))).all()

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Vision: percepts of what is asked for, from images only."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from hilt.ontology.errors import UnknownNameError
+from hilt.ontology.objects import load_objects
+from hilt.sim import poses
+from hilt.sim.scene.scene import graspable, parse_scene
+from hilt.sim.scene.world import World
+from hilt.sim.vision.detector import SURE, Vision, thinned
+from hilt.sim.vision.noise import Noise
+from hilt.sim.vision.percept import PartPercept, Percept, visible_features
+
+OBJECTS = load_objects()
+
+
+@pytest.fixture(scope="module")
+def world() -> Iterator[World]:
+    """All eight objects on the table."""
+    with World.build(parse_scene("all", seed=1, objects=OBJECTS), OBJECTS) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def vision(world: World) -> Vision:
+    """The eyes of that world."""
+    return Vision(world.engine, world.kinds, world.models)
+
+
+def names(percepts: tuple[Percept, ...]) -> set[str]:
+    """What has been found."""
+    return {percept.name for percept in percepts}
+
+
+@pytest.mark.sim
+def test_every_object_is_seen_with_all_its_parts(vision: Vision):
+    """Nothing of a well-lit table is missed."""
+    percepts = vision.search([f"object:{name}" for name in OBJECTS])
+
+    assert names(percepts) == set(graspable(OBJECTS))
+    for percept in percepts:
+        assert set(percept.parts) == set(OBJECTS[percept.object].parts)
+        assert percept.confidence == pytest.approx(SURE, abs=0.1)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("features", "expected"),
+    [
+        (["object:knife"], {"knife"}),
+        (["object:knife", "object:mug", "object:sabre"], {"knife", "mug"}),
+        (["part:stem"], {"glass"}),
+        (["property:sharp"], {"knife"}),
+        (["action:pass", "affordance:cutting"], set()),
+        ([], set()),
+    ],
+)
+def test_only_what_is_asked_is_found(vision: Vision, features: list[str], expected: set[str]):
+    """Search returns the objects that have one of the features, and no others."""
+    assert names(vision.search(features)) == expected
+
+
+@pytest.mark.sim
+def test_cloud_lies_on_its_part(world: World, vision: Vision):
+    """The points of a part are inside the box round that part, to half a millimetre."""
+    (percept,) = vision.search(["object:hammer"])
+
+    object_from_world = poses.inverse(world.pose("hammer"))
+    for part in percept.parts.values():
+        points = poses.transform(object_from_world, part.cloud)
+        corners = world.models["hammer"].corners[part.name]
+        assert (points > corners.min(axis=0) - 0.0005).all()
+        assert (points < corners.max(axis=0) + 0.0005).all()
+
+
+@pytest.mark.sim
+def test_box_lies_along_its_thing(world: World, vision: Vision):
+    """The pose estimated for a knife is along it, and its box is as long as the knife."""
+    (percept,) = vision.search(["object:knife"])
+
+    corners = world.points("knife")
+    along = percept.world_from_box[:3, 0]
+    assert abs(along @ world.pose("knife")[:3, 0]) > 0.995
+    assert percept.size[0] == pytest.approx(np.ptp(corners @ along), abs=0.005)
+    assert np.linalg.norm((percept.world_from_box[:3, 3] - world.top("knife"))[:2]) < 0.01
+
+
+@pytest.mark.sim
+def test_half_hidden_object_is_less_sure():
+    """A glass of which only the upper third is in sight is seen with less confidence."""
+    with World.build(parse_scene("objects:glass", seed=0, objects=OBJECTS), OBJECTS) as world:
+        vision = Vision(world.engine, world.kinds, world.models)
+        (before,) = vision.search(["object:glass"])
+        world.engine.place("glass", poses.translation(0, 0, -0.12) @ world.pose("glass"))
+        (after,) = vision.search(["object:glass"])
+
+    assert before.confidence == SURE
+    assert after.confidence < 0.9 * SURE
+    assert set(after.parts) == {"bowl"}
+
+
+@pytest.mark.sim
+def test_absent_object_is_not_seen():
+    """An object that has left the table is not found."""
+    with World.build(parse_scene("objects:mug", seed=0, objects=OBJECTS), OBJECTS) as world:
+        world.engine.place("mug", poses.translation(0, 0, -0.6))
+        vision = Vision(world.engine, world.kinds, world.models)
+
+        assert vision.search(["object:mug"]) == ()
+
+
+@pytest.mark.sim
+def test_obstacles_are_the_other_objects(world: World, vision: Vision):
+    """Obstacles are points of all objects but the one that is wanted, and not of the table."""
+    obstacles = vision.obstacles("mug")
+
+    near_mug = np.linalg.norm(obstacles[:, :2] - world.pose("mug")[:2, 3], axis=1) < 0.03
+    assert len(obstacles) > 1000
+    assert not near_mug.any()
+
+
+@pytest.mark.sim
+def test_depth_noise_blurs_clouds_and_comes_from_its_seed(world: World):
+    """With 2 mm of depth noise points still leave their part, the same ones each time."""
+    noise = Noise(depth_m=0.002, seed=4)
+    eyes = Vision(world.engine, world.kinds, world.models, noise=noise)
+
+    (percept,) = eyes.search(["object:mug"])
+    (again,) = eyes.search(["object:mug"])
+
+    points = poses.transform(poses.inverse(world.pose("mug")), percept.part("barrel").cloud)
+    beyond = points.max(axis=0) - world.models["mug"].corners["barrel"].max(axis=0)
+    assert 0.0004 < beyond.max() < 0.004  # [m]
+    assert (percept.cloud == again.cloud).all()
+
+
+def test_features_of_a_type_are_its_names_parts_and_properties():
+    """A knife can be searched for as a knife, by its blade or as something sharp."""
+    assert {"object:knife", "part:blade", "property:sharp"} <= visible_features(OBJECTS["knife"])
+
+
+def test_thinning_keeps_one_point_of_each_cube():
+    """Of many points in two cubes, two are left, from those that were there."""
+    rng = np.random.default_rng(0)
+    corners = np.repeat([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0]], 50, axis=0)
+    cloud = corners + 0.009 * rng.random((100, 3))
+
+    left = thinned(cloud, 0.01)
+
+    assert len(left) == 2
+    assert all((point == cloud).all(axis=1).any() for point in left)
+
+
+def test_part_out_of_sight_is_told():
+    """Asking a percept for a part that was not seen lists those that were."""
+    percept = Percept("mug", "mug", 0.9, {"barrel": PartPercept("barrel", np.zeros((4, 3)), 4)})
+
+    with pytest.raises(UnknownNameError, match=r'visible part of mug "handle".*Known: barrel'):
+        percept.part("handle")
+
+
+def test_clouds_cannot_be_changed():
+    """What has been seen stays as it was."""
+    part = PartPercept("barrel", np.zeros((4, 3)), 4)
+
+    with pytest.raises(ValueError, match="read-only"):
+        part.cloud[0, 0] = 1.0

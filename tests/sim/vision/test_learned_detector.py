@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Learned vision: names and parts from pictures alone, and doubt where it is due."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hilt.ontology.errors import DataError
+from hilt.ontology.objects import load_household, load_objects
+from hilt.sim import poses
+from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
+from hilt.sim.scene.world import World
+from hilt.sim.vision.camera import View
+from hilt.sim.vision.descriptors import describe, segment_frame
+from hilt.sim.vision.detector import Vision
+from hilt.sim.vision.learned_detector import LearnedVision, Recogniser
+from hilt.sim.vision.segmentation import Segment, cube_numbers, segments
+
+pytestmark = pytest.mark.sim
+
+OBJECTS = load_objects()
+ALL = [f"object:{name}" for name in OBJECTS]
+THING = """
+objects:
+  thing:
+    is_a: tool
+    parts:
+      body: {{role: container, material: glass, colour: "{colour}", mass: 0.3, shape: [{shape}]}}
+    rests: {{lying: {{turn_deg: [0, {turn}, 0]}}}}
+"""
+STRANGE = {
+    "bottle": ("#d060c0", "cylinder: {radius: 0.03, length: 0.24}", 0),
+    "lying bottle": ("#e070a0", "cylinder: {radius: 0.035, length: 0.16}", 90),
+    "rolling pin": ("#c99e6c", "cylinder: {radius: 0.03, length: 0.3}", 90),
+    "brick": ("#a03020", "box: {size: [0.16, 0.06, 0.05]}", 0),
+    "plate": ("#f0f0f0", "cylinder: {radius: 0.09, length: 0.015}", 0),
+    "pen": ("#202080", "cylinder: {radius: 0.006, length: 0.14}", 90),
+}
+
+
+@pytest.fixture(scope="module")
+def world() -> Iterator[World]:
+    """All eight objects on the table."""
+    with World.build(parse_scene("all", seed=11, objects=OBJECTS), OBJECTS) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def views(world: World) -> tuple[View, ...]:
+    """What the cameras see of them; the mask is of no use any more."""
+    seen = Vision(world.engine, world.kinds, world.models).look()
+    return tuple(replace(view, labels=np.full_like(view.labels, -1), names={}) for view in seen)
+
+
+@pytest.fixture(scope="module")
+def eyes(world: World) -> LearnedVision:
+    """What has learned to see."""
+    return LearnedVision(world.engine, OBJECTS)
+
+
+def test_each_thing_is_one_segment(views: tuple[View, ...]):
+    """Eight things on a table are eight segments, above the table and apart."""
+    found = segments(views)
+
+    assert len(found) == 8
+    for segment in found:
+        assert segment.points[:, 2].min() > 0
+        assert len(np.unique(cube_numbers(segment.points, 0.0012))) == len(segment)
+
+
+def test_empty_table_has_no_segments():
+    """Where nothing stands nothing is found."""
+    with World.build(Scene((), 0), OBJECTS) as world:
+        eyes = LearnedVision(world.engine, OBJECTS)
+
+        assert segments(eyes.look()) == ()
+        assert eyes.search(ALL) == ()
+
+
+def test_all_things_are_recognised_without_the_mask(
+    world: World, eyes: LearnedVision, views: tuple[View, ...]
+):
+    """Each thing gets its name, surely, at its place."""
+    percepts = eyes.search(ALL, views=views)
+
+    assert {percept.object for percept in percepts} == set(graspable(OBJECTS))
+    for percept in percepts:
+        assert percept.confidence > 0.8
+        assert np.linalg.norm((percept.centre - world.top(percept.object))[:2]) < 0.03
+
+
+def test_points_are_shared_out_to_their_parts(
+    world: World, eyes: LearnedVision, views: tuple[View, ...]
+):
+    """Nineteen of twenty points at least lie in the box round their part."""
+    for percept in eyes.search(ALL, views=views):
+        object_from_world = poses.inverse(world.pose(percept.name))
+        assert set(percept.parts) == set(OBJECTS[percept.object].parts)
+        for name, part in percept.parts.items():
+            points = poses.transform(object_from_world, part.cloud)
+            corners = world.models[percept.object].corners[name]
+            low, high = corners.min(axis=0) - 0.004, corners.max(axis=0) + 0.004
+            assert ((points > low) & (points < high)).all(axis=1).mean() > 0.95
+
+
+def test_only_what_is_asked_is_found(eyes: LearnedVision, views: tuple[View, ...]):
+    """Learned eyes search for features just as the others do."""
+    assert {p.name for p in eyes.search(["property:sharp"], views=views)} == {"knife"}
+    assert eyes.search(["action:pass"], views=views) == ()
+
+
+def test_obstacles_are_all_the_others(world: World, eyes: LearnedVision, views: tuple[View, ...]):
+    """What is in the way is all that stands there, besides the thing itself."""
+    obstacles = eyes.obstacles("mug", views=views)
+
+    distance = np.linalg.norm(obstacles[:, :2] - world.pose("mug")[:2, 3], axis=1)
+    assert len(obstacles) > 1000
+    assert distance.min() > 0.03
+
+
+def test_things_are_tracked_by_the_name_that_they_are_given(views: tuple[View, ...], world: World):
+    """Whoever keeps track of things may name them; twins get numbers."""
+    eyes = LearnedVision(world.engine, OBJECTS, track=lambda percept: "thing")
+
+    names = {percept.name for percept in eyes.search(ALL, views=views)}
+
+    assert names == {"thing", *(f"thing {number}" for number in range(2, 9))}
+
+
+def test_nail_is_seen_in_its_block():
+    """A nail and the block in which it stands are one segment and two things."""
+    with World.build(parse_scene("objects:nail", seed=2, objects=OBJECTS), OBJECTS) as world:
+        percepts = {p.object: p for p in LearnedVision(world.engine, OBJECTS).search(ALL)}
+
+        assert percepts.keys() == {"nail", "block"}
+        away = percepts["nail"].part("head").cloud.mean(axis=0) - world.top("nail")
+        assert np.linalg.norm(away) < 0.01
+
+
+@pytest.mark.parametrize("strange", STRANGE)
+def test_what_was_never_learned_is_not_sure(strange: str, tmp_path: Path):
+    """It is taken for something known, for want of a better word, but not surely."""
+    colour, shape, turn = STRANGE[strange]
+    text = THING.format(colour=colour, shape=f"{{{shape}}}", turn=turn)
+    (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    objects = load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
+
+    with World.build(Scene((Placement("it", "thing", (0.5, 0.1)),), 0), objects) as world:
+        percepts = LearnedVision(world.engine, objects).search(ALL)
+
+    assert all(percept.confidence < 0.15 for percept in percepts)
+
+
+def test_description_does_not_change_with_place_and_turn(views: tuple[View, ...]):
+    """A segment that is moved and turned on the table is described nearly alike."""
+    segment = max(segments(views), key=len)
+    moved = poses.pose(poses.rotation_from_rpy(0, 0, 0.8), (0.05, -0.1, 0))
+
+    turned = Segment(poses.transform(moved, segment.points), segment.colours, segment.sources)
+
+    assert describe(turned) == pytest.approx(describe(segment), abs=0.15)
+    assert segment_frame(turned.points)[:3, :3] == pytest.approx(
+        (moved @ segment_frame(segment.points))[:3, :3], abs=1e-6
+    )
+
+
+def test_file_of_networks_is_small_and_read_back(tmp_path: Path):
+    """What is kept of the networks is below a megabyte and reads as it was."""
+    recogniser = Recogniser.load()
+
+    recogniser.save(tmp_path / "it.npz")
+
+    assert (tmp_path / "it.npz").stat().st_size < 1_000_000
+    assert Recogniser.load(tmp_path / "it.npz").parts == recogniser.parts
+
+
+def test_unreadable_networks_are_told(tmp_path: Path):
+    """A file that holds no networks is named."""
+    (tmp_path / "it.npz").write_text("nothing")
+
+    with pytest.raises(DataError, match=r"it\.npz: cannot be read"):
+        Recogniser.load(tmp_path / "it.npz")
+
+
+def test_networks_need_the_objects_that_they_know(world: World):
+    """Networks of somebody's own objects say whose they are without the file of these."""
+    knowing = Recogniser.load()
+    knowing = replace(knowing, kinds=("rolling pin", *knowing.kinds[1:]))
+
+    with pytest.raises(DataError, match=r"they know rolling pin.* --objects"):
+        LearnedVision(world.engine, OBJECTS, recogniser=knowing)

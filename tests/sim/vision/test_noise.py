@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Noise: eyes that miss, confuse and doubt, as often as they are told and from their seed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.ontology.errors import DataError
+from hilt.ontology.objects import load_objects
+from hilt.sim.scene.scene import graspable
+from hilt.sim.vision.noise import Noise, NoisyVision, taken_for, with_depth_noise
+from hilt.sim.vision.percept import PartPercept, Percept, visible_features
+
+OBJECTS = load_objects()
+KINDS = graspable(OBJECTS)
+ALL = [f"object:{name}" for name in KINDS]
+COUNT = 400
+shares = st.floats(0, 1)
+
+
+@dataclass(frozen=True)
+class Crowd:
+    """Perfect eyes before many things of all types."""
+
+    percepts: tuple[Percept, ...]
+
+    def search(self, features: Sequence[str]) -> Sequence[Percept]:
+        """Those that have one of the features."""
+        wanted = frozenset(features)
+        return [p for p in self.percepts if wanted & visible_features(OBJECTS[p.object])]
+
+
+def percept(name: str, kind: str) -> Percept:
+    """A thing seen for certain, with a point on each part."""
+    parts = {part: PartPercept(part, np.zeros((1, 3)), 1) for part in OBJECTS[kind].parts}
+    return Percept(name, kind, 1.0, parts, OBJECTS[kind].properties)
+
+
+CROWD = Crowd(tuple(percept(f"{KINDS[i % 8]} {i}", KINDS[i % 8]) for i in range(COUNT)))
+
+
+def seen(noise: Noise, features: Sequence[str] = ALL) -> dict[str, Percept]:
+    """What is seen of the crowd through noise."""
+    found = NoisyVision(CROWD, noise, OBJECTS).search(features)
+    return {percept.name: percept for percept in found}
+
+
+@given(shares, shares, shares, st.integers(0, 2**31 - 1))
+def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: float, seed: int):
+    """Misperception depends on nothing but the amounts and the seed."""
+    noise = Noise(missed, confused, doubt, seed=seed)
+    eyes = NoisyVision(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
+
+    first, second = eyes.search(ALL), eyes.search(ALL)
+
+    told = [[(p.name, p.object, p.confidence) for p in percepts] for percepts in (first, second)]
+    assert told[0] == told[1]
+
+
+def test_without_noise_all_is_seen_as_it_is():
+    """No noise changes nothing."""
+    assert Noise().is_none
+    facts = {p.name: (p.object, p.confidence, p.parts) for p in seen(Noise()).values()}
+    assert facts == {p.name: (p.object, p.confidence, p.parts) for p in CROWD.percepts}
+
+
+def test_things_are_missed_as_often_as_told():
+    """With missed=0.2, a fifth of all things is not seen."""
+    left = seen(Noise(missed=0.2, seed=1))
+
+    assert len(left) / COUNT == pytest.approx(0.8, abs=0.06)
+
+
+def test_things_are_confused_as_often_as_told():
+    """With confused=0.3, three in ten things are taken for another type that can be grasped."""
+    found = seen(Noise(confused=0.3, seed=1))
+
+    wrong = [p for name, p in found.items() if name.rsplit(" ", 1)[0] != p.object]
+    assert len(wrong) / COUNT == pytest.approx(0.3, abs=0.06)
+    assert {p.object for p in wrong} == set(KINDS)
+
+
+def test_confused_thing_is_found_as_what_it_is_taken_for():
+    """A search for knives finds all that seems a knife, and no knife that seems something else."""
+    noise = Noise(confused=0.3, seed=1)
+
+    knives = seen(noise, ["object:knife"])
+
+    assert knives.keys() == {name for name, p in seen(noise).items() if p.object == "knife"}
+    assert {name.rsplit(" ", 1)[0] for name in knives} > {"knife"}
+
+
+def test_confidence_falls_by_no_more_than_told():
+    """With confidence=0.4 percepts keep between 60 and 100 % of theirs."""
+    kept = [percept.confidence for percept in seen(Noise(confidence=0.4, seed=1)).values()]
+
+    assert 0.6 <= min(kept) < 0.62
+    assert 0.98 < max(kept) <= 1.0
+    assert kept == sorted(kept, reverse=True)
+
+
+def test_thing_keeps_its_noise_whatever_is_searched():
+    """Whether other things are looked for as well makes no difference to one of them."""
+    noise = Noise(missed=0.3, confidence=0.5, seed=3)
+    alone, among = seen(noise, ["object:mug"]), seen(noise)
+
+    assert alone
+    assert all(among[name].confidence == each.confidence for name, each in alone.items())
+
+
+def test_what_is_taken_for_another_has_its_parts():
+    """A spoon taken for a knife shows a handle and a blade."""
+    mistaken = taken_for(percept("it", "spoon"), OBJECTS["knife"])
+
+    assert list(mistaken.parts) == ["handle", "blade"]
+    assert "sharp" in mistaken.properties
+    assert mistaken.name == "it"
+
+
+def test_depth_noise_is_new_with_every_look_and_camera():
+    """Two looks differ, the same look repeated does not."""
+    depth = np.ones((50, 60), dtype=np.float32)
+    noise = Noise(depth_m=0.002, seed=5)
+
+    first = with_depth_noise(depth, noise, "camera 1", 10)
+
+    assert (first == with_depth_noise(depth, noise, "camera 1", 10)).all()
+    assert (first != with_depth_noise(depth, noise, "camera 1", 11)).any()
+    assert (first != with_depth_noise(depth, noise, "camera 2", 10)).any()
+    assert np.std(first) == pytest.approx(0.002, rel=0.05)
+    assert with_depth_noise(depth, Noise(), "camera 1", 10) is depth
+
+
+@pytest.mark.parametrize("text", ["", "missed=0.1", "missed=0.1, depth_m=0.002,confused=1"])
+def test_noise_is_read_from_text(text: str):
+    """What `--noise` says is read back from the numbers it gives."""
+    noise = Noise.parse(text, seed=2)
+
+    for item in filter(None, text.split(",")):
+        name, _, number = item.strip().partition("=")
+        assert getattr(noise, name) == float(number)
+    assert noise.is_none == (not text)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("fog=1", 'expected one of missed, confused, confidence, depth_m, found "fog"'),
+        ("missed=some", 'expected a number after "missed=", found "some"'),
+        ("missed", 'expected a number after "missed=", found ""'),
+        ("missed=1.5", r"missed must be in \[0, 1\], found 1.5"),
+        ("depth_m=2", r"depth_m must be in \[0, 0.05\], found 2"),
+        ("missed=nan", "missed must be in"),
+    ],
+)
+def test_wrong_noise_is_told(text: str, problem: str):
+    """What is no noise is refused with what was expected."""
+    with pytest.raises(DataError, match=problem):
+        Noise.parse(text)

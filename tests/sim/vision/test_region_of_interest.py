@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Attention: what is drawn is what the whole image would show of things."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from hilt.ontology.objects import load_objects
+from hilt.sim.physics.engine import Engine
+from hilt.sim.robot.models import find_robot
+from hilt.sim.robot.robot import NAME, Robot
+from hilt.sim.scene.scene import parse_scene
+from hilt.sim.scene.world import FLOOR, TABLE, World
+from hilt.sim.vision.camera import Camera, View, Window
+from hilt.sim.vision.detector import Vision
+from hilt.sim.vision.region_of_interest import Attention
+
+pytestmark = pytest.mark.sim
+
+OBJECTS = load_objects()
+ROOM = (FLOOR, TABLE)
+ACROSS = (0.0, 0.7, 0.0, -1.9, 0.0, 2.6, 0.785)  # the hand is between a camera and the table
+
+
+@pytest.fixture(scope="module")
+def world() -> Iterator[World]:
+    """All eight objects on the table, and the robot at it."""
+    with World.build(parse_scene("all", seed=4, objects=OBJECTS), OBJECTS) as made:
+        Robot(made.engine, find_robot("panda"))
+        yield made
+
+
+def attentive(world: World) -> tuple[View, ...]:
+    """What the cameras see with attention."""
+    return Vision(world.engine, world.kinds, world.models, room=ROOM).look()
+
+
+def shown(view: View) -> dict[tuple[str, str], np.ndarray]:
+    """Body and link of what is in view -> the points on it, to a tenth of a millimetre."""
+    present = [view.names[label] for label in np.unique(view.labels) if label in view.names]
+    return {(body, link): view.points(view.mask(body, link)).round(4) for body, link in present}
+
+
+def seen_of(things: World, view: View) -> dict[tuple[str, str], int]:
+    """Body and link of the things in view -> how many pixels show it."""
+    return {key: len(points) for key, points in shown(view).items() if key[0] in things.kinds}
+
+
+@pytest.mark.parametrize("posture", [None, ACROSS], ids=["arm waiting", "arm before the things"])
+def test_things_are_seen_as_in_the_whole_image(world: World, posture: tuple[float, ...] | None):
+    """No pixel of a thing is lost or added, but for one in a thousand at the rims."""
+    arm = [joint.name for joint in find_robot("panda").arm.moving]
+    with world.engine.tentatively():
+        if posture:
+            world.engine.set_joints(NAME, arm, posture)
+        views = attentive(world)
+        whole = [view.camera.look(world.engine) for view in views]
+
+    for part, all_of_it in zip(views, whole, strict=True):
+        expected, found = seen_of(world, all_of_it), seen_of(world, part)
+        assert found.keys() == expected.keys()
+        assert sum(abs(found[key] - expected[key]) for key in found) < sum(found.values()) / 1000
+
+
+def test_arm_that_cannot_hide_anything_is_not_drawn(world: World):
+    """The waiting arm is behind the things, or beside them."""
+    views = attentive(world)
+
+    assert not any(view.mask(NAME, "panda_hand").any() for view in views)
+
+
+def test_what_a_glance_misses_is_followed():
+    """The shaft of a screwdriver is narrower than the pixels of a glance."""
+    scene = parse_scene("objects:screwdriver", seed=4, objects=OBJECTS)
+    with World.build(scene, OBJECTS) as world:
+        views = attentive(world)
+        whole = [view.camera.look(world.engine) for view in views]
+
+    for part, all_of_it in zip(views, whole, strict=True):
+        assert seen_of(world, part) == seen_of(world, all_of_it)
+        assert part.labels.size < all_of_it.labels.size / 10
+
+
+def test_nothing_in_sight_is_a_view_of_nothing():
+    """On a bare table there is nothing to look at."""
+    camera = Camera("eye", (1.0, 0.0, 0.7), (0.4, 0.0, 0.0))
+    with Engine() as engine:
+        view = Attention.on((), engine, room=()).look(camera)
+
+    assert view.window == Window(0, 0, 1, 1)
+    assert shown(view) == {}
