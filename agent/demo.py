@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from .agent import Agent
 from .dialogue.reply import Reply
-from .execution.outcome import Json, Step
+from .execution.outcome import Json, WalkStep
 from .presentation import console as shown
 
 LESSONS = (
@@ -133,7 +133,7 @@ def _recorded(agent: Agent, folder: Path) -> Generator[list[str]]:
     """
     files = [str(agent.body.picture(folder / "before.png"))]
 
-    def keep(step: Step) -> None:
+    def keep(step: WalkStep) -> None:
         name = PICTURED.get(step.node.rsplit("/", 1)[-1])
         if name and step.action == "executed":
             files.append(str(agent.body.picture(folder / f"{name}.png")))

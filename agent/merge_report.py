@@ -15,7 +15,7 @@ from ..kb.validation import lawful, refuse
 
 
 @dataclass(frozen=True)
-class Report:
+class MergeReport:
     """What came of a merge.
 
     Attributes:
@@ -44,7 +44,7 @@ class Report:
         }
 
 
-def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool) -> Report:
+def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool) -> MergeReport:
     """Take over what another base knows, as one unit.
 
     Args:
@@ -64,7 +64,7 @@ def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool
     found = _conflicts(before, coming)
     kept = tuple(rule for rule in planned.known if base.rule(rule.id).status != rule.status)
     merged = planned if dry_run else take_over(base, other, source=name)
-    return Report(merged, found, kept, dry_run)
+    return MergeReport(merged, found, kept, dry_run)
 
 
 def _weighed(rule: Rule, base: KnowledgeBase) -> Rule:

@@ -17,7 +17,7 @@ from ..sim.vision.percept import Percept
 
 if TYPE_CHECKING:
     from ..nlu.semantics.meaning import Meaning
-    from .execution.outcome import Answer, Constraint
+    from .execution.outcome import Constraint, SpokenAnswer
 
 
 class Vision(Protocol):
@@ -104,7 +104,7 @@ class Dialogue(Protocol):
         """
         ...
 
-    def say(self, answer: Answer, spoken: str) -> str:
+    def say(self, answer: SpokenAnswer, spoken: str) -> str:
         """An answer in words.
 
         Args:

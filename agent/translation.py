@@ -103,7 +103,7 @@ def words_of(actions: Actions, language: Language) -> list[meaning.NewWord]:
     return words
 
 
-def _target(said: meaning.Target) -> Target:
+def _target(said: meaning.ObjectReference) -> Target:
     name = None if said.object == meaning.ANY_OBJECT else said.object
     props = frozenset(said.props)
     return Target(name, said.used_for, said.not_used_for, properties=props)

@@ -21,7 +21,7 @@ import numpy as np
 from hilt.ontology.objects import load_objects
 from hilt.sim.body import Body
 from hilt.sim.scene.scene import graspable, parse_scene
-from hilt.sim.vision.camera import View
+from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import LearnedVision
 from hilt.sim.vision.noise import Noise, with_depth_noise
 from hilt.sim.vision.percept import Percept
@@ -109,7 +109,7 @@ def _shown(body: Body, percept: Percept) -> str | None:
     return best if shares[best] > 0.5 else None
 
 
-def noisy(views: tuple[View, ...], seed: int) -> list[View]:
+def noisy(views: tuple[CameraImage, ...], seed: int) -> list[CameraImage]:
     """The views with noise on every pixel's depth."""
     noise = Noise(depth_m=DEPTH_NOISE, seed=seed)
     return [

@@ -10,14 +10,14 @@ from types import TracebackType
 from typing import Any
 
 from hilt.sim.grasping import scoring, selection
-from hilt.sim.physics.engine import Engine
+from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import Chain
 from hilt.sim.robot.path_planner import Reacher
 from hilt.sim.vision.detector import Vision
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
-    ("stepping", Engine, "step"),
-    ("loading", Engine, "load"),
+    ("stepping", PhysicsEngine, "step"),
+    ("loading", PhysicsEngine, "load"),
     ("seeing", Vision, "look"),
     ("seeing", Vision, "search"),
     ("seeing", Vision, "obstacles"),

@@ -10,8 +10,8 @@ Run: python examples/own_robot.py
 from collections.abc import Mapping, Sequence
 
 from hilt.agent import Agent
-from hilt.agent.execution.outcome import Answer, Constraint
-from hilt.nlu.semantics.meaning import Command, Meaning, Target
+from hilt.agent.execution.outcome import Constraint, SpokenAnswer
+from hilt.nlu.semantics.meaning import Command, Meaning, ObjectReference
 from hilt.sim.manipulation.report import MotionReport
 from hilt.sim.vision.percept import Percept
 
@@ -87,10 +87,10 @@ class Butler:
     def understand(self, text: str, *, speaker: str) -> Meaning | None:
         """What your parser makes of an utterance; None where Hilt is to read it."""
         if text == "scalpel!":
-            return Command("pass", Target(used_for="cutting"))
+            return Command("pass", ObjectReference(used_for="cutting"))
         return None
 
-    def say(self, answer: Answer, spoken: str) -> str:
+    def say(self, answer: SpokenAnswer, spoken: str) -> str:
         """The answer in your words, or in Hilt's."""
         return f"At your service. {spoken}" if answer.ending == "done" else f"Alas. {spoken}"
 

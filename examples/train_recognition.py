@@ -20,7 +20,7 @@ from hilt.ontology.errors import SimulationError
 from hilt.ontology.objects import ObjectType, load_household
 from hilt.sim.scene.scene import Placement, Scene, graspable, scene_of
 from hilt.sim.scene.world import World
-from hilt.sim.vision.camera import View
+from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.classifier import fit
 from hilt.sim.vision.descriptors import describe
 from hilt.sim.vision.detector import Vision
@@ -93,7 +93,11 @@ class Teacher:
         return rows
 
     def _sample(
-        self, segment: Segment, views: list[View], kinds: dict[str, str], rng: np.random.Generator
+        self,
+        segment: Segment,
+        views: list[CameraImage],
+        kinds: dict[str, str],
+        rng: np.random.Generator,
     ) -> Iterator[tuple[np.ndarray, int, np.ndarray, np.ndarray]]:
         """A segment with what the mask says it is; nothing when that is not one of the objects."""
         links = [

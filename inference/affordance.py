@@ -20,7 +20,7 @@ from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import Atom, Rule
 from .decision import Applicable, Judge
 from .proof import Proof, derived, told, unknown
-from .selection import FIND, Shown, Situation, closure, nearest
+from .selection import FIND, NodeContext, Shown, closure, nearest
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
 from .types import Candidate, Goal, Inference, Observation
@@ -113,13 +113,13 @@ class Affordances:
         """
         return [self.infer(node, *pair) for pair in zip(goals, scenes, strict=True)]
 
-    def _situation(self, node: str, goal: Goal) -> Situation:
+    def _situation(self, node: str, goal: Goal) -> NodeContext:
         """A node with a goal, after what was told since is assimilated."""
         sequence = self.source.sequence
         if sequence != self._sequence:
             self._rules.clear()
             self._sequence = sequence
-        return Situation(node, goal, self._rules_at, self.taxonomy)
+        return NodeContext(node, goal, self._rules_at, self.taxonomy)
 
     def _rules_at(self, key: str) -> Sequence[Rule]:
         if key not in self._rules:
@@ -128,7 +128,7 @@ class Affordances:
 
     # --- Concluding ----------------------------------------------------------------------
 
-    def _find(self, here: Situation, seen: Observation, judge: Judge) -> Candidate:
+    def _find(self, here: NodeContext, seen: Observation, judge: Judge) -> Candidate:
         """How surely one thing is what the command asks for."""
         target = here.goal.target
         shown = closure(seen.atoms, self.taxonomy)
@@ -144,7 +144,7 @@ class Affordances:
             steps = [Proof("given", CERTAIN, f"{seen.name} was confirmed by the speaker")]
         return judge.candidate(seen, argument, steps, applied)
 
-    def _bound(self, here: Situation, seen: Observation, judge: Judge) -> Iterator[Candidate]:
+    def _bound(self, here: NodeContext, seen: Observation, judge: Judge) -> Iterator[Candidate]:
         """Which part (or other argument) the rules of the nearest context name for one thing."""
         shown = closure(seen.atoms, self.taxonomy)
         for key in here.levels:
@@ -156,7 +156,7 @@ class Affordances:
                 return
 
     def _absent(
-        self, here: Situation, observations: Sequence[Observation], judge: Judge
+        self, here: NodeContext, observations: Sequence[Observation], judge: Judge
     ) -> Iterator[Candidate]:
         """What rules speak for that is not in view: each as if it had been looked for in vain."""
         shown = [closure(seen.atoms, self.taxonomy) for seen in observations]
@@ -178,7 +178,7 @@ class Affordances:
                 yield judge.candidate(nothing, conclusion.argument, steps, applied, is_absent=True)
 
     def _concluded(
-        self, rules: Sequence[Rule], here: Situation, seen: Observation, shown: Shown
+        self, rules: Sequence[Rule], here: NodeContext, seen: Observation, shown: Shown
     ) -> Proof:
         """One conclusion from rules that agree in what they conclude; unknown from none."""
         if not rules:
@@ -206,7 +206,7 @@ class Affordances:
         return sorted(groups.values(), key=lambda group: group[-1].utterance or 0)
 
 
-def _evidence(atom: Atom, here: Situation, seen: Observation, shown: Shown) -> Proof:
+def _evidence(atom: Atom, here: NodeContext, seen: Observation, shown: Shown) -> Proof:
     """How surely an antecedent holds; an action on the path of the node holds by itself."""
     if atom in shown:
         origin = shown[atom][1]

@@ -23,7 +23,7 @@ STRETCHES = 64  # of a path that are looked at
 
 
 @dataclass(frozen=True)
-class Change:
+class Counterfactual:
     """A change of one interval that turns a decision.
 
     Attributes:
@@ -87,7 +87,7 @@ def names_of(candidate: Candidate) -> tuple[str, ...]:
     return tuple(dict.fromkeys((candidate.name, candidate.object, *argument)))
 
 
-def changes_of_mind(inference: Inference, settings: Settings) -> list[Change]:
+def changes_of_mind(inference: Inference, settings: Settings) -> list[Counterfactual]:
     """The smallest changes of one interval alone that turn the decision, the smallest first.
 
     An interval can grow in truth in two ways that are no detour: its lower bound first, taking the
@@ -119,14 +119,16 @@ class _Mind:
         self.intervals = [each.interval for each in self.candidates]
         self.decided = self.judge.first(self.intervals)
 
-    def turned_by(self, leaf: Proof) -> Iterator[Change]:
+    def turned_by(self, leaf: Proof) -> Iterator[Counterfactual]:
         """The smallest change of a leaf upwards, and the smallest downwards, that turn it."""
         about = [i for i, leaves in enumerate(self.leaves) if leaf in leaves]
         for paths in _paths(leaf.interval):
             turned = [each for path in paths if (each := self._turned(leaf, path, about))]
             yield from sorted(turned, key=lambda change: change.size)[:1]
 
-    def _turned(self, leaf: Proof, path: Sequence[Interval], about: Sequence[int]) -> Change | None:
+    def _turned(
+        self, leaf: Proof, path: Sequence[Interval], about: Sequence[int]
+    ) -> Counterfactual | None:
         """The nearest point of a path at which the decision is another."""
         before = 0.0
         for stretch in range(1, STRETCHES + 1):
@@ -144,7 +146,9 @@ class _Mind:
                 after = middle
         instead = _along(path, after)
         index = self._chosen(leaf, instead, about)
-        return Change(leaf, instead, None if index is None else _called(self.candidates[index]))
+        return Counterfactual(
+            leaf, instead, None if index is None else _called(self.candidates[index])
+        )
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
         """Which candidate would be chosen, by its index, if one leaf were another."""

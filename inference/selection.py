@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which rules matter at a node: those that hang there, whose contexts hold, and the nearest first.
 
-A `Situation` is one node of an action tree with one goal. What it selects is worked out once, for
+A `NodeContext` is one node of an action tree with one goal. What it selects is worked out once, for
 all the things that are then seen there.
 """
 
@@ -21,7 +21,7 @@ FIND = "findObject"  # the action whose rules say which thing: usedFor(object, a
 Shown = Mapping[Atom, tuple[int, Atom]]  # what holds -> steps up from what was seen, and that
 
 
-class Situation:
+class NodeContext:
     """One node with one goal.
 
     Args:

@@ -21,7 +21,7 @@ _TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # it may be the number o
 
 
 @dataclass(frozen=True)
-class Change:
+class RuleChange:
     """An utterance with the rules that it touched, as they stand now.
 
     Attributes:
@@ -92,12 +92,12 @@ class Difference:
         }
 
 
-def changes(base: RuleReader, *, since: int = 0) -> Iterator[Change]:
+def changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
     """What was said after an utterance, with what it did."""
     for utterance in base.history(since=since):
         touched = (utterance.asserts, utterance.retracts, utterance.supersedes)
         told, retracted, superseded = (tuple(map(base.rule, ids)) for ids in touched)
-        yield Change(utterance, told, retracted, superseded)
+        yield RuleChange(utterance, told, retracted, superseded)
 
 
 def difference(before: RuleReader, after: RuleReader) -> Difference:

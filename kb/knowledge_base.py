@@ -26,7 +26,7 @@ from .reader import BASE_GRAPH, BASE_NODE
 from .rule import DEFAULT_SPEAKER
 from .sparql.limits import Limits
 from .sparql.named_queries import named_query
-from .sparql.results import Answer, Found, Solutions, Statements
+from .sparql.results import BooleanResult, Found, Solutions, Statements
 from .sparql.safety import refuse_outside
 from .sparql.text import bind, form
 from .stores.base import Bindings, Store, open_store
@@ -125,7 +125,7 @@ class KnowledgeBase(RuleWriter):
             case "SELECT":
                 return self.store.select(bound)
             case "ASK":
-                return Answer(self.store.ask(bound))
+                return BooleanResult(self.store.ask(bound))
             case "CONSTRUCT" | "DESCRIBE":
                 return Statements.of(self.store.construct(bound))
             case _:

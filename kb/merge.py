@@ -47,7 +47,7 @@ class Merged:
     utterances: int
     untrusted: tuple[str, ...]
     statements: int
-    conflicts: tuple[Conflict, ...] = ()
+    conflicts: tuple[MergeConflict, ...] = ()
 
     @property
     def summary(self) -> Summary:
@@ -63,7 +63,7 @@ class Merged:
 
 
 @dataclass(frozen=True)
-class Conflict:
+class MergeConflict:
     """A new rule and a believed one that draw the same conclusion and cannot both be right.
 
     Attributes:
@@ -97,7 +97,7 @@ class Summary:
     conflicting: int
     utterances: int
     untrusted: tuple[str, ...]
-    conflicts: tuple[Conflict, ...] = ()
+    conflicts: tuple[MergeConflict, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """As `hilt import --json` prints it."""
@@ -170,7 +170,7 @@ def merge(base: RuleWriter, other: RuleReader, *, source: str, dry_run: bool = F
     )
 
 
-def conflicts(base: RuleReader, rules: Iterable[Rule]) -> Iterator[Conflict]:
+def conflicts(base: RuleReader, rules: Iterable[Rule]) -> Iterator[MergeConflict]:
     """Where rules contradict what a base believes: same premises and conclusion, other interval.
 
     Args:
@@ -188,7 +188,7 @@ def conflicts(base: RuleReader, rules: Iterable[Rule]) -> Iterator[Conflict]:
         for rule in by_node[node]:
             for other in believed.get(claim(rule), ()):
                 if rule.id != other.id and are_apart(rule.interval, other.interval):
-                    yield Conflict(rule, other)
+                    yield MergeConflict(rule, other)
 
 
 def claim(rule: Rule) -> tuple[object, ...]:

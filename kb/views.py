@@ -28,7 +28,7 @@ _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
 
 @dataclass(frozen=True)
-class View:
+class RuleView:
     """Rules that held somewhere in the history; inference can be asked about them as about a base.
 
     Attributes:
@@ -66,7 +66,7 @@ class View:
 
 def view(
     base: RuleReader, *, at: datetime | int | None = None, according_to: str | None = None
-) -> View:
+) -> RuleView:
     """The rules as they were, or as one person sees them, or both.
 
     Args:
@@ -96,7 +96,7 @@ def view(
         )
         for rule in told
     ]
-    return View(tuple(sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))))
+    return RuleView(tuple(sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))))
 
 
 def parse_moment(text: str) -> datetime | int:

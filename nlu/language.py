@@ -30,7 +30,7 @@ from .lexicon.vocabulary import Vocabulary, household_vocabulary
 from .parsing.combinators import Combinator
 from .parsing.framing import load_frames
 from .parsing.hearing import Hearing, without_reading
-from .parsing.parser import Listener, Situation
+from .parsing.parser import Listener, UtteranceContext
 from .parsing.strategies import Attempts
 from .parsing.tokenizer import tokenize
 from .semantics.coreference import Discourse
@@ -169,7 +169,7 @@ class Language:
             heard: how surely a recogniser heard it, in [0, 1]; what was not heard well enough to
                 be sure what is wanted is asked about.
         """
-        situation = Situation(speaker, addressee, discourse or Discourse(), (heard, 1.0))
+        situation = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
         tokens = tokenize(text, self.book.contractions)
         problem = self.hearing.problem(text, tokens)
         if problem is not None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from .parsing.chart import Derivation
-from .parsing.derivation import Step, steps
+from .parsing.derivation import DerivationStep, steps
 from .semantics.coreference import Discourse
 from .semantics.meaning import Confidence, Json, Meaning, NewWord
 from .semantics.predicates import Form
@@ -93,7 +93,7 @@ class Understanding:
         return str(self.reading.intention.arguments[-1]) if self.reading else ""
 
     @property
-    def derivation(self) -> Step | None:
+    def derivation(self) -> DerivationStep | None:
         """How the chart found the reading; prints as an indented text."""
         return steps(self.reading.derivation, self.words) if self.reading else None
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from ..ontology.objects import ObjectType
 from .manipulation.pick_and_place import LOST, Handling
 from .manipulation.report import MotionReport
-from .manipulation.target import Target
+from .manipulation.target import StrikeTarget
 from .robot.models import find_robot
 from .scene.scene import Scene
 from .scene.world import World
@@ -130,7 +130,7 @@ class Body(Handling):
             return MotionReport("move_above", ok=False, reason="nothing_held")
         if self.world.support(percept.name) is None:
             return self._report("move_above", "nothing_to_strike")
-        self._target = Target(self.world, percept.name, percept.cloud)
+        self._target = StrikeTarget(self.world, percept.name, percept.cloud)
         reacher, cloud = self._reacher(self._sight), self._sight.percept.cloud
         reason = self.motion.move_above(self._held, self._target.top, reacher, cloud)
         return self._report("move_above", reason)

@@ -96,9 +96,9 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
     from ..evaluation.experiment import make_experiment
     from ..evaluation.reports.export import check_form, write_report
-    from ..evaluation.reports.summary import Report
+    from ..evaluation.reports.summary import EvaluationReport
     from ..evaluation.runners.base import open_engine, run
-    from ..evaluation.runners.journal import Journal
+    from ..evaluation.runners.journal import RunJournal
 
     given = {
         "sim": sim or None,
@@ -116,10 +116,10 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     experiment = make_experiment(what, options)
     cases = experiment.cases()
     engine = open_engine(workers, ray, timeout_s=timeout)
-    kept = Journal(out, experiment, cases, resume=resume) if out else nullcontext()
+    kept = RunJournal(out, experiment, cases, resume=resume) if out else nullcontext()
     with kept as journal:
         done = run(experiment, cases, engine=engine, journal=journal, console=terminal(stderr=True))
-    report = Report.of(experiment, done)
+    report = EvaluationReport.of(experiment, done)
     for path in report_to or ():
         write_report(path, experiment, cases, report)
     show(report.as_json()) if as_json else terminal().print(report.table())

@@ -16,7 +16,7 @@ from .common import finish, open_base, open_for_reading, show, terminal
 from .options import AsJson, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
-    from ...kb.diff import Change
+    from ...kb.diff import RuleChange
     from ...kb.history import Utterance
     from ...kb.knowledge_base import KnowledgeBase
     from ...kb.rule import Rule
@@ -186,7 +186,7 @@ def _location(kb: str | None) -> str:
 
 def _changes(
     location: str, since: int | None, every: float, seconds: float | None
-) -> Iterator[Change]:
+) -> Iterator[RuleChange]:
     """What changes, as it changes.
 
     A folder is looked at through a snapshot each time, so that whoever writes to it may go on.

@@ -27,7 +27,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ...inference.explanation import Change
+    from ...inference.explanation import Counterfactual
     from ..agent import Agent
     from ..execution.outcome import Decision
 
@@ -82,7 +82,7 @@ def explain(
     finish(reply.is_done)
 
 
-def _changes(agent: Agent, decision: Decision | None) -> list[Change]:
+def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
     """What would change the choice of the thing, and of the part, the smallest change first."""
     from ...inference.explanation import changes_of_mind
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
-from ..execution.outcome import Answer, Decision, Slot
+from ..execution.outcome import Decision, Slot, SpokenAnswer
 
 _DONE = {
     "pass": ("passed", "passed_by", "passed_as_told"),
@@ -35,7 +35,7 @@ _MOTION = {  # reason of a motion report -> the answer with a part, and without
 }
 
 
-def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answer:
+def done(action: str, decision: Decision, speaker: str, recipient: str) -> SpokenAnswer:
     """The answer to a command that was carried out.
 
     Args:
@@ -46,63 +46,63 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
     """
     slots = _chosen(action, decision)
     if decision.patient:
-        return Answer("done_with_tool", slots)
+        return SpokenAnswer("done_with_tool", slots)
     if action == "pass" and recipient != speaker:
-        return Answer("passed_to", slots | {"recipient": recipient})
+        return SpokenAnswer("passed_to", slots | {"recipient": recipient})
     teacher = _teacher(decision)
     if teacher == INDUCER:
-        return Answer("done_by_likeness", slots)
+        return SpokenAnswer("done_by_likeness", slots)
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
     plain, by_part, as_told = _DONE.get(action, _DONE["use"])
-    return Answer(as_told if teacher else by_part if decision.chosen_part else plain, slots)
+    return SpokenAnswer(as_told if teacher else by_part if decision.chosen_part else plain, slots)
 
 
-def decided(action: str, decision: Decision) -> Answer:
+def decided(action: str, decision: Decision) -> SpokenAnswer:
     """The answer to a command that was decided but not carried out (no robot is there)."""
     slots = _chosen(action, decision)
     if decision.patient:
-        return Answer("would_use_tool", slots)
-    return Answer("would_do_by" if decision.chosen_part else "would_do", slots)
+        return SpokenAnswer("would_use_tool", slots)
+    return SpokenAnswer("would_do_by" if decision.chosen_part else "would_do", slots)
 
 
-def not_found(target: Target, inference: Inference) -> Answer:
+def not_found(target: Target, inference: Inference) -> SpokenAnswer:
     """The answer when no candidate is sure enough."""
     first = inference.candidates[0] if inference.candidates else None
     if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
         return _nothing(target, inference)
     wanted = _wanted(target)
     if wanted is None:
-        return Answer("not_sure_seen", {"object": _named(target)}, "asked", "not_sure")
+        return SpokenAnswer("not_sure_seen", {"object": _named(target)}, "asked", "not_sure")
     bounds = (round(first.interval.lower, 4), round(first.interval.upper, 4))
     slots: dict[str, Slot] = {"object": first.object, "confidence": bounds}
     if target.affords:
-        return Answer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
-    return Answer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
+        return SpokenAnswer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
+    return SpokenAnswer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
 
 
-def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> Answer:
+def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> SpokenAnswer:
     """The answer when no part is sure enough to take a thing by; it asks about the likeliest."""
     is_guess = any(rule.speaker == INDUCER for rule in likeliest.rules)
     part = likeliest.argument.name if likeliest.argument else "part"
     slots = {"goal": action, "object": object_name, "part": part}
-    return Answer("guess_how" if is_guess else "not_sure_how", slots, "asked", "not_sure")
+    return SpokenAnswer("guess_how" if is_guess else "not_sure_how", slots, "asked", "not_sure")
 
 
-def motion_failed(reason: str, object_name: str, part: str | None) -> Answer:
+def motion_failed(reason: str, object_name: str, part: str | None) -> SpokenAnswer:
     """The answer to a motion that did not succeed."""
     with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
     slots = {"object": object_name} | ({"part": part} if part else {})
-    return Answer(with_part if part else without, slots, "failed", reason)
+    return SpokenAnswer(with_part if part else without, slots, "failed", reason)
 
 
-def unable(action: str, primitive: str, decision: Decision) -> Answer:
+def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:
     """The answer when the robot's motion cannot perform a step of the tree."""
     key = "not_able_with" if decision.patient else "not_able"
-    return Answer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
+    return SpokenAnswer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
 
 
-def _nothing(target: Target, inference: Inference) -> Answer:
+def _nothing(target: Target, inference: Inference) -> SpokenAnswer:
     """Why nothing that is in view will do: believed not to, or not in view, or nothing known."""
     if target.not_used_for:
         return _not_found("nothing_not_used_for", affordance=target.not_used_for)
@@ -120,8 +120,8 @@ def _nothing(target: Target, inference: Inference) -> Answer:
     return _not_found(key, **{slot: wanted})
 
 
-def _not_found(key: str, **slots: Slot) -> Answer:
-    return Answer(key, slots, "failed", "not_found")
+def _not_found(key: str, **slots: Slot) -> SpokenAnswer:
+    return SpokenAnswer(key, slots, "failed", "not_found")
 
 
 def _wanted(target: Target) -> str | None:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
-from ..execution.outcome import Answer, Decision, Slot
+from ..execution.outcome import Decision, Slot, SpokenAnswer
 from .reply import Reply
 
 Describe = Callable[[Rule], str]
-Answered = tuple[Answer, tuple[Rule, ...]]
+Answered = tuple[SpokenAnswer, tuple[Rule, ...]]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Knowledge:
         return self.last.achievement.decision if self.last and self.last.achievement else None
 
 
-def say(key: str, *, done: bool = False, **slots: Slot | None) -> Answer:
+def say(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
     """An answer by its key, with those of its slots that are filled."""
     given = {name: value for name, value in slots.items() if value is not None}
-    return Answer(key, given, "done" if done else "failed")
+    return SpokenAnswer(key, given, "done" if done else "failed")

@@ -25,7 +25,7 @@ from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..episodes.recorder import EpisodeRecorder
 from ..execution.goal_manager import GoalManager, Request
-from ..execution.outcome import Answer, GoalResult, World
+from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..translation import request_of, said_of
 from .knowledge import Knowledge
 from .questions import answer
@@ -41,7 +41,7 @@ ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
 
 
 @dataclass(frozen=True)
-class Turn:
+class DialogueTurn:
     """One utterance as it was understood.
 
     Attributes:
@@ -118,7 +118,7 @@ class Dialogue:
         self._pending: Pending | None = None
         self._topic: tuple[Rule, ...] = ()
         self._just_acted = False  # and no rule was spoken of since
-        self._listeners: dict[type, Callable[[Turn, Any], Reply]] = {
+        self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
             meaning.Statement: self._believe,
             meaning.Retraction: self._forget,
             meaning.Command: self._obey,
@@ -155,9 +155,9 @@ class Dialogue:
         speaker = self.base.known_as(speaker)
         understood = self._understood(text, speaker, insist, heard)
         self._discourse = understood.discourse
-        turn = Turn(understood, heard, keep)
+        turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
-            return self._answered(turn, Answer(f"only_{only}", {}, "not_understood"))
+            return self._answered(turn, SpokenAnswer(f"only_{only}", {}, "not_understood"))
         if understood.kind != "acknowledgement":
             self._pending = None
         return self._listeners[type(understood.meaning)](turn, understood.meaning)
@@ -174,9 +174,11 @@ class Dialogue:
 
     # --- Being told --------------------------------------------------------------------------
 
-    def _believe(self, turn: Turn, said: meaning.Statement) -> Reply:
+    def _believe(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
         if not self._trusts(turn.speaker):
-            return self._answered(turn, Answer("not_trusted", {"speaker": turn.speaker}, "refused"))
+            return self._answered(
+                turn, SpokenAnswer("not_trusted", {"speaker": turn.speaker}, "refused")
+            )
         taught = lesson(self.base, said, turn.speaker, turn.heard, self._topic)
         spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
         self.base.believe(
@@ -195,7 +197,7 @@ class Dialogue:
         self._turn_to(told)
         return replace(self._reply(turn, spoken), rules=told)
 
-    def _echo(self, turn: Turn, taught: Lesson) -> Iterator[Answer]:
+    def _echo(self, turn: DialogueTurn, taught: Lesson) -> Iterator[SpokenAnswer]:
         """Say back what was believed, a sentence a rule and a word."""
         trust = self.base.trust(turn.speaker)
         weight = trust.lower if trust else 0.0
@@ -203,7 +205,7 @@ class Dialogue:
         key = "learned_weighed" if min(weight, turn.heard) < 1.0 else key
         for rule, said in zip(taught.rules, taught.said, strict=True):
             counts = rule.interval.discounted(weight)
-            yield Answer(
+            yield SpokenAnswer(
                 "known_already" if taught.is_known else key,
                 {
                     "rule": self._in_words(rule),
@@ -215,7 +217,7 @@ class Dialogue:
                 },
             )
         for word in turn.understood.new_words:
-            yield Answer("learned_word", {"word": word.word, "role": word.role})
+            yield SpokenAnswer("learned_word", {"word": word.word, "role": word.role})
 
     def _in_words(self, rule: Rule) -> str:
         said = said_of(rule)
@@ -225,20 +227,22 @@ class Dialogue:
         support = rule.support
         return self.language.speech.weighed(what, (support.lower, support.upper), rule.speaker)
 
-    def _forget(self, turn: Turn, said: meaning.Retraction) -> Reply:
+    def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
         if said.rule is None and self._just_acted:  # "never mind" means the deed
-            return self._answered(turn, Answer("forget_what", {}, "failed"))
+            return self._answered(turn, SpokenAnswer("forget_what", {}, "failed"))
         rule = self._to_forget(turn, said)
         if rule is not None and rule.speaker != turn.speaker:
-            return self._answered(turn, Answer("not_yours", {"speaker": rule.speaker}, "failed"))
+            return self._answered(
+                turn, SpokenAnswer("not_yours", {"speaker": rule.speaker}, "failed")
+            )
         if rule is None:
-            return self._answered(turn, Answer("nothing_to_forget", {}, "failed"))
-        spoken = self._say(Answer("forgotten", {"rule": self._in_words(rule)}))
+            return self._answered(turn, SpokenAnswer("nothing_to_forget", {}, "failed"))
+        spoken = self._say(SpokenAnswer("forgotten", {"rule": self._in_words(rule)}))
         understood = turn.understood
         self.base.retract(rule.id, understood.text, understood.content, turn.speaker, answer=spoken)
         return replace(self._reply(turn, spoken), rules=(rule,))
 
-    def _to_forget(self, turn: Turn, said: meaning.Retraction) -> Rule | None:
+    def _to_forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Rule | None:
         """What is taken back: what is named, else the last rule spoken of, else the last told."""
         if said.rule is None and self._topic:
             return self._topic[-1]
@@ -246,15 +250,17 @@ class Dialogue:
 
     # --- Being asked to do something -----------------------------------------------------------
 
-    def _obey(self, turn: Turn, said: meaning.Command | meaning.ToolCommand) -> Reply:
+    def _obey(self, turn: DialogueTurn, said: meaning.Command | meaning.ToolCommand) -> Reply:
         if not self._trusts(turn.speaker):
-            return self._answered(turn, Answer("not_obeyed", {"speaker": turn.speaker}, "refused"))
+            return self._answered(
+                turn, SpokenAnswer("not_obeyed", {"speaker": turn.speaker}, "refused")
+            )
         if said.negated:
             return self._answered(turn, _declined(said))
         if turn.understood.unknown:
             words = turn.understood.unknown
             key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
-            return self._answered(turn, Answer(key, {"words": words}, "asked"))
+            return self._answered(turn, SpokenAnswer(key, {"words": words}, "asked"))
         acts = self.language.listener.interpreter.tool_acts
         request = request_of(said, turn.speaker, acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
@@ -264,11 +270,11 @@ class Dialogue:
         try:
             came = self._goals().achieve(request)
         except UnknownNameError:
-            answered = Answer("cannot", {"goal": request.action}, "failed")
-            came = GoalResult(answered, None, (), World())
+            answered = SpokenAnswer("cannot", {"goal": request.action}, "failed")
+            came = GoalResult(answered, None, (), ExecutionResult())
         return came, " ".join(self._say(each) for each in (*came.setbacks, came.answer))
 
-    def _carry_out(self, turn: Turn, request: Request) -> Reply:
+    def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:
         came, spoken = self.attempt(request)
         reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
         self._record(reply, turn)
@@ -287,7 +293,7 @@ class Dialogue:
 
     # --- Being asked, and talking -------------------------------------------------------------
 
-    def _answer(self, turn: Turn, said: meaning.Question) -> Reply:
+    def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
         knowledge = Knowledge(
             self.base, self._in_words, self._weighed, self._visible, self.last_done, self._topic
         )
@@ -295,7 +301,7 @@ class Dialogue:
         self._turn_to(rules)
         return replace(self._answered(turn, found), rules=rules)
 
-    def _acknowledge(self, turn: Turn, said: meaning.Acknowledgement) -> Reply:
+    def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
         pending = self._pending
         if pending and pending.asked != turn.speaker:
             pending = None
@@ -306,9 +312,9 @@ class Dialogue:
         if pending and said.ack == "no" and pending.no:
             return pending.no()
         key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
-        return self._answered(turn, Answer(key))
+        return self._answered(turn, SpokenAnswer(key))
 
-    def _ask_back(self, turn: Turn, said: meaning.AskBack) -> Reply:
+    def _ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
         reply = replace(self._reply(turn, said.question), ending="asked")
         self._record(reply, turn)
         text, speaker = turn.understood.text, turn.speaker
@@ -326,7 +332,7 @@ class Dialogue:
             )
         return reply
 
-    def _corrected(self, turn: Turn, said: meaning.AskBack) -> tuple[str, str] | None:
+    def _corrected(self, turn: DialogueTurn, said: meaning.AskBack) -> tuple[str, str] | None:
         """The utterance with the suggested word in place of the unknown one, and that one."""
         words = turn.understood.words
         unknown = [word for word in words if word not in self.language.known_words]
@@ -334,7 +340,7 @@ class Dialogue:
             return None
         return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]
 
-    def _not_understood(self, turn: Turn, said: meaning.Misunderstanding) -> Reply:
+    def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
         reply = replace(self._reply(turn, said.message), ending="not_understood")
         self._record(reply, turn)
         return reply
@@ -352,20 +358,20 @@ class Dialogue:
         trust = self.base.trust(speaker)
         return trust is not None and trust.upper > 0
 
-    def _answered(self, turn: Turn, answered: Answer) -> Reply:
+    def _answered(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
         """Put an answer into words, and keep what was heard in the history."""
         reply = replace(self._reply(turn, self._say(answered)), ending=answered.ending)
         self._record(reply, turn)
         return reply
 
-    def _say(self, answered: Answer) -> str:
+    def _say(self, answered: SpokenAnswer) -> str:
         """An answer in words, filled with those of its slots that the language asks for."""
         wanted = self.language.speech.answers[answered.key].slots
         slots = {name: answered.slots[name] for name in wanted}
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken
 
-    def _record(self, reply: Reply, turn: Turn) -> None:
+    def _record(self, reply: Reply, turn: DialogueTurn) -> None:
         if not turn.keep:
             return
         self.base.record(
@@ -378,7 +384,7 @@ class Dialogue:
             heard=turn.heard,
         )
 
-    def _reply(self, turn: Turn, spoken: str) -> Reply:
+    def _reply(self, turn: DialogueTurn, spoken: str) -> Reply:
         understood = turn.understood
         return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)
 
@@ -388,12 +394,14 @@ def _use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
     return target.used_for or target.not_used_for
 
 
-def _declined(said: meaning.Command | meaning.ToolCommand) -> Answer:
+def _declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
     """The answer to a command that forbids."""
     if isinstance(said, meaning.ToolCommand):
-        return Answer("will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused")
+        return SpokenAnswer(
+            "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
+        )
     name = said.target.object or said.target.used_for or "thing"
-    return Answer("will_not", {"goal": said.goal, "object": name}, "refused")
+    return SpokenAnswer("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
 def _person(name: str) -> meaning.NewWord:

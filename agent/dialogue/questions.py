@@ -13,7 +13,7 @@ from ...inference.types import Conclusion, Goal, Observation, Target
 from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.semantics.meaning import Question
-from ..execution.outcome import Answer
+from ..execution.outcome import SpokenAnswer
 from .knowledge import Answered, Knowledge, say
 from .reasons import why, why_not
 
@@ -158,7 +158,7 @@ def _capabilities(_: Question, __: Knowledge) -> Answered:
 # --- Helpers -------------------------------------------------------------------------------
 
 
-def _told(key: str, rule: Rule, known: Knowledge) -> Answer:
+def _told(key: str, rule: Rule, known: Knowledge) -> SpokenAnswer:
     interval = (rule.support.lower, rule.support.upper)
     said = known.describe(rule)
     return say(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)

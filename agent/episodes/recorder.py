@@ -17,7 +17,7 @@ from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom
 from ..dialogue.reply import Reply
 from ..execution.goal_manager import Request
-from ..execution.outcome import Json, Step
+from ..execution.outcome import Json, WalkStep
 from .keeping import request_as_json
 
 AGAIN = "again"  # key of the document
@@ -89,7 +89,7 @@ def episode_of(reply: Reply, again: Json | None = None) -> Episode:
     )
 
 
-def _step_of(step: Step) -> EpisodeStep:
+def _step_of(step: WalkStep) -> EpisodeStep:
     bound, best = step.constraint, step.inference.best
     return EpisodeStep(
         path=step.node,

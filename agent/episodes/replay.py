@@ -21,7 +21,7 @@ from ...inference.taxonomy import Taxonomy
 from ...kb.episodes import Episode
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_words import Word
-from ...kb.views import View, view
+from ...kb.views import RuleView, view
 from ...ontology.errors import HiltError, NotFoundError
 from ..agent import Agent
 from ..config import Embodiment
@@ -171,7 +171,7 @@ def _run(
 
 
 @dataclass(frozen=True)
-class Past(View):
+class Past(RuleView):
     """Rules that held at some time, as a source that does not change any more."""
 
     @property

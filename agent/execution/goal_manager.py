@@ -18,7 +18,7 @@ from ...kb.rule import Atom
 from ...ontology.actions import Actions, Affords
 from ..dialogue import answers
 from ..protocols import Motion, Vision
-from .outcome import Answer, GoalResult, Step
+from .outcome import GoalResult, SpokenAnswer, WalkStep
 from .tree_executor import Argument, Walk
 
 TOOL, PATIENT = "tool", "patient"
@@ -71,8 +71,8 @@ class GoalManager:
         parts: object -> its parts, as far as they are known; the hands do not look for others.
 
     Attributes:
-        watchers: called at every node of a walk before its action is done, when `Step.action` is
-            still empty, and again afterwards.
+        watchers: called at every node of a walk before its action is done, when
+            `WalkStep.action` is still empty, and again afterwards.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class GoalManager:
         self.affordances = affordances
         self.vision = vision
         self.motion = motion
-        self.watchers: list[Callable[[Step], None]] = []
+        self.watchers: list[Callable[[WalkStep], None]] = []
 
     def achieve(self, request: Request) -> GoalResult:
         """Walk the tree of a goal to its end, or to its first failure that no branch mends.
@@ -118,9 +118,9 @@ class GoalManager:
 
     def _answer(
         self, walk: Walk, request: Request, recipient: str, unable: Sequence[str]
-    ) -> Answer:
+    ) -> SpokenAnswer:
         if walk.decision is None:  # a tree that looks for nothing
-            return Answer("okay")
+            return SpokenAnswer("okay")
         if unable:
             return answers.unable(request.action, unable[0], walk.decision)
         if self.motion is None:

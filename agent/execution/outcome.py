@@ -22,7 +22,7 @@ Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
 
 @dataclass(frozen=True)
-class Answer:
+class SpokenAnswer:
     """What to say, before it is put into words.
 
     Attributes:
@@ -82,7 +82,7 @@ class Rejected:
 
 
 @dataclass(frozen=True)
-class Step:
+class WalkStep:
     """One node of the walk and its four operations.
 
     Attributes:
@@ -199,7 +199,7 @@ def _candidate(candidate: Candidate) -> Json:
 
 
 @dataclass(frozen=True)
-class World:
+class ExecutionResult:
     """What happened in the (simulated) world.
 
     Attributes:
@@ -273,11 +273,11 @@ class GoalResult:
         setbacks: failures on the way that were mended, to be said before the answer.
     """
 
-    answer: Answer
+    answer: SpokenAnswer
     decision: Decision | None
-    steps: tuple[Step, ...]
-    world: World
-    setbacks: tuple[Answer, ...] = ()
+    steps: tuple[WalkStep, ...]
+    world: ExecutionResult
+    setbacks: tuple[SpokenAnswer, ...] = ()
 
     def as_json(self) -> Json:
         """The parts of `hilt do --json` that tell what was decided and done."""

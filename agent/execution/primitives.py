@@ -15,7 +15,7 @@ from ...sim.manipulation.report import MotionReport
 from ...sim.vision.percept import Percept
 from ..dialogue import answers
 from ..protocols import Motion, Skills, Vision
-from .outcome import Answer, Constraint, World
+from .outcome import Constraint, ExecutionResult, SpokenAnswer
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
@@ -54,7 +54,7 @@ class Hands:
     """
 
     def __init__(self, motion: Motion, vision: Vision) -> None:
-        self.world = World()
+        self.world = ExecutionResult()
         self.holding: str | None = None
         self.sensed: set[str] = set()
         self.tool: str | None = None
@@ -62,7 +62,7 @@ class Hands:
         self._motion, self._vision = motion, vision
         self._part: str | None = None
         self._depth_before_mm = 0.0
-        self._primitives: Mapping[str, Callable[[Task], Answer | None]] = {
+        self._primitives: Mapping[str, Callable[[Task], SpokenAnswer | None]] = {
             "graspObject": self._grasp,
             "moveTo": self._move_to,
             "handOver": self._hand_over,
@@ -72,27 +72,27 @@ class Hands:
             "lower": lambda _: self._struck(motion.lower()),
         }
 
-    def perform(self, task: Task) -> Answer | None:
+    def perform(self, task: Task) -> SpokenAnswer | None:
         """Perform a primitive; returns the failure, if any."""
         return self._primitives.get(task.action, self._skill)(task)
 
-    def not_sensed(self, event: str) -> Answer:
+    def not_sensed(self, event: str) -> SpokenAnswer:
         """The answer when a loop ended without what it was for."""
         if event == DRIVEN:
             return self._not_driven("not_driven")
         slots = {"object": self.tool or "thing"}
-        return Answer("failed", slots | {"goal": event}, "failed", "not_driven")
+        return SpokenAnswer("failed", slots | {"goal": event}, "failed", "not_driven")
 
-    def _grasp(self, task: Task) -> Answer | None:
+    def _grasp(self, task: Task) -> SpokenAnswer | None:
         if task.percept is None:
-            return Answer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+            return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
-        self.world = World(True, touched=tuple(report.touched), attempts=report.attempts)
+        self.world = ExecutionResult(True, touched=tuple(report.touched), attempts=report.attempts)
         self.holding = task.percept.name if report.ok else None
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_to(self, task: Task) -> Answer | None:
+    def _move_to(self, task: Task) -> SpokenAnswer | None:
         report = self._motion.lift()
         self.world = replace(
             self.world,
@@ -103,34 +103,36 @@ class Hands:
         )
         return None if report.ok else self._failed(report.reason, task)
 
-    def _hand_over(self, task: Task) -> Answer | None:
+    def _hand_over(self, task: Task) -> SpokenAnswer | None:
         report = self._motion.hand_over()
         self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _point_at(self, task: Task) -> Answer | None:
+    def _point_at(self, task: Task) -> SpokenAnswer | None:
         if task.percept is None:
-            return Answer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+            return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         report = self._motion.point_at(task.percept)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_above(self, task: Task) -> Answer | None:
+    def _move_above(self, task: Task) -> SpokenAnswer | None:
         wanted = task.arguments.get("patient")
         name = wanted.object if isinstance(wanted, Target) else wanted
         seen = self._vision.search([f"object:{name}"])
         if not seen:
-            return Answer("nothing_seen", {"object": name or "thing"}, "failed", "nothing_seen")
+            return SpokenAnswer(
+                "nothing_seen", {"object": name or "thing"}, "failed", "nothing_seen"
+            )
         report = self._motion.move_above(seen[0])
         self._depth_before_mm = report.depth_m * MM
         return self._struck(report)
 
-    def _skill(self, task: Task) -> Answer | None:
+    def _skill(self, task: Task) -> SpokenAnswer | None:
         """A primitive of the robot's own."""
         motion = self._motion
         if not isinstance(motion, Skills):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
-            return Answer("not_able", slots, "failed", "unable")
+            return SpokenAnswer("not_able", slots, "failed", "unable")
         arguments = {name: self._meant(name, task) for name in task.arguments}
         report = motion.perform(task.action, arguments, task.constraint)
         self.world = replace(self.world, executed=True)
@@ -145,7 +147,7 @@ class Hands:
         seen = self._vision.search([f"object:{name}"])
         return seen[0] if seen else name
 
-    def _struck(self, report: MotionReport) -> Answer | None:
+    def _struck(self, report: MotionReport) -> SpokenAnswer | None:
         depth_mm = report.depth_m * MM
         self.world = replace(
             self.world, nail_depth_mm=depth_mm, driven_mm=depth_mm - self._depth_before_mm
@@ -155,15 +157,15 @@ class Hands:
             return None  # it is in: what else went wrong with the last blow does not matter
         return None if report.ok else self._not_driven(report.reason)
 
-    def _not_driven(self, reason: str) -> Answer:
+    def _not_driven(self, reason: str) -> SpokenAnswer:
         """The answer when what was to be driven in is not."""
         tool = self.tool or "thing"
         if reason in LOST:
-            return Answer("dropped", {"object": tool}, "failed", reason)
+            return SpokenAnswer("dropped", {"object": tool}, "failed", reason)
         key = "not_driven" if reason == "not_driven" else "cannot_strike"
         slots = {"patient": self.patient or "thing", "tool": tool}
-        return Answer(key, slots, "failed", reason)
+        return SpokenAnswer(key, slots, "failed", reason)
 
-    def _failed(self, reason: str, task: Task) -> Answer:
+    def _failed(self, reason: str, task: Task) -> SpokenAnswer:
         name = task.percept.object if task.percept else self.tool or "thing"
         return answers.motion_failed(reason, name, self._part)

@@ -21,7 +21,7 @@ from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError
 from ...sim.vision.percept import Percept
 from ..dialogue import answers
-from .outcome import Answer, Constraint, Decision, Rejected, Step, World
+from .outcome import Constraint, Decision, ExecutionResult, Rejected, SpokenAnswer, WalkStep
 from .perception import observed
 from .primitives import Hands, Task
 
@@ -56,20 +56,20 @@ class Walk:
         self.manager = manager
         self.request = request
         self.hands = Hands(motion, manager.vision) if motion else None
-        self.steps: list[Step] = []
+        self.steps: list[WalkStep] = []
         self.decision: Decision | None = None
-        self.setbacks: list[Answer] = []
+        self.setbacks: list[SpokenAnswer] = []
         self._found: dict[Target, Found] = {}
         self._rejected: dict[str, Rejected] = {}
 
     @property
-    def world(self) -> World:
+    def world(self) -> ExecutionResult:
         """What happened in the world so far."""
-        return self.hands.world if self.hands else World()
+        return self.hands.world if self.hands else ExecutionResult()
 
     # --- The four operations ---------------------------------------------------------------
 
-    def visit(self, node: str, arguments: Mapping[str, Argument]) -> Answer | None:
+    def visit(self, node: str, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
         """Perform the four operations at a node, then its steps; returns the failure, if any."""
         goal = self._goal(arguments)
         features = self.manager.affordances.features(node, goal)
@@ -79,7 +79,7 @@ class Walk:
         try:
             inference = self.manager.affordances.infer(node, goal, observations)
         except ConflictError as error:
-            return Answer("contradicted", {"reason": str(error)}, "failed", "conflict")
+            return SpokenAnswer("contradicted", {"reason": str(error)}, "failed", "conflict")
         index = len(self.steps)
         self.steps.append(_step(node, features, percepts, inference))
         self._tell(self.steps[index])
@@ -89,7 +89,7 @@ class Walk:
         self._tell(self.steps[index])
         return failure
 
-    def _tell(self, step: Step) -> None:
+    def _tell(self, step: WalkStep) -> None:
         for watcher in self.manager.watchers:
             watcher(step)
 
@@ -122,7 +122,7 @@ class Walk:
         arguments: Mapping[str, Argument],
         percepts: Sequence[Percept],
         inference: Inference,
-    ) -> Answer | None:
+    ) -> SpokenAnswer | None:
         action = _action(node)
         if action in self.manager.actions.trees:
             return self._walk_tree(node, self.manager.actions.trees[action], arguments)
@@ -149,7 +149,7 @@ class Walk:
 
     def _walk_tree(
         self, node: str, tree: ActionTree, arguments: Mapping[str, Argument]
-    ) -> Answer | None:
+    ) -> SpokenAnswer | None:
         failure = self._unmet(tree, arguments) or self._walk_steps(node, tree.steps, arguments)
         tries = [branch.again for branch in tree.otherwise]
         while failure:
@@ -171,7 +171,7 @@ class Walk:
     def _branch(
         self,
         tree: ActionTree,
-        failure: Answer,
+        failure: SpokenAnswer,
         arguments: Mapping[str, Argument],
         tries: Sequence[int],
     ) -> int | None:
@@ -193,13 +193,13 @@ class Walk:
         others = [each for each in found.inference.candidates if each.name not in tried]
         return [each for each in others if each.verdict in WORTH_TRYING]
 
-    def _reject(self, argument: Argument, failure: Answer) -> None:
+    def _reject(self, argument: Argument, failure: SpokenAnswer) -> None:
         """Go on without a thing that was chosen but did not do."""
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
             self._rejected[found.percept.name] = Rejected(found.candidate, failure.cause)
 
-    def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> Answer | None:
+    def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
         """The first thing that a tree requires and that does not hold."""
         if self.hands is None:  # nothing is going to be done
             return None
@@ -207,7 +207,7 @@ class Walk:
             if not self._holds(condition, arguments.get(condition.parameter)):
                 name = _named(arguments.get(condition.parameter)) or condition.parameter
                 key = {"sees": "nothing_seen", "holds": "not_held"}[condition.kind]
-                return Answer(key, {"object": name}, "failed", "required")
+                return SpokenAnswer(key, {"object": name}, "failed", "required")
         return None
 
     def _holds(self, condition: Condition, argument: Argument | None) -> bool:
@@ -219,7 +219,7 @@ class Walk:
 
     def _walk_steps(
         self, node: str, steps: Sequence[TreeStep | Loop], arguments: Mapping[str, Argument]
-    ) -> Answer | None:
+    ) -> SpokenAnswer | None:
         for step in steps:
             if isinstance(step, Loop):
                 failure = self._repeat(node, step, arguments)
@@ -229,7 +229,9 @@ class Walk:
                 return failure
         return None
 
-    def _repeat(self, node: str, loop: Loop, arguments: Mapping[str, Argument]) -> Answer | None:
+    def _repeat(
+        self, node: str, loop: Loop, arguments: Mapping[str, Argument]
+    ) -> SpokenAnswer | None:
         # Without a robot nothing can be sensed: what would be done once is told once.
         for _ in range(loop.times if self.hands else 1):
             failure = self._walk_steps(node, loop.steps, arguments)
@@ -253,7 +255,7 @@ class Walk:
 
     def _find(
         self, arguments: Mapping[str, Argument], percepts: Sequence[Percept], inference: Inference
-    ) -> Answer | None:
+    ) -> SpokenAnswer | None:
         target = self._target(arguments)
         patient = self.request.arguments.get("patient")
         if target != patient or self.decision is None:
@@ -275,14 +277,14 @@ class Walk:
 
     def _how_to_grasp(
         self, percept: Percept, inference: Inference
-    ) -> tuple[str | None, Answer | None]:
+    ) -> tuple[str | None, SpokenAnswer | None]:
         """By which part, or why that is not clear."""
         if self.decision:
             self.decision = replace(self.decision, part=inference)
         part = self._part(percept, inference)
         if part and self.hands and self._lacks(percept, part):
             slots = {"object": percept.object, "part": part}
-            return None, Answer("no_part", slots, "failed", "no_part")
+            return None, SpokenAnswer("no_part", slots, "failed", "no_part")
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if part is None and unsure:
             return None, answers.not_sure_how(self.request.action, percept.object, unsure[0])
@@ -348,7 +350,7 @@ def _action(node: str) -> str:
 
 def _step(
     node: str, features: Sequence[Atom], percepts: Sequence[Percept], inference: Inference
-) -> Step:
+) -> WalkStep:
     confidences = {percept.name: percept.confidence for percept in percepts}
     bound = _constraint(inference)
-    return Step(node, tuple(map(str, features)), confidences, inference, bound, "")
+    return WalkStep(node, tuple(map(str, features)), confidences, inference, bound, "")

@@ -19,19 +19,19 @@ from rich.tree import Tree
 
 from ...inference.abduction import Hypothesis
 from ...inference.conflicts import Conflict
-from ...inference.explanation import Change
+from ...inference.explanation import Counterfactual
 from ...inference.induction import Induced
 from ...inference.types import Candidate
 from ...kb.learned_words import Word
 from ...kb.rdf.terms import Iri, Term
 from ...kb.rule import Rule
 from ...kb.sparql.named_queries import NamedQuery
-from ...kb.sparql.results import Answer as Truth
+from ...kb.sparql.results import BooleanResult as Truth
 from ...kb.sparql.results import Solutions
 from ...nlu.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
-from ..execution.outcome import Decision, GoalResult, Step, World
+from ..execution.outcome import Decision, ExecutionResult, GoalResult, WalkStep
 from .wording import counted, printable
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
@@ -86,7 +86,7 @@ def rule_text(rule: Rule) -> str:
     return f"{left} => {rule.functor}({rule.argument or ''})"
 
 
-def walk(steps: Sequence[Step]) -> Tree:
+def walk(steps: Sequence[WalkStep]) -> Tree:
     """The action tree as it was walked, with the four operations at each node."""
     tree = Tree("Action tree, in preorder")
     branches: dict[str, Tree] = {}
@@ -99,7 +99,7 @@ def walk(steps: Sequence[Step]) -> Tree:
     return tree
 
 
-def _operations(step: Step) -> Iterable[tuple[str, str]]:
+def _operations(step: WalkStep) -> Iterable[tuple[str, str]]:
     seen = ", ".join(f"{name} {sure:.2f}" for name, sure in step.percepts.items())
     constraint = step.constraint
     held_by = f" by the {constraint.part}" if constraint and constraint.part else ""
@@ -145,7 +145,7 @@ def _source(rule: Rule) -> str:
     return "It is like" if rule.status == "induced" else f"{rule.speaker.capitalize()} said"
 
 
-def world(happened: World) -> Table:
+def world(happened: ExecutionResult) -> Table:
     """What happened in the world, a line each."""
     table = Table(show_header=False, title="In the world", title_justify="left")
     if not happened.executed:
@@ -168,7 +168,7 @@ def achievement(came: GoalResult, quote: Quote) -> RenderableType:
     return Group(*parts)
 
 
-def explanation(reply: Reply, changes: Sequence[Change]) -> RenderableType:
+def explanation(reply: Reply, changes: Sequence[Counterfactual]) -> RenderableType:
     """A decision with its proofs, and what would change it."""
     decision = reply.achievement.decision if reply.achievement else None
     parts: list[RenderableType] = [turn(reply)]

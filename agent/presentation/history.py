@@ -14,12 +14,12 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from ...kb.diff import Change, Difference
+from ...kb.diff import Difference, RuleChange
 from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
 from ...kb.rule import Rule
-from ..merge_report import Report
+from ..merge_report import MergeReport
 from .console import Quote, achievement, conflicts, rule_text, whole
 from .wording import counted, printable
 
@@ -37,7 +37,7 @@ def history(found: Sequence[Utterance]) -> Table:
     return whole(table)
 
 
-def change(found: Change) -> RenderableType:
+def change(found: RuleChange) -> RenderableType:
     """One utterance as it happens, with the rules that it touched below."""
     said = found.utterance
     head = Text.assemble(
@@ -77,7 +77,7 @@ def replayed(came: Replay, quote: Quote) -> RenderableType:
     return Group(*lines)
 
 
-def merged(report: Report) -> RenderableType:
+def merged(report: MergeReport) -> RenderableType:
     """What came of a merge: numbers, contradictions, and what the two do not agree on."""
     came = report.merged
     done = "Would take over" if report.is_dry else "Took over"

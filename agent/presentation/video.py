@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from ...inference.affordance import FIND
-from ..execution.outcome import Constraint, Step
+from ..execution.outcome import Constraint, WalkStep
 
 if TYPE_CHECKING:
     from ...sim.body import Body
@@ -76,7 +76,7 @@ class Film:
         self._write(said)
         self._recorder.pause(SHOW_ANSWER)
 
-    def _at(self, step: Step) -> None:
+    def _at(self, step: WalkStep) -> None:
         """A node is reached, or left when something is said to have been done there."""
         if step.action:
             self._recorder.grasps = ()

@@ -23,8 +23,8 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom
-from .rule_lines import OWN, Frame, RuleSerializer, Seen, Star, make_room
-from .statements import Block
+from .rule_lines import OWN, FeatureLines, RuleSerializer, RuleTemplate, SerializedRule, make_room
+from .statements import RuleBlock
 
 Pair: TypeAlias = "tuple[Iri, Term]"
 
@@ -56,11 +56,11 @@ class FastRuleReader:
 
     def __init__(self) -> None:
         self._stamps = RuleSerializer()
-        self._frames: dict[tuple[str, ...], Frame] = {}
-        self._seen: dict[tuple[str, ...], Seen] = {}
+        self._frames: dict[tuple[str, ...], RuleTemplate] = {}
+        self._seen: dict[tuple[str, ...], FeatureLines] = {}
         self._known: dict[str, tuple[str, Term]] = {}
 
-    def star(self, block: Block) -> Star | None:
+    def star(self, block: RuleBlock) -> SerializedRule | None:
         """The rule of a block; None where it has to be read in full."""
         try:
             star = self._star(block)
@@ -68,7 +68,7 @@ class FastRuleReader:
             return None
         return star if f"{block.node}" == f"{_RULES}{star.number:016x}" else None
 
-    def _star(self, block: Block) -> Star:
+    def _star(self, block: RuleBlock) -> SerializedRule:
         shared, features, own = list[str](), list[str](), dict[str, Term]()
         known = self._known
         for tail in block.tails:
@@ -88,7 +88,7 @@ class FastRuleReader:
             utterance=cast("int | None", own.get(_SOURCE)),
         )
 
-    def _learn(self, tail: str, block: Block) -> tuple[str, Term]:
+    def _learn(self, tail: str, block: RuleBlock) -> tuple[str, Term]:
         """Which of the properties of a rule a line tells, and what of it."""
         if bound := _BOUND.fullmatch(tail):
             place = _LOWER if bound[1] == f"<{_LOWER}>" else _UPPER
@@ -101,7 +101,7 @@ class FastRuleReader:
         self._known[tail] = found
         return found
 
-    def _frame(self, tails: tuple[str, ...], block: Block) -> Frame:
+    def _frame(self, tails: tuple[str, ...], block: RuleBlock) -> RuleTemplate:
         known = self._frames.get(tails)
         if known is None:
             make_room(self._frames)
@@ -111,7 +111,7 @@ class FastRuleReader:
             known = self._frames[tails] = self._stamps.frame(rule)
         return known
 
-    def _features(self, tails: tuple[str, ...], block: Block) -> Seen:
+    def _features(self, tails: tuple[str, ...], block: RuleBlock) -> FeatureLines:
         known = self._seen.get(tails)
         if known is None:
             make_room(self._seen)

@@ -42,12 +42,12 @@ class Dumping(Protocol):
         """Whether it has the statements of a graph node by node."""
         ...
 
-    def dump_rows(self, query: str, stream: Sink) -> None:
+    def dump_rows(self, query: str, stream: OutputStream) -> None:
         """Write the rows of a SELECT query as tab-separated values."""
         ...
 
 
-class Sink:
+class OutputStream:
     """Hands on what a store writes.
 
     Attributes:
@@ -139,7 +139,7 @@ def _told_by(store: Store) -> frozenset[str]:
     return frozenset(as_sparql(node) for (node,) in store.select(_TOLD_BY) if isinstance(node, Iri))
 
 
-def dump_rows(store: Store, query: str, sink: Sink) -> None:
+def dump_rows(store: Store, query: str, sink: OutputStream) -> None:
     """Write the rows of a SELECT query as tab-separated values.
 
     Raises:
@@ -151,7 +151,7 @@ def dump_rows(store: Store, query: str, sink: Sink) -> None:
 
 
 @contextmanager
-def _told(store: Store, sink: Sink) -> Generator[Dumping]:
+def _told(store: Store, sink: OutputStream) -> Generator[Dumping]:
     """Tell what failed, the store or the file."""
     if not isinstance(store, Dumping):
         raise TypeError(f"{store.location} writes no text.")

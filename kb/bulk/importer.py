@@ -28,7 +28,7 @@ from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_of
 from ..knowledge_base import KnowledgeBase
 from ..merge import (
     MAX_LISTED,
-    Conflict,
+    MergeConflict,
     Plan,
     Summary,
     are_apart,
@@ -48,9 +48,9 @@ from ..stores.base import Store
 from ..validation import refuse
 from ..writer import to_milliseconds
 from .copying import FastRuleReader
-from .lines import Lines
-from .rule_lines import Printer, RuleSerializer, Star
-from .statements import Block, Group
+from .lines import LineWriter
+from .rule_lines import Printer, RuleSerializer, SerializedRule
+from .statements import Group, RuleBlock
 
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
@@ -86,7 +86,7 @@ class _Read:
     seen: set[int] = field(default_factory=set[int])
     known: int = 0
     conflicting: int = 0
-    conflicts: list[Conflict] = field(default_factory=list[Conflict])
+    conflicts: list[MergeConflict] = field(default_factory=list[MergeConflict])
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
@@ -126,7 +126,7 @@ class _Held:
 
 def import_groups(
     base: KnowledgeBase,
-    groups: Iterable[Group | Block | Reified],
+    groups: Iterable[Group | RuleBlock | Reified],
     *,
     source: str,
     dry_run: bool,
@@ -145,14 +145,14 @@ def import_groups(
 
 
 def import_rules(
-    base: KnowledgeBase, rules: Iterable[Star], *, source: str, dry_run: bool
+    base: KnowledgeBase, rules: Iterable[SerializedRule], *, source: str, dry_run: bool
 ) -> Summary:
     """Take over many rules; as `import_groups`."""
     return _import(base, rules, _Read(), source=source, dry_run=dry_run)
 
 
 def _import(
-    base: KnowledgeBase, rules: Iterable[Star], read: _Read, *, source: str, dry_run: bool
+    base: KnowledgeBase, rules: Iterable[SerializedRule], read: _Read, *, source: str, dry_run: bool
 ) -> Summary:
     """Load the lines of all that is new while they are made; a mistake in any loads none."""
     store = base.store
@@ -188,11 +188,11 @@ def _uncollected() -> Generator[None]:
 
 
 def _lines(
-    base: KnowledgeBase, rules: Iterable[Star], read: _Read, plan: _Plan, source: str
+    base: KnowledgeBase, rules: Iterable[SerializedRule], read: _Read, plan: _Plan, source: str
 ) -> Iterator[bytes]:
     """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
     held, printer = _Held(), Printer()
-    write, before = Lines(held), plan.last
+    write, before = LineWriter(held), plan.last
     for star in _new(base, rules, read):
         write.text(printer.lines(star))
         if held.has_some:
@@ -215,16 +215,18 @@ def _lines(
     yield from held.taken()
 
 
-def _rules(things: Iterable[Group | Block | Reified], read: _Read, source: str) -> Iterator[Star]:
+def _rules(
+    things: Iterable[Group | RuleBlock | Reified], read: _Read, source: str
+) -> Iterator[SerializedRule]:
     """The rules among statements; what belongs to none is put aside."""
     copier, stamps = FastRuleReader(), RuleSerializer()
     for one in things:
-        if isinstance(one, Block):
+        if isinstance(one, RuleBlock):
             star = copier.star(one)
             if star:
                 yield star
                 continue
-        for group in one.groups() if isinstance(one, Block) else [one]:
+        for group in one.groups() if isinstance(one, RuleBlock) else [one]:
             group = _checked(group, source)  # noqa: PLW2901
             if group.node.startswith(_RULES):
                 yield stamps.of(_rule(group.node, group.pairs))
@@ -271,7 +273,9 @@ def _rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 
 
-def _new(base: KnowledgeBase, rules: Iterable[Star], read: _Read) -> Iterator[Star]:
+def _new(
+    base: KnowledgeBase, rules: Iterable[SerializedRule], read: _Read
+) -> Iterator[SerializedRule]:
     """The rules that the base does not have; what has to be known of them is kept in `read`."""
     contradicts = _Believed(base)
     there = _ids_of(base.store) if base.sequence else frozenset[int]()
@@ -296,7 +300,7 @@ def _new(base: KnowledgeBase, rules: Iterable[Star], read: _Read) -> Iterator[St
 
 
 def _finish(
-    base: KnowledgeBase, plan: _Plan, read: _Read, write: Lines, source: str
+    base: KnowledgeBase, plan: _Plan, read: _Read, write: LineWriter, source: str
 ) -> Iterator[None]:
     """Write where the rules come from, and everything else that is new; stop now and then."""
     moment = to_milliseconds(base.clock())
@@ -398,14 +402,14 @@ class _Believed:
         self._nodes: set[str] = set()
         self._rules: dict[object, list[Rule]] = defaultdict(list)
 
-    def by(self, rule: Rule) -> list[Conflict]:
+    def by(self, rule: Rule) -> list[MergeConflict]:
         """Where a rule contradicts what is believed."""
         if rule.node not in self._nodes:
             self._nodes.add(rule.node)
             for one in self._base.rules_at_nodes([rule.node]):
                 self._rules[claim(one)].append(one)
         return [
-            Conflict(rule, other)
+            MergeConflict(rule, other)
             for other in self._rules.get(claim(rule), ())
             if are_apart(rule.interval, other.interval)
         ]

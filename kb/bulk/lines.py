@@ -26,7 +26,7 @@ def _keys(*names: Iri) -> tuple[str, ...]:
 _SOURCE, _TIME, _ASSERTS = _keys(rule_mapping.DERIVED_FROM, rule_mapping.GENERATED_AT, ASSERTS)
 
 
-class Sink(Protocol):
+class LineSink(Protocol):
     """Where the lines go."""
 
     def write(self, chunk: bytes, /) -> object:
@@ -34,10 +34,10 @@ class Sink(Protocol):
         ...
 
 
-class Lines:
+class LineWriter:
     """Writes rules and statements as lines; names that come again are written from memory."""
 
-    def __init__(self, stream: Sink) -> None:
+    def __init__(self, stream: LineSink) -> None:
         self._stream = stream
         self._names: dict[Iri, str] = {}
         self._held: list[str] = []

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules as lines of N-Quads, stamped out of what many of them share: for millions of rules.
 
-What rules have in common (`Frame`), and what they are about (`Seen`), is worked out and checked
-once; of each rule there is left its interval, its name and the putting together of its lines.
-What is written is what `rule_mapping.statements` says, statement for statement; a test holds them
+What rules have in common (`RuleTemplate`), and what they are about (`FeatureLines`), is worked out
+and checked once; of each rule there is left its interval, its name and the putting together of its
+lines. What is written is what `rule_mapping.statements` says, statement for statement; a test holds them
 together.
 """
 
@@ -48,7 +48,7 @@ _MORE_OF_IT = Interval(1.0, 1.0)  # it asserts, so that its edge is found
 _ANY = frozenset([Atom("object", "any")])  # stands for what is seen
 
 
-class Frame(NamedTuple):
+class RuleTemplate(NamedTuple):
     """What rules share that differ in their features, bounds, source and time.
 
     Attributes:
@@ -70,7 +70,7 @@ class Frame(NamedTuple):
     mentions: str
 
 
-class Seen(NamedTuple):
+class FeatureLines(NamedTuple):
     """The features of a rule.
 
     Attributes:
@@ -88,7 +88,7 @@ class Seen(NamedTuple):
     mentions: str
 
 
-class Star(NamedTuple):
+class SerializedRule(NamedTuple):
     """A rule as text.
 
     Attributes:
@@ -110,8 +110,8 @@ class Star(NamedTuple):
     upper: str
     asserts: bool
     lines: str
-    frame: Frame
-    seen: Seen
+    frame: RuleTemplate
+    seen: FeatureLines
 
     @property
     def id(self) -> str:
@@ -142,11 +142,11 @@ class RuleSerializer:
     """Makes rules into text."""
 
     def __init__(self) -> None:
-        self._frames: dict[object, Frame] = {}
-        self._seen: dict[frozenset[Atom], Seen] = {}
+        self._frames: dict[object, RuleTemplate] = {}
+        self._seen: dict[frozenset[Atom], FeatureLines] = {}
         self._times: dict[datetime, tuple[str, ...]] = {}
 
-    def of(self, rule: Rule) -> Star:
+    def of(self, rule: Rule) -> SerializedRule:
         """A rule as text."""
         interval = rule.interval
         return self.star(
@@ -158,14 +158,14 @@ class RuleSerializer:
 
     def star(
         self,
-        frame: Frame,
-        seen: Seen,
+        frame: RuleTemplate,
+        seen: FeatureLines,
         lower: str,
         upper: str,
         *,
         time: datetime | None = None,
         utterance: int | None = None,
-    ) -> Star:
+    ) -> SerializedRule:
         """A rule of what it is made of; its bounds with all their fractional digits.
 
         Raises:
@@ -186,13 +186,13 @@ class RuleSerializer:
             f'{_LOWER}"{lower}{_BOUND_END}',
             f'{_UPPER}"{upper}{_BOUND_END}',
         )
-        return Star(
+        return SerializedRule(
             *(int(name, 16), utterance, time, lower, upper),
             round(belief + plausibility, DIGITS) > 1.0,
             *(f"<{_RULES}{name}>".join(said), frame, seen),
         )
 
-    def frame(self, rule: Rule) -> Frame:
+    def frame(self, rule: Rule) -> RuleTemplate:
         """What a rule shares with others."""
         key = (rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
         known = self._frames.get(key)
@@ -201,7 +201,7 @@ class RuleSerializer:
             known = self._frames[key] = frame_of(rule)
         return known
 
-    def seen(self, atoms: frozenset[Atom]) -> Seen:
+    def seen(self, atoms: frozenset[Atom]) -> FeatureLines:
         """Features as text."""
         known = self._seen.get(atoms)
         if known is None:
@@ -225,7 +225,7 @@ class Printer:
         self._edges: set[tuple[str, str]] = set()
         self._mentioned: set[str] = set()
 
-    def lines(self, star: Star) -> str:
+    def lines(self, star: SerializedRule) -> str:
         """All lines of a rule but that of its utterance; names and edges come once at least."""
         frame, seen, said = star.frame, star.seen, star.lines
         if frame.rule.status == "active":
@@ -246,7 +246,7 @@ class Printer:
         return True
 
 
-def frame_of(rule: Rule) -> Frame:
+def frame_of(rule: Rule) -> RuleTemplate:
     """What a rule shares with others."""
     one = Rule(
         *(_ANY, rule.contexts, rule.functor, rule.argument, _MORE_OF_IT, rule.speaker),
@@ -254,7 +254,7 @@ def frame_of(rule: Rule) -> Frame:
     )
     edges = rule_mapping.plain_edges(one)
     named = one.contexts | ({one.argument} if one.argument else frozenset())
-    return Frame(
+    return RuleTemplate(
         *(one, spelled(one.contexts), one.conclusion),
         tuple(end(quad) for quad in rule_mapping.star(one) if quad.predicate not in OWN),
         as_sparql(rule_mapping.hanging(one).subject),
@@ -263,11 +263,11 @@ def frame_of(rule: Rule) -> Frame:
     )
 
 
-def seen_of(atoms: frozenset[Atom]) -> Seen:
+def seen_of(atoms: frozenset[Atom]) -> FeatureLines:
     """Features as text."""
     nodes = tuple(as_sparql(rule_mapping.atom_iri(atom)) for atom in sorted(atoms))
     ends = tuple(f" {as_sparql(rule_mapping.FEATURE)} {node}{_END}" for node in nodes)
-    return Seen(atoms, spelled(atoms), ends, nodes, _lines(rule_mapping.named(atoms)))
+    return FeatureLines(atoms, spelled(atoms), ends, nodes, _lines(rule_mapping.named(atoms)))
 
 
 def end(quad: Quad) -> str:

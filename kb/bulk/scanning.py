@@ -16,7 +16,7 @@ from ..history import ASSERTS
 from ..rdf import rule_mapping
 from ..rule import GRASP_OBJECT, USED_FOR, Status
 from ..stores.base import Store
-from .exporter import Sink, dump_rows
+from .exporter import OutputStream, dump_rows
 from .texts import whole_lines
 
 _BUFFER = 2**18  # bytes that are taken apart at once
@@ -87,7 +87,7 @@ def scan(store: Store, graph: Iri, take: Take, *, keys: Collection[Iri] = ()) ->
         StoreError: the store cannot be read.
     """
     lines = _Lines(take)
-    dump_rows(store, _query(graph, keys), Sink(lines.feed))
+    dump_rows(store, _query(graph, keys), OutputStream(lines.feed))
     lines.finish()
 
 

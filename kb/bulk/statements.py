@@ -69,7 +69,7 @@ class Group(NamedTuple):
         return (Quad(node, key, value, graph) for key, value in pairs)
 
 
-class Block(NamedTuple):
+class RuleBlock(NamedTuple):
     """The lines about a rule that stand together, as they are written.
 
     Attributes:
@@ -98,10 +98,10 @@ class Block(NamedTuple):
         return self.reader.pair(f"<{self.node}>", tail)
 
 
-def in_full(things: Iterable[Group | Block | Reified]) -> Iterator[Group | Reified]:
+def in_full(things: Iterable[Group | RuleBlock | Reified]) -> Iterator[Group | Reified]:
     """The same without blocks."""
     for one in things:
-        if isinstance(one, Block):
+        if isinstance(one, RuleBlock):
             yield from one.groups()
         else:
             yield one
@@ -141,7 +141,7 @@ class Reader:
         """How many bytes of a line are there that is not complete."""
         return len(self._rest)
 
-    def feed(self, chunk: bytes) -> Iterator[Group | Block | Reified]:
+    def feed(self, chunk: bytes) -> Iterator[Group | RuleBlock | Reified]:
         """What is complete with this chunk.
 
         Raises:
@@ -150,13 +150,13 @@ class Reader:
         lines, self._rest = whole_lines(self._rest, chunk)
         return self._read(lines)
 
-    def finish(self) -> Iterator[Group | Block | Reified]:
+    def finish(self) -> Iterator[Group | RuleBlock | Reified]:
         """What is left at the end."""
         yield from self.feed(b"\n")
         yield from self._block(self._node, self._lines, self.line - len(self._lines))
 
     def pair(self, node: str, tail: str) -> tuple[tuple[Iri, Term], Iri]:
-        """As `Block.pair`."""
+        """As `RuleBlock.pair`."""
         try:
             return self._tails[tail]
         except KeyError:
@@ -196,7 +196,7 @@ class Reader:
             yield self._group
         self._group = None
 
-    def _read(self, lines: Sequence[str]) -> Iterator[Group | Block | Reified]:
+    def _read(self, lines: Sequence[str]) -> Iterator[Group | RuleBlock | Reified]:
         node, tails = self._node, self._lines
         for line in lines:
             self.line += 1
@@ -209,9 +209,9 @@ class Reader:
 
     def _block(
         self, node: str, tails: Sequence[str], line: int
-    ) -> Iterator[Group | Block | Reified]:
+    ) -> Iterator[Group | RuleBlock | Reified]:
         if rule := _RULE.fullmatch(node):
-            yield Block(Iri(rule[1]), tails, line, self)
+            yield RuleBlock(Iri(rule[1]), tails, line, self)
         elif tails:
             yield from self.in_full(node, tails, line)
 

@@ -15,7 +15,7 @@ from operator import itemgetter
 from typing import Protocol
 
 from ...ontology.errors import DataError, HiltError, ValidationError
-from ..bulk.rule_lines import Frame, RuleSerializer, Star, make_room
+from ..bulk.rule_lines import RuleSerializer, RuleTemplate, SerializedRule, make_room
 from ..interval import DIGITS
 from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
@@ -56,7 +56,7 @@ class _Reader(Protocol):
     def __iter__(self) -> Iterator[list[str]]: ...
 
 
-def read_table(lines: Iterable[str], *, source: str) -> Iterator[Star]:
+def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]:
     """The rules of a table, in its order.
 
     Args:
@@ -128,9 +128,9 @@ class _Rows:
         places = (names.index(name) if name in names else len(names) for name in COLUMNS)
         self._in_order = itemgetter(*places)
         self._stamps = RuleSerializer()
-        self._frames: dict[tuple[str, ...], Frame] = {}
+        self._frames: dict[tuple[str, ...], RuleTemplate] = {}
 
-    def star(self, numbered: tuple[int, list[str]]) -> Star:
+    def star(self, numbered: tuple[int, list[str]]) -> SerializedRule:
         """The rule of a row, given with its line."""
         line, row = numbered
         try:
@@ -142,7 +142,7 @@ class _Rows:
         except HiltError as error:
             raise DataError(str(error), source=self._source, line=line) from error
 
-    def _star(self, cells: Sequence[str]) -> Star:
+    def _star(self, cells: Sequence[str]) -> SerializedRule:
         features, contexts, functor, argument, lower, upper, speaker, status, time = cells
         key = (contexts, functor, argument, speaker, status)
         frame = self._frames.get(key)

@@ -34,7 +34,7 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Box:
+class NodeBox:
     """A node: left upper corner and size [px], its name and the colour of its kind."""
 
     x: float
@@ -73,7 +73,7 @@ class Picture:
 
     width: float
     height: float
-    boxes: tuple[Box, ...]
+    boxes: tuple[NodeBox, ...]
     arrows: tuple[Arrow, ...]
     legend: tuple[tuple[str, str], ...]
 
@@ -162,18 +162,18 @@ def _ports(
 
 def _placed(
     columns: Sequence[Sequence[str]], edges: Iterable[_Edge], rows: dict[str, int]
-) -> tuple[dict[str, Box], float]:
+) -> tuple[dict[str, NodeBox], float]:
     """Where each box stands, and how wide all of it is."""
     channel = LETTER * max((len(edge.label) for edge in edges), default=0) + CURVE
     heights = [sum(_height(rows[node]) + GAP_Y for node in column) for column in columns]
-    boxes: dict[str, Box] = {}
+    boxes: dict[str, NodeBox] = {}
     x = float(MARGIN)
     for column, height in zip(columns, heights, strict=True):
         width = LETTER * max(len(_name(node)) for node in column) + MARGIN
         y = MARGIN + (max(heights) - height) / 2
         for node in column:
             fill = _FILLS.get(node.partition(":")[0], _OTHER_FILL)
-            boxes[node] = Box(x, y, width, _height(rows[node]), _name(node), fill)
+            boxes[node] = NodeBox(x, y, width, _height(rows[node]), _name(node), fill)
             y += boxes[node].height + GAP_Y
         x += width + channel
     return boxes, x - channel + MARGIN if columns else 2.0 * MARGIN
@@ -189,7 +189,7 @@ def _name(node: str) -> str:
 
 def _arrows(
     edges: Iterable[_Edge],
-    boxes: dict[str, Box],
+    boxes: dict[str, NodeBox],
     out: dict[str, list[_Edge]],
     into: dict[str, list[_Edge]],
     colours: dict[str, str],
@@ -204,7 +204,7 @@ def _arrows(
         yield Arrow((x, y), bend, end, edge.label, colours[edge.context], edge.style)
 
 
-def _levels(box: Box, edges: Sequence[_Edge]) -> Iterable[tuple[_Edge, float]]:
+def _levels(box: NodeBox, edges: Sequence[_Edge]) -> Iterable[tuple[_Edge, float]]:
     """Each arrow at a box with its height, evenly spread."""
     step = box.height / max(len(edges), 1)
     return ((edge, box.y + step * (i + 0.5)) for i, edge in enumerate(edges))

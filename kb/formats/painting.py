@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
 from ...ontology.errors import MissingExtraError
-from .drawing import BOX_HEIGHT, LINE, MARGIN, Arrow, Box, Picture, Point
+from .drawing import BOX_HEIGHT, LINE, MARGIN, Arrow, NodeBox, Picture, Point
 
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
@@ -76,7 +76,7 @@ def _svg_arrow(arrow: Arrow) -> Iterator[str]:
     yield f'<text {at} fill="{arrow.colour}">{escape(arrow.label)}</text>'
 
 
-def _svg_box(box: Box) -> Iterator[str]:
+def _svg_box(box: NodeBox) -> Iterator[str]:
     yield (
         f'<rect x="{box.x:.1f}" y="{box.y:.1f}" width="{box.width:.1f}" height="{box.height:.1f}" '
         f'rx="5" fill="{box.fill}" stroke="{EDGE}"/>'
@@ -116,7 +116,7 @@ def _paint_arrow(pen: ImageDraw, font: FreeTypeFont | ImageFont, arrow: Arrow) -
     pen.text(_scaled(at), arrow.label, arrow.colour, font, anchor="ls")
 
 
-def _paint_box(pen: ImageDraw, font: FreeTypeFont | ImageFont, box: Box) -> None:
+def _paint_box(pen: ImageDraw, font: FreeTypeFont | ImageFont, box: NodeBox) -> None:
     corners = [_scaled((box.x, box.y)), _scaled((box.x + box.width, box.y + box.height))]
     pen.rounded_rectangle(corners, 5 * SCALE, box.fill, EDGE, SCALE)
     middle = (box.x + box.width / 2, box.y + box.height / 2)

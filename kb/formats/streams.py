@@ -31,7 +31,7 @@ _DOCTYPE = b"<!DOCTYPE"
 _CHUNK = 2**20
 
 
-class Source(io.RawIOBase):
+class InputStream(io.RawIOBase):
     """A stream that is watched while somebody else reads it.
 
     Attributes:
@@ -161,7 +161,7 @@ class Source(io.RawIOBase):
 @contextmanager
 def reading(
     file: str, *, most: int | None = None, is_xml: bool = False, progress: Progress | None = None
-) -> Generator[Source]:
+) -> Generator[InputStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
 
     Args:
@@ -183,7 +183,7 @@ def reading(
     try:
         stream = plain if plain.seekable() else io.BufferedReader(cast(io.RawIOBase, plain))
         position = plain.tell if plain.seekable() else None
-        yield Source(
+        yield InputStream(
             _unpacked(stream, file),
             file,
             most=most,

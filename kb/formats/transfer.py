@@ -18,9 +18,9 @@ from typing import BinaryIO, TypeAlias, TypeVar, cast
 
 from ...ontology.vocabulary import split, term
 from ..bulk.exporter import dump_statements, is_dumped, is_large
-from ..bulk.lines import Lines
-from ..bulk.rule_lines import RuleSerializer, Star
-from ..bulk.statements import Block, Group, in_full
+from ..bulk.lines import LineWriter
+from ..bulk.rule_lines import RuleSerializer, SerializedRule
+from ..bulk.statements import Group, RuleBlock, in_full
 from ..history import HISTORY
 from ..knowledge_base import KnowledgeBase
 from ..merge import Merged, Summary, merge
@@ -34,10 +34,10 @@ from ..staging import GRAPHS, findings, stage, stage_rules
 from ..stores.base import Store
 from ..validation import RULE_CLASSES, refuse, rule_nodes
 from .registry import FORMATS, RULE_FORMATS, Format, format_of
-from .streams import Progress, Source, reading, writing
+from .streams import InputStream, Progress, reading, writing
 
 Thing = TypeVar("Thing")
-Read: TypeAlias = Group | Block | Reified
+Read: TypeAlias = Group | RuleBlock | Reified
 
 # What stands among the beliefs besides the stars of rules.
 _BESIDE_RULES = (
@@ -145,7 +145,7 @@ def import_text(
     """
     chosen = format_of(source, format, "trig")
     is_xml = chosen.name in _XML
-    read = Source(io.BytesIO(data), source, most=chosen.most, is_xml=is_xml)
+    read = InputStream(io.BytesIO(data), source, most=chosen.most, is_xml=is_xml)
     return _take(base, _staged(read, chosen), source, dry_run=dry_run)
 
 
@@ -163,7 +163,7 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa:
 _XML = frozenset({"rdfxml", "graphml"})
 
 
-def _import(base: KnowledgeBase, source: Source, chosen: Format, *, dry_run: bool) -> Summary:
+def _import(base: KnowledgeBase, source: InputStream, chosen: Format, *, dry_run: bool) -> Summary:
     """Small files are checked by SHACL too and explained in full; large ones as they stream by."""
     from ..bulk import importer  # it needs what this module needs
 
@@ -199,7 +199,7 @@ def _size(things: Iterable[Read]) -> int:
 
 
 def _count(one: Read) -> int:
-    if isinstance(one, Block):
+    if isinstance(one, RuleBlock):
         return len(one.tails)
     return len(one.pairs) if isinstance(one, Group) else 1
 
@@ -217,7 +217,7 @@ def _take(base: KnowledgeBase, staging: Store, source: str, *, dry_run: bool) ->
         staging.close()
 
 
-def _staged(source: Source, chosen: Format) -> Store:
+def _staged(source: InputStream, chosen: Format) -> Store:
     if chosen.name in RULE_FORMATS:
         return stage_rules(star.rule for star in read_rules(source, chosen))
     return _settled(_flat(read_groups(source, chosen)), source.name)
@@ -227,7 +227,7 @@ def _settled(statements: Iterable[Quad | Reified], source: str) -> Store:
     return stage(settled(statements, source=source), source=source)
 
 
-def read_all(source: Source, chosen: Format) -> int:
+def read_all(source: InputStream, chosen: Format) -> int:
     """Read a file to its end and count what it holds, rules or statements; keep nothing.
 
     Raises:
@@ -238,7 +238,7 @@ def read_all(source: Source, chosen: Format) -> int:
     return _size(read_groups(source, chosen))
 
 
-def read_rules(source: Source, chosen: Format) -> Iterator[Star]:
+def read_rules(source: InputStream, chosen: Format) -> Iterator[SerializedRule]:
     """The rules of a file that holds rules only."""
     match chosen.name:
         case "csv":
@@ -258,7 +258,7 @@ def read_rules(source: Source, chosen: Format) -> Iterator[Star]:
             yield from map(RuleSerializer().of, rules)
 
 
-def read_groups(source: Source, chosen: Format) -> Iterator[Read]:
+def read_groups(source: InputStream, chosen: Format) -> Iterator[Read]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
     from ..stores import oxigraph
 
@@ -313,7 +313,7 @@ def _write_statements(
     first.clear()
     quads = count.over(_together(store, rules_only=rules_only))
     if chosen.name == "nquads":
-        lines = Lines(stream)
+        lines = LineWriter(stream)
         lines.quads(quads)
         lines.flush()
     elif chosen.name == "turtle12":

@@ -66,7 +66,7 @@ class Statements(Solutions):
 
 
 @dataclass(frozen=True)
-class Answer:
+class BooleanResult:
     """What an ASK query found."""
 
     value: bool
@@ -76,7 +76,7 @@ class Answer:
         return {"head": {}, "boolean": self.value}
 
 
-Found: TypeAlias = "Solutions | Statements | Answer"
+Found: TypeAlias = "Solutions | Statements | BooleanResult"
 
 
 def read_solutions(body: bytes) -> Solutions:

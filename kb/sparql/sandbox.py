@@ -20,7 +20,7 @@ from typing import IO, TypedDict, cast
 from ...ontology.errors import QueryError, StoreError
 from . import worker
 from .limits import Limits
-from .results import Answer, Found, Statements, read_answer, read_solutions
+from .results import BooleanResult, Found, Statements, read_answer, read_solutions
 
 MAX_SHARE = 4  # an answer takes several times its size here; it may have 1/4 of the memory
 
@@ -52,7 +52,7 @@ class Worker:
             case worker.ROWS:
                 return read_solutions(body)
             case worker.ANSWER:
-                return Answer(read_answer(body))
+                return BooleanResult(read_answer(body))
             case worker.TRIPLES:
                 from ..stores.oxigraph import read_triples
 

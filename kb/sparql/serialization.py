@@ -15,7 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from ...ontology.errors import QueryError
 from ..rdf.terms import STRING, Iri, Term, as_sparql, lexical
-from .results import BLANK, Answer, Found, Solutions, Statements
+from .results import BLANK, BooleanResult, Found, Solutions, Statements
 
 _ILLEGAL_IN_XML = dict.fromkeys(
     [*(code for code in range(0x20) if code not in {0x9, 0xA, 0xD}), 0xFFFE, 0xFFFF], "\ufffd"
@@ -60,7 +60,7 @@ def _tsv(found: Found) -> str:
 
 
 def _xml(found: Found) -> str:
-    if isinstance(found, Answer):
+    if isinstance(found, BooleanResult):
         inside = [" <head/>", f" <boolean>{str(found.value).lower()}</boolean>"]
     else:
         names = "".join(f"<variable name={quoteattr(name)}/>" for name in found.variables)
@@ -88,7 +88,7 @@ FORMATS: Mapping[str, Callable[[Found], str]] = {
 
 
 def _rows(found: Found, name: str) -> Solutions:
-    if isinstance(found, Answer):
+    if isinstance(found, BooleanResult):
         raise QueryError(f"{name} is for rows; an ASK query answers yes or no. Use json or xml.")
     return found
 

@@ -21,7 +21,7 @@ _SUFFIX = ".log"
 _IS_ENOUGH = sys.platform == "linux"
 
 
-class Journal:
+class WriteAheadLog:
     """The journal of one folder, as its owner sees it."""
 
     def __init__(self, folder: Path | None) -> None:

@@ -27,8 +27,8 @@ import pyoxigraph as engine
 
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import PREFIXES, Iri
-from ..bulk.exporter import Sink
-from ..bulk.statements import Block, Group, Reader
+from ..bulk.exporter import OutputStream
+from ..bulk.statements import Group, Reader, RuleBlock
 from ..bulk.texts import fit_for_xml, with_sorted_prefixes
 from ..rdf.annotations import Edge, Reified
 from ..rdf.terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
@@ -41,7 +41,7 @@ from . import snapshots
 from .base import MEMORY
 from .directory import is_base, remove_leftovers, undo_replacement
 from .failures import line_of, open_error, reading_text, reported, syntax_error
-from .journal import Journal
+from .journal import WriteAheadLog
 
 _MAX_KNOWN = 100_000  # terms that are remembered
 _MAX_TERM = 2**24  # bytes of a line with one statement, as the engine has it
@@ -88,7 +88,7 @@ class OxigraphStore:
         self._process = os.getpid()
         self._worker = Worker()
         self._folder = folder
-        self._journal = Journal(folder)
+        self._journal = WriteAheadLog(folder)
         self._frozen: Path | None = None  # what the worker reads, while it is as the store is
         self._discarded: list[Path] = []  # what it may still be reading
         self._running = threading.Lock()
@@ -203,7 +203,7 @@ class OxigraphStore:
         """Whether `quads` of a graph has the statements of a node together."""
         return self._folder is not None or self._snapshot is not None
 
-    def dump_rows(self, query: str, stream: Sink) -> None:
+    def dump_rows(self, query: str, stream: OutputStream) -> None:
         """Write the rows of a SELECT query as tab-separated values, as they are found."""
         found = self._run(query)
         with reported(self.location, query):
@@ -406,7 +406,7 @@ def read_groups(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Group | Block | Reified]:
+) -> Iterator[Group | RuleBlock | Reified]:
     """As `read_rdf`, the statements of one node together where they stand so."""
     with reading_text(source):
         if format in _OF_LINES:
@@ -421,7 +421,7 @@ def _read_lines(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Group | Block | Reified]:
+) -> Iterator[Group | RuleBlock | Reified]:
     """As `read_groups`, for the formats with one statement a line."""
     reader = line_reader(format, source=source, default=default)
     while chunk := stream.read(_CHUNK):
@@ -437,7 +437,7 @@ def _read_other(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Group | Block | Reified]:
+) -> Iterator[Group | RuleBlock | Reified]:
     """As `read_groups`, for the other formats: the engine makes lines of them."""
     chosen = RDF_FORMATS[format]
     lines = "nquads" if chosen.supports_datasets else "ntriples"

@@ -24,7 +24,14 @@ from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
 from ..rdf.terms import Quad, Term, as_sparql
 from ..sparql.limits import Limits
-from ..sparql.results import Answer, Found, Solutions, Statements, read_answer, read_solutions
+from ..sparql.results import (
+    BooleanResult,
+    Found,
+    Solutions,
+    Statements,
+    read_answer,
+    read_solutions,
+)
 from ..sparql.text import declared, delete_insert, form, insert_data, own_limit, paged, words
 from .addresses import Address, parse_address
 from .http import Response, Transport
@@ -79,7 +86,7 @@ class RemoteStore:
         """Any query; the endpoint's own limits hold beside these."""
         match form(query):
             case "ASK":
-                return Answer(self._ask(query, limits))
+                return BooleanResult(self._ask(query, limits))
             case "CONSTRUCT" | "DESCRIBE":
                 return Statements.of(self._construct(query, limits))
             case _:

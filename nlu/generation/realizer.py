@@ -22,11 +22,11 @@ from ..semantics.meaning import (
     Confidence,
     FunctionalRule,
     Meaning,
+    ObjectReference,
     Question,
     Retraction,
     Rule,
     Statement,
-    Target,
     ToolCommand,
 )
 from .templates import Speech
@@ -107,7 +107,7 @@ class Expression:
         if isinstance(command, ToolCommand):
             shape = ["patient"]
             slots["patient"] = command.patient
-            if command.tool != Target(used_for=self.uses.get(command.goal, "")):
+            if command.tool != ObjectReference(used_for=self.uses.get(command.goal, "")):
                 shape.append("tool")
                 slots["target"] = self._target(command.tool)
         else:
@@ -119,7 +119,7 @@ class Expression:
             return text
         return self._say("commands", "negated part" if "part" in slots else "negated", command=text)
 
-    def _target(self, target: Target) -> str:
+    def _target(self, target: ObjectReference) -> str:
         slots = _given(
             {
                 "object": target.object,

@@ -31,7 +31,7 @@ _SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _
 
 
 @dataclass(frozen=True)
-class Answer:
+class AnswerTemplate:
     """One thing Hilt may say.
 
     Attributes:
@@ -84,7 +84,7 @@ class Speech:
         tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
     """
 
-    answers: Mapping[str, Answer]
+    answers: Mapping[str, AnswerTemplate]
     phrases: Phrases
     inflection: Inflection
     acts: Mapping[str, str]
@@ -184,7 +184,7 @@ def load_speech(
     )
 
 
-def _answer(field: Field) -> Answer:
+def _answer(field: Field) -> AnswerTemplate:
     parts = field.entries(required=("slots", "say"), optional=())
     slots, say = parts["slots"].texts(), parts["say"].text()
     for name, form in _SLOT.findall(say):
@@ -196,7 +196,7 @@ def _answer(field: Field) -> Answer:
     unused = {*slots} - {name for name, _ in _SLOT.findall(say)}
     if unused:
         raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
-    return Answer(slots, say)
+    return AnswerTemplate(slots, say)
 
 
 def _capitalised(word: str) -> str:

@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from .types import Arrow, Type
+from .types import FunctionType, Type
 
 
 @dataclass(frozen=True, slots=True)
-class Atom:
+class AtomicCategory:
     """A category that needs nothing to be complete."""
 
     name: str
@@ -52,7 +52,7 @@ class Functor:
         return f"{_bracketed(self.result)}{slash}{_bracketed(self.argument)}"
 
 
-Category: TypeAlias = Atom | Functor
+Category: TypeAlias = AtomicCategory | Functor
 
 
 def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
@@ -65,9 +65,9 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
     Raises:
         KeyError: an atom is not known; its only argument is the name.
     """
-    if isinstance(category, Atom):
+    if isinstance(category, AtomicCategory):
         return atoms[category.name]
-    return Arrow(type_of(category.argument, atoms), type_of(category.result, atoms))
+    return FunctionType(type_of(category.argument, atoms), type_of(category.result, atoms))
 
 
 def sought(category: Category) -> Category | None:

@@ -16,7 +16,7 @@ from functools import cached_property
 
 from ...ontology.yaml_reader import Field
 from ..lexicon.patterns import is_gap
-from .categories import Atom, Category, Functor
+from .categories import AtomicCategory, Category, Functor
 from .terms import Lambda, Term, bind
 
 
@@ -43,7 +43,7 @@ class Run:
     @property
     def category(self) -> Category:
         """What these words are, and no others."""
-        return Atom(f'"{self.text}"')
+        return AtomicCategory(f'"{self.text}"')
 
 
 Piece = Gap | Run
@@ -128,4 +128,4 @@ def _gap(text: str, field: Field) -> Gap:
     found = _GAP.fullmatch(text)
     if found is None:
         raise field.fail(f'expected a gap like {{x:NP}}, found "{text}".')
-    return Gap(found["name"] or "", Atom(found["category"]))
+    return Gap(found["name"] or "", AtomicCategory(found["category"]))

@@ -16,11 +16,11 @@ from types import MappingProxyType
 
 from ...ontology.yaml_reader import Field, read_yaml
 from ..lexicon.patterns import spelt, steps_of
-from .categories import Atom, Category, Functor, type_of
+from .categories import AtomicCategory, Category, Functor, type_of
 from .constructions import Gap
 from .notation import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
-from .types import Arrow, Basic, Signature, Type, TypeMismatchError, check
+from .types import Basic, FunctionType, Signature, Type, TypeMismatchError, check
 
 SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "REPLY")
 
@@ -147,8 +147,8 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         signature=MappingProxyType(signature),
         unary=(),
         roots=_roots(entries["roots"], types),
-        topic=Atom(entries["topic"].text(choices=tuple(types))),
-        general=Atom(entries["general"].text(choices=tuple(types))),
+        topic=AtomicCategory(entries["topic"].text(choices=tuple(types))),
+        general=AtomicCategory(entries["general"].text(choices=tuple(types))),
     )
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])
@@ -160,13 +160,15 @@ def _roots(field: Field, types: Mapping[str, Type]) -> Mapping[Category, str]:
     for name, act in field.entries().items():
         if types.get(name) != Basic("t"):
             raise act.fail(f'expected a category of type t, found "{name}".')
-        roots[Atom(name)] = act.text(choices=SPEECH_ACTS)
+        roots[AtomicCategory(name)] = act.text(choices=SPEECH_ACTS)
     return MappingProxyType(roots)
 
 
 def _unary(field: Field, grammar: Grammar) -> Unary:
     source, target, term = read_unary(field)
-    expected = Arrow(_type_of(source, grammar.types, field), _type_of(target, grammar.types, field))
+    expected = FunctionType(
+        _type_of(source, grammar.types, field), _type_of(target, grammar.types, field)
+    )
     try:
         check(term, expected, grammar.signature)
     except TypeMismatchError as error:

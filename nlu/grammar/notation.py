@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from ...ontology.errors import DataError
 from ..semantics.predicates import Form, form_of_term
-from .remembered import Lines
+from .remembered import NotationCache
 from .types import BASIC_TYPES, Basic
 
 if TYPE_CHECKING:
@@ -101,8 +101,8 @@ def _read(field: Field, start: Start) -> Value:
 
 
 @cache
-def _lines() -> Lines:
-    return Lines()
+def _lines() -> NotationCache:
+    return NotationCache()
 
 
 def keep_lines() -> None:

@@ -13,10 +13,10 @@ from typing import Literal, cast
 
 from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
-from .categories import Atom, Category, Functor
+from .categories import AtomicCategory, Category, Functor
 from .notation import MistakeError
 from .terms import Apply, Constant, Term, bind
-from .types import Arrow, Basic, Type
+from .types import Basic, FunctionType, Type
 
 Entry = tuple[Category, Term, float]
 Change = tuple[Category, Category, Term]
@@ -66,7 +66,7 @@ class _Values(Transformer[object, Value]):
         return left, right
 
     def atom(self, name: str) -> Category:
-        return Atom(str(name))
+        return AtomicCategory(str(name))
 
     def functor(self, result: Category, slash: str, argument: Category) -> Category:
         return Functor(result, argument, forward=slash[0] == "/", composes=slash.endswith("^"))
@@ -85,7 +85,7 @@ class _Values(Transformer[object, Value]):
         return list(terms)
 
     def arrow(self, source: Type, target: Type) -> Type:
-        return Arrow(source, target)
+        return FunctionType(source, target)
 
     def basic(self, name: str) -> Type:
         return Basic(str(name))

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...ontology.cache import cache_folder, content_key, write_whole
-from .categories import Atom, Category, Functor
+from .categories import AtomicCategory, Category, Functor
 from .terms import Apply, Bound, Constant, Lambda, Term
-from .types import Arrow, Basic, Type
+from .types import Basic, FunctionType, Type
 
 if TYPE_CHECKING:
     from .reader import Start, Value
@@ -30,7 +30,7 @@ _SOURCES = ("notation.lark", "reader.py", "remembered.py")
 _NOT_AS_WRITTEN = (ValueError, TypeError, KeyError, IndexError, RecursionError)
 
 
-class Lines:
+class NotationCache:
     """The lines that were read before.
 
     Args:
@@ -88,7 +88,7 @@ class Lines:
 def _plain(value: Value | float) -> Plain:
     plain: Plain
     match value:
-        case Atom(name) | Basic(name) | Constant(name):
+        case AtomicCategory(name) | Basic(name) | Constant(name):
             plain = name
         case Bound(index):
             plain = index
@@ -97,7 +97,7 @@ def _plain(value: Value | float) -> Plain:
             plain = [_plain(result), slash, _plain(argument)]
         case Lambda(body, hint):
             plain = ["λ", hint, _plain(body)]
-        case Arrow(one, other) | Apply(one, other):
+        case FunctionType(one, other) | Apply(one, other):
             plain = [_plain(one), _plain(other)]
         case tuple():
             plain = [_plain(each) for each in value]
@@ -127,7 +127,7 @@ def _value(plain: Any, start: Start) -> Value:
 
 def _category(plain: Any) -> Category:
     if isinstance(plain, str):
-        return Atom(plain)
+        return AtomicCategory(plain)
     result, slash, argument = plain
     forward = {"/": True, "\\": False}[slash[0]]
     return Functor(_category(result), _category(argument), forward, slash[1:] == "^")
@@ -148,4 +148,4 @@ def _type(plain: Any) -> Type:
     if isinstance(plain, str):
         return Basic(plain)
     source, target = plain
-    return Arrow(_type(source), _type(target))
+    return FunctionType(_type(source), _type(target))

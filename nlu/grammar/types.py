@@ -26,18 +26,18 @@ class Basic:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrow:
+class FunctionType:
     """The type of functions from `source` to `target`."""
 
     source: Type
     target: Type
 
     def __str__(self) -> str:
-        source = f"({self.source})" if isinstance(self.source, Arrow) else str(self.source)
+        source = f"({self.source})" if isinstance(self.source, FunctionType) else str(self.source)
         return f"{source} -> {self.target}"
 
 
-Type: TypeAlias = Basic | Arrow
+Type: TypeAlias = Basic | FunctionType
 Signature: TypeAlias = Mapping[str, Sequence[Type]]
 
 BASIC_TYPES = ("e", "t", "d")
@@ -60,7 +60,7 @@ def check(term: Term, expected: Type, signature: Signature, context: tuple[Type,
         TypeMismatchError: it does not, or it uses a constant that the signature does not know.
     """
     if isinstance(term, Lambda):
-        if not isinstance(expected, Arrow):
+        if not isinstance(expected, FunctionType):
             raise TypeMismatchError(f"expected {expected}, found the function {show(term)}")
         check(term.body, expected.target, signature, (expected.source, *context))
         return
@@ -99,7 +99,7 @@ def _type_of_call(
     context: tuple[Type, ...],
 ) -> Type:
     for argument in arguments:
-        if not isinstance(found, Arrow):
+        if not isinstance(found, FunctionType):
             raise TypeMismatchError(f"{_shown(head)} takes fewer arguments than it is given")
         check(argument, found.source, signature, context)
         found = found.target

@@ -246,7 +246,7 @@ class Lexicon:
 
 
 @dataclass(frozen=True)
-class Frame:
+class EntryTemplate:
     """One line of a template, checked, with its constants still to be filled in."""
 
     category: Category
@@ -260,4 +260,4 @@ class Template:
 
     name: str
     constants: tuple[str, ...]
-    forms: Mapping[str, tuple[Frame, ...]]
+    forms: Mapping[str, tuple[EntryTemplate, ...]]

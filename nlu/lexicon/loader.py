@@ -17,7 +17,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from ...ontology.yaml_reader import Field, read_yaml
-from ..grammar.categories import Atom, Functor
+from ..grammar.categories import AtomicCategory, Functor
 from ..grammar.constructions import Construction, Run, pieces_of, runs
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
@@ -26,7 +26,7 @@ from ..parsing.combinators import Combinator
 from ..parsing.discourse_markers import Asides
 from ..parsing.tokenizer import Tokens
 from .inflection import Inflection
-from .lexicon import Entry, Frame, Lexicon, Template
+from .lexicon import Entry, EntryTemplate, Lexicon, Template
 from .patterns import variants, words_in
 from .senses import Filled, Headed
 from .vocabulary import ROLES, Vocabulary
@@ -35,7 +35,7 @@ NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "p
 
 _NOTHING = Constant("something")
 _NOTHING_VALUE = evaluate(_NOTHING)
-_BINDER = Functor(Atom("WITH"), Atom("NP"), forward=True)
+_BINDER = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
@@ -209,7 +209,9 @@ class WordBook:
             for constant, types in parts["constants"].entries().items()
         }
         forms = {
-            form: tuple(Frame(*self._grammar.entry(line, constants)) for line in lines.items())
+            form: tuple(
+                EntryTemplate(*self._grammar.entry(line, constants)) for line in lines.items()
+            )
             for form, lines in parts["forms"].entries().items()
         }
         for form, lines in parts["forms"].entries().items():
@@ -248,7 +250,7 @@ class WordBook:
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
         lines = parts["is"].items() if "is" in parts else ()
-        frames = [Frame(*self._grammar.entry(line)) for line in lines]
+        frames = [EntryTemplate(*self._grammar.entry(line)) for line in lines]
         for name in parts["like"].items() if "like" in parts else ():
             frames += self._template_named(name.text(), name).forms["base"]
         values = [evaluate(frame.term) for frame in frames]

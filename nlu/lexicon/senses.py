@@ -10,7 +10,7 @@ from ..grammar.categories import Category
 from ..grammar.constructions import Construction
 from ..grammar.terms import evaluate, replace_constants
 from ..parsing.combinators import Combinator
-from .lexicon import Entry, Frame
+from .lexicon import Entry, EntryTemplate
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Filled:
     """
 
     says: str
-    frame: Frame
+    frame: EntryTemplate
     names: Mapping[str, str]
     combinator: Combinator
     name: str = ""

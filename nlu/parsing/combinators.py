@@ -14,7 +14,7 @@ from enum import Enum
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
-from ..grammar.categories import Atom, Category, Functor
+from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.grammar import Unary
 
 
@@ -45,7 +45,7 @@ class _Way(NamedTuple):
     composes: bool
 
 
-class Turn(NamedTuple):
+class ConstructionWords(NamedTuple):
     """What a category has to do with the words of constructions.
 
     Attributes:
@@ -80,7 +80,7 @@ class Combinator:
         self._pairs: dict[tuple[Sign, Sign], tuple[tuple[Sign, Combination], ...]] = {}
         self._cells: dict[tuple[tuple[Sign, ...], tuple[Sign, ...]], tuple[Joined, ...]] = {}
         self._unary: dict[Sign, tuple[tuple[Sign, Unary], ...]] = {}
-        self._turns: dict[Sign, Turn] = {}
+        self._turns: dict[Sign, ConstructionWords] = {}
         for change in unary:
             self.add(change)
 
@@ -117,14 +117,14 @@ class Combinator:
         """The category that a number stands for."""
         return self._categories[sign]
 
-    def turn(self, sign: Sign) -> Turn:
+    def turn(self, sign: Sign) -> ConstructionWords:
         """What a category has to do with the words of constructions."""
         found = self._turns.get(sign)
         if found is None:
             category = self._categories[sign]
-            is_words = isinstance(category, Atom) and category.is_words
+            is_words = isinstance(category, AtomicCategory) and category.is_words
             changes = (self._needs(change.target) for change in self._changes.get(category, ()))
-            found = Turn(is_words, self._needs(category), tuple(changes))
+            found = ConstructionWords(is_words, self._needs(category), tuple(changes))
             self._turns[sign] = found
         return found
 
@@ -134,7 +134,7 @@ class Combinator:
         return frozenset(
             need
             for source, changes in self._changes.items()
-            if not (isinstance(source, Atom) and source.is_words)
+            if not (isinstance(source, AtomicCategory) and source.is_words)
             for change in changes
             for need in self._needs(change.target)
         )
@@ -223,7 +223,7 @@ class Combinator:
 
 def _words_sought(category: Category) -> Iterator[Category]:
     while isinstance(category, Functor):
-        if isinstance(category.argument, Atom) and category.argument.is_words:
+        if isinstance(category.argument, AtomicCategory) and category.argument.is_words:
             yield category.argument
         category = category.result
 

@@ -14,7 +14,7 @@ from .combinators import Combination
 
 
 @dataclass(frozen=True)
-class Step:
+class DerivationStep:
     """One step of a derivation; as text, with all steps below it.
 
     Attributes:
@@ -29,7 +29,7 @@ class Step:
     category: str
     term: str
     rule: str
-    parts: tuple[Step, ...]
+    parts: tuple[DerivationStep, ...]
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
@@ -52,14 +52,14 @@ class Step:
         }
 
 
-def steps(derivation: Derivation, words: tuple[str, ...]) -> Step:
+def steps(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:
     """The steps of a derivation.
 
     Args:
         derivation: as the chart built it.
         words: the tokens of the utterance.
     """
-    return Step(
+    return DerivationStep(
         " ".join(words[derivation.start : derivation.end]),
         str(derivation.category),
         str(quote(derivation.value)),

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.sax.saxutils import escape
 
-from .derivation import Step
+from .derivation import DerivationStep
 
 LETTER = 6.6  # [px], the width of a letter of the monospaced font below
 ROW = 46.0  # [px], from one level to the next
@@ -26,7 +26,7 @@ _STYLE = (
 class _Box:
     """A step with its place: `left` and `width` in [px], `level` counted from the words."""
 
-    step: Step
+    step: DerivationStep
     left: float
     width: float
     level: int
@@ -38,7 +38,7 @@ class _Box:
             yield from part
 
 
-def svg_of(step: Step) -> str:
+def svg_of(step: DerivationStep) -> str:
     """The derivation as an SVG document."""
     root = _box(step, MARGIN)
     width, height = root.width + 2 * MARGIN, (root.level + 2) * ROW
@@ -51,7 +51,7 @@ def svg_of(step: Step) -> str:
     )
 
 
-def _box(step: Step, left: float) -> _Box:
+def _box(step: DerivationStep, left: float) -> _Box:
     parts: list[_Box] = []
     for part in step.parts:
         start = parts[-1].left + parts[-1].width + GAP if parts else left
@@ -62,7 +62,7 @@ def _box(step: Step, left: float) -> _Box:
     return _Box(step, left, max(own, below), level, tuple(parts))
 
 
-def _texts(step: Step) -> tuple[str, str]:
+def _texts(step: DerivationStep) -> tuple[str, str]:
     term = step.term if len(step.term) <= MAX_TERM else f"{step.term[: MAX_TERM - 1]}…"
     return step.category, term
 

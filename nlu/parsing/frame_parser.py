@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..grammar.categories import Atom, Category
+from ..grammar.categories import AtomicCategory, Category
 from ..grammar.grammar import Unary
 from ..grammar.terms import Constant, evaluate
 from ..lexicon.lexicon import Entry
@@ -22,9 +22,14 @@ from .combinators import Combination
 from .frames import Fillers, Frame, Frames, Kind, Phrase
 from .tokenizer import BREAK, Tokens
 
-_RULE, _STATEMENT, _QUESTION, _DEGREE = Atom("R"), Atom("S"), Atom("Q"), Atom("DG")
+_RULE, _STATEMENT, _QUESTION, _DEGREE = (
+    AtomicCategory("R"),
+    AtomicCategory("S"),
+    AtomicCategory("Q"),
+    AtomicCategory("DG"),
+)
 _STATED = (_RULE, _STATEMENT)
-_OBJECT, _BARE = Atom("NP"), (Atom("N"), Atom("P"))
+_OBJECT, _BARE = AtomicCategory("NP"), (AtomicCategory("N"), AtomicCategory("P"))
 _NOTHING, _NEVER = Constant("something"), Constant("none")
 _PART_COST = 0.05  # of two covers the one with fewer and longer parts is better
 _BEAM = 4
@@ -115,7 +120,7 @@ def _heard(frames: Frames, tokens: Tokens, chart: Chart) -> _Heard:
         tokens,
         words,
         {
-            name: [_said(group, Atom(name), _NOTHING, words, place) for place in places]
+            name: [_said(group, AtomicCategory(name), _NOTHING, words, place) for place in places]
             for name, group in frames.fillers.items()
         },
         [_said(frames.denials, _DEGREE, _NEVER, words, place) for place in places],
@@ -166,7 +171,7 @@ class _Search:
     def _longer(self, cover: _Cover, place: int) -> Iterator[_Cover]:
         """The cover with each part that may come next."""
         if self.heard.words[place] == BREAK and self._may_end(cover) and self.frame.joins:
-            part = _words((BREAK,), place, Atom(BREAK), _NOTHING)
+            part = _words((BREAK,), place, AtomicCategory(BREAK), _NOTHING)
             seen = cover.seen | {_PAUSE}
             yield cover.and_part(part)._replace(last=_START, seen=seen)
         for kind, part in self._next(cover, place):

@@ -41,7 +41,7 @@ from ..semantics.negation import is_denial
 from ..semantics.predicates import Form
 from ..understanding import Reading, Understanding
 from .chart import Chart
-from .parser import Listener, Situation, after, decide
+from .parser import Listener, UtteranceContext, after, decide
 from .tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 
 
@@ -82,7 +82,7 @@ class Hearing:
     def taken(
         self,
         tokens: Tokens,
-        situation: Situation,
+        situation: UtteranceContext,
         insist: Collection[str],
         *,
         in_frames: bool = False,
@@ -141,7 +141,7 @@ class Hearing:
         done = self.inflection.origins(said.get("context", ""), "participle")
         return "part" in said and bool(done)
 
-    def _chart(self, tokens: Tokens, unknown: list[Token], situation: Situation) -> Chart:
+    def _chart(self, tokens: Tokens, unknown: list[Token], situation: UtteranceContext) -> Chart:
         """All that the tokens can be, with guesses for new words."""
         # Two words with a pause between them are no name, so pauses matter, too.
         key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
@@ -157,7 +157,7 @@ class Hearing:
         listener = self.listener
         return Familiar(listener.lexicon, listener.frames.words, self.book, self.inflection)
 
-    def topic(self, tokens: Tokens, situation: Situation) -> Form | None:
+    def topic(self, tokens: Tokens, situation: UtteranceContext) -> Form | None:
         """The thing that tokens only name, None when they do not."""
         return self.listener.topic(self.listener.chart(tokens, {}), situation)
 
@@ -253,7 +253,7 @@ def _is_name(word: NewWord) -> bool:
 
 
 def _with_reading(
-    tokens: Tokens, situation: Situation, reading: Reading, readings: int
+    tokens: Tokens, situation: UtteranceContext, reading: Reading, readings: int
 ) -> Understanding:
     return Understanding(
         tokens.text,
@@ -268,7 +268,7 @@ def _with_reading(
     )
 
 
-def without_reading(tokens: Tokens, situation: Situation, meaning: Meaning) -> Understanding:
+def without_reading(tokens: Tokens, situation: UtteranceContext, meaning: Meaning) -> Understanding:
     """What came of an utterance that has no reading: an answer that says why."""
     return Understanding(
         tokens.text,

@@ -34,7 +34,7 @@ MAX_NEAREST = 3
 
 
 @dataclass(frozen=True)
-class Situation:
+class UtteranceContext:
     """Who speaks to whom, and after what.
 
     Attributes:
@@ -80,7 +80,7 @@ class Listener:
         return Chart(tokens.words, self.lexicon, self.combinator, guesses)
 
     def readings(
-        self, chart: Chart, tokens: Tokens, situation: Situation, *, in_frames: bool = False
+        self, chart: Chart, tokens: Tokens, situation: UtteranceContext, *, in_frames: bool = False
     ) -> tuple[list[Reading], RefusedError | None]:
         """Every different meaning of the whole utterance, the likeliest first.
 
@@ -108,7 +108,7 @@ class Listener:
                 best[reading.meaning] = reading
         return sorted(best.values(), key=lambda reading: reading.cost), refusal
 
-    def topic(self, chart: Chart, situation: Situation) -> Form | None:
+    def topic(self, chart: Chart, situation: UtteranceContext) -> Form | None:
         """The thing that an utterance only names, None when it does not."""
         for derivation in chart.derivations(self.grammar.topic):
             form = _named(form_of(derivation.value), situation)
@@ -171,7 +171,12 @@ class Listener:
         return [(self.grammar.roots[whole.category], whole) for whole in named]
 
     def _reading(
-        self, act: str, form: Form, derivation: Derivation, tokens: Tokens, situation: Situation
+        self,
+        act: str,
+        form: Form,
+        derivation: Derivation,
+        tokens: Tokens,
+        situation: UtteranceContext,
     ) -> Reading:
         form = resolved(_named(form, situation), situation.discourse)
         words = new_words(entries_of(derivation))
@@ -277,7 +282,7 @@ def _on_anything(form: Form) -> bool:
     return is_action and any(part.name in SOMETHING for part in form.arguments[0])
 
 
-def _named(form: Form, situation: Situation) -> Form:
+def _named(form: Form, situation: UtteranceContext) -> Form:
     names = {"speaker": Form(situation.speaker), "self": Form(situation.addressee)}
     return form.mapped(lambda part: names.get(part.name) if not part.arguments else None)
 

@@ -26,7 +26,7 @@ from ..semantics.meaning import (
 )
 from ..semantics.predicates import Form
 from ..understanding import Understanding
-from .parser import Situation
+from .parser import UtteranceContext
 from .tokenizer import BREAK, Tokens
 
 MAX_MOVES = 4
@@ -45,11 +45,11 @@ class Moves:
         is_general: whether what it names is any object of a kind.
     """
 
-    take: Callable[[Tokens, Situation], Understanding]
-    topic: Callable[[Tokens, Situation], Form | None]
+    take: Callable[[Tokens, UtteranceContext], Understanding]
+    topic: Callable[[Tokens, UtteranceContext], Form | None]
     is_general: Callable[[Tokens], bool]
 
-    def in_turn(self, tokens: Tokens, situation: Situation) -> Understanding | None:
+    def in_turn(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
         """An utterance as moves that come to one meaning; None when they do not."""
         for moves in cuts(tokens):
             taken = self._taken(self._in_order(moves, situation), situation)
@@ -60,7 +60,7 @@ class Moves:
                 return replace(taken[place], text=tokens.text, meaning=meaning, new_words=words)
         return None
 
-    def _taken(self, moves: Sequence[Tokens], situation: Situation) -> list[Understanding]:
+    def _taken(self, moves: Sequence[Tokens], situation: UtteranceContext) -> list[Understanding]:
         """Each move understood after those before it; none when one of them is not."""
         taken: list[Understanding] = []
         topic: Form | None = None
@@ -81,13 +81,13 @@ class Moves:
             situation = replace(situation, discourse=found.discourse)
         return taken if topic is None else []
 
-    def _in_order(self, moves: Sequence[Tokens], situation: Situation) -> Sequence[Tokens]:
+    def _in_order(self, moves: Sequence[Tokens], situation: UtteranceContext) -> Sequence[Tokens]:
         """A thing named at the end goes first: "You pass it by the blade, the knife."."""
         if self.topic(moves[-1], situation) is None:
             return moves
         return moves[-1], *moves[:-1]
 
-    def _needs(self, move: Tokens, situation: Situation) -> bool:
+    def _needs(self, move: Tokens, situation: UtteranceContext) -> bool:
         """Whether a move cannot be understood without what was spoken of."""
         return self.take(move, _speaking_of(None, situation)).reading is None
 
@@ -97,7 +97,7 @@ def _holds(meaning: Meaning) -> bool:
     return isinstance(meaning, Command) and meaning.part is not None
 
 
-def _speaking_of(thing: Form | None, situation: Situation) -> Situation:
+def _speaking_of(thing: Form | None, situation: UtteranceContext) -> UtteranceContext:
     return replace(situation, discourse=replace(situation.discourse, object=thing))
 
 

@@ -16,7 +16,7 @@ from ..semantics.predicates import Form
 from ..understanding import Understanding
 from .discourse_markers import fronted
 from .hearing import Hearing, without_reading
-from .parser import Situation
+from .parser import UtteranceContext
 from .segmentation import Moves
 from .tokenizer import BREAK, Tokens
 
@@ -31,11 +31,11 @@ class Attempts:
 
     def __init__(self, hearing: Hearing, insist: Collection[str]) -> None:
         self._hearing, self._insist = hearing, insist
-        self._known: dict[tuple[Tokens, Situation, bool], Understanding] = {}
-        self._topics: dict[tuple[Tokens, Situation], Form | None] = {}
+        self._known: dict[tuple[Tokens, UtteranceContext, bool], Understanding] = {}
+        self._topics: dict[tuple[Tokens, UtteranceContext], Form | None] = {}
         self._moved: set[Tokens] = set()  # where a degree was put in front of it all
 
-    def understood(self, tokens: Tokens, situation: Situation) -> Understanding:
+    def understood(self, tokens: Tokens, situation: UtteranceContext) -> Understanding:
         """What it means, in the first way that gives it a meaning."""
         asides = self._hearing.book.asides
         tokens = asides.parted(tokens)
@@ -46,7 +46,7 @@ class Attempts:
         untagged = asides.untagged(tokens)
         return self._tried(tokens if untagged.asks else untagged, situation)
 
-    def _tried(self, tokens: Tokens, situation: Situation) -> Understanding:
+    def _tried(self, tokens: Tokens, situation: UtteranceContext) -> Understanding:
         found = self._taken(tokens, situation)
         if found.reading is None and BREAK in tokens.words:
             again = self._taken(tokens.without_breaks(), situation)
@@ -60,7 +60,7 @@ class Attempts:
                 again = self._after_reason(tokens, situation) or again
         return replace(again, text=tokens.text) if _is_better(again, found) else found
 
-    def _without_asides(self, tokens: Tokens, situation: Situation) -> Understanding | None:
+    def _without_asides(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
         """An utterance without what is said by the way; None when that is none either."""
         tried = {tokens.words}
         for each in self._versions(tokens):
@@ -76,14 +76,14 @@ class Attempts:
                 return again
         return None
 
-    def _after_reason(self, tokens: Tokens, situation: Situation) -> Understanding | None:
+    def _after_reason(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
         """What is asked for after a reason of the speaker's own; None when nothing is."""
         book = self._hearing.book
         rest = book.asides.after_reason(book.lengthened(tokens))
         found = self._tried(rest, situation) if rest else None
         return found if found and isinstance(found.meaning, (Command, ToolCommand)) else None
 
-    def _in_frames(self, tokens: Tokens, situation: Situation) -> Understanding | None:
+    def _in_frames(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
         """An utterance by the things that it names; None when that is nothing either."""
         asks: Understanding | None = None
         for each in filter(_says_something, dict.fromkeys(self._versions(tokens))):
@@ -113,13 +113,13 @@ class Attempts:
     def _in_turn(
         self,
         tokens: Tokens,
-        situation: Situation,
+        situation: UtteranceContext,
         *,
         in_frames: bool = False,
     ) -> Understanding | None:
         """An utterance as several moves that come to one meaning; None when they do not."""
 
-        def take(move: Tokens, situation: Situation) -> Understanding:
+        def take(move: Tokens, situation: UtteranceContext) -> Understanding:
             found = self._taken(move, situation)
             if in_frames and found.reading is None:
                 return self._taken(move, situation, in_frames=True)
@@ -128,7 +128,7 @@ class Attempts:
         return Moves(take, self._topic, self._hearing.is_general).in_turn(tokens, situation)
 
     def _taken(
-        self, tokens: Tokens, situation: Situation, *, in_frames: bool = False
+        self, tokens: Tokens, situation: UtteranceContext, *, in_frames: bool = False
     ) -> Understanding:
         key = (tokens, situation, in_frames)
         if key not in self._known:
@@ -139,7 +139,7 @@ class Attempts:
             self._known[key] = taken
         return self._known[key]
 
-    def _topic(self, tokens: Tokens, situation: Situation) -> Form | None:
+    def _topic(self, tokens: Tokens, situation: UtteranceContext) -> Form | None:
         key = (tokens, situation)
         if key not in self._topics:
             self._topics[key] = self._hearing.topic(tokens, situation)

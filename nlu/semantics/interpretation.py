@@ -20,10 +20,10 @@ from .meaning import (
     FunctionalRule,
     Meaning,
     NewWord,
+    ObjectReference,
     Retraction,
     Rule,
     Statement,
-    Target,
     ToolCommand,
 )
 from .predicates import Form
@@ -119,7 +119,7 @@ class Interpreter:
             raise RefusedError("one_thing_at_a_time")
         return Command(form.name, self.target(form.arguments[1]), recipient=_recipient(form))
 
-    def target(self, form: Form) -> Target:
+    def target(self, form: Form) -> ObjectReference:
         """What an act is about."""
         props: set[str] = set()
         used_for: list[Form] = []
@@ -139,17 +139,17 @@ class Interpreter:
             raise RefusedError("one_use_at_a_time")
         return name_of(form)
 
-    def _target(self, noun: Form, used_for: list[Form], props: tuple[str, ...]) -> Target:
+    def _target(self, noun: Form, used_for: list[Form], props: tuple[str, ...]) -> ObjectReference:
         if len(used_for) > 1 or (used_for and noun.name not in SOMETHING):
             raise RefusedError("object_or_use")
         if used_for:
             affordance = self.affordance(used_for[0].arguments[1])
             if used_for[0].name == "usedFor":
-                return Target(used_for=affordance, props=props)
-            return Target(not_used_for=affordance, props=props)
+                return ObjectReference(used_for=affordance, props=props)
+            return ObjectReference(not_used_for=affordance, props=props)
         if noun.name in SOMETHING and not props:
             raise RefusedError("which_thing", asks=True)
-        return Target(object=object_of(noun)[0], props=props)
+        return ObjectReference(object=object_of(noun)[0], props=props)
 
     def _held(self, form: Form) -> Command:
         command = self.command(form.arguments[0])
@@ -165,7 +165,7 @@ class Interpreter:
             raise RefusedError("one_thing_at_a_time")
         return replace(command, part=part)
 
-    def _place(self, form: Form) -> tuple[str, Target]:
+    def _place(self, form: Form) -> tuple[str, ObjectReference]:
         if form.name != "partOf":
             raise RefusedError("no_part_named")
         return name_of(form.arguments[0]), self.target(form.arguments[1])
@@ -175,7 +175,9 @@ class Interpreter:
         if patient == ANY_OBJECT or props:
             raise RefusedError("on_what", asks=True, goal=form.name)
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
-            return ToolCommand(form.name, patient, Target(used_for=self.tool_acts[form.name]))
+            return ToolCommand(
+                form.name, patient, ObjectReference(used_for=self.tool_acts[form.name])
+            )
         return ToolCommand(form.name, patient, self.target(form.arguments[2]))
 
     def _corrected(self, form: Form, discourse: Discourse) -> Rule:

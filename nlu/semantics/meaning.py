@@ -105,7 +105,7 @@ class Statement:
 
 
 @dataclass(frozen=True)
-class Target:
+class ObjectReference:
     """What a command is about: exactly one of the first three is set.
 
     Attributes:
@@ -148,7 +148,7 @@ class Command:
 
     kind: ClassVar[str] = "command"
     goal: str
-    target: Target
+    target: ObjectReference
     part: str | None = None
     recipient: str | None = None
     negated: bool = False
@@ -174,7 +174,7 @@ class ToolCommand:
     kind: ClassVar[str] = "command"
     goal: str
     patient: str
-    tool: Target
+    tool: ObjectReference
     negated: bool = False
 
     def as_json(self) -> Json:

@@ -43,7 +43,7 @@ REACH_ALONG = (0.0, -0.06, 0.06, -0.12)  # [m] nearer to or farther from the rec
 
 
 @dataclass(frozen=True)
-class Touch:
+class FingerContacts:
     """What the fingers feel.
 
     Attributes:
@@ -107,7 +107,7 @@ class Motion:
 
     # --- taking -------------------------------------------------------------------------------
 
-    def take(self, reach: Reach) -> Touch:
+    def take(self, reach: Reach) -> FingerContacts:
         """Go to a grasp, close the hand, and feel."""
         self.robot.open(reach.grasp.opening)
         self.robot.follow(reach.transit, pace=TRANSIT_PACE)
@@ -115,13 +115,13 @@ class Motion:
         self.robot.close()
         return self.feel()
 
-    def feel(self) -> Touch:
+    def feel(self) -> FingerContacts:
         """What both fingers touch now."""
         first, second = (
             frozenset((contact.other, contact.other_link) for contact in side)
             for side in self.robot.felt()
         )
-        return Touch(first, second)
+        return FingerContacts(first, second)
 
     def let_go(self, reacher: Reacher) -> None:
         """Open the hand and go back the way it came, then home."""

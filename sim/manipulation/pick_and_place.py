@@ -26,10 +26,10 @@ from ..scene.world import World
 from ..vision.gaze import Gaze
 from ..vision.percept import Percept
 from ..vision.sensors import Eyes
-from .motion import Held, Touch
+from .motion import FingerContacts, Held
 from .report import MotionReport
 from .striking import StrikingMotion
-from .target import Target
+from .target import StrikeTarget
 
 TABLE_HEIGHT = 0.0  # [m]
 LIFT_HEIGHT = 0.15  # [m]
@@ -75,7 +75,7 @@ class Handling:
         self._sight: Sight | None = None
         self._aim = Aim("", None)
         self._places: dict[str, Array] = {}
-        self._target: Target | None = None
+        self._target: StrikeTarget | None = None
 
     @property
     def holding(self) -> str | None:
@@ -181,7 +181,7 @@ class Handling:
             self.onlooker(self._aim.name, self._aim.part, choice.plan, grasp)
         return choice.reason, choice.reach
 
-    def _take(self, reach: Reach, sight: Sight) -> tuple[str, Touch]:
+    def _take(self, reach: Reach, sight: Sight) -> tuple[str, FingerContacts]:
         """Close the hand once; what went wrong, and what the fingers feel."""
         name = self._aim.name
         before = self.world.pose(name)

@@ -12,7 +12,7 @@ IN = 0.003  # [m], what lacks less is in all the way
 TOP = 0.0015  # [m], what is so little below the highest point is the top
 
 
-class Target:
+class StrikeTarget:
     """A thing that is to be driven in.
 
     Args:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ontology.errors import DataError, MissingExtraError
-from ..physics.engine import Engine
+from ..physics.engine import PhysicsEngine
 from ..physics.types import Light
 from ..poses import Array
 from ..vision.camera import Camera
@@ -50,7 +50,7 @@ def closeup(target: tuple[float, float, float], *, width: int = 960, height: int
 
 
 def take_picture(
-    engine: Engine,
+    engine: PhysicsEngine,
     camera: Camera = OVERVIEW,
     *,
     light: Light = PICTURE_LIGHT,

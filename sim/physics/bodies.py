@@ -16,14 +16,14 @@ from .. import poses
 from ..poses import Array
 from .client import Simulator
 from .silence import quiet
-from .types import Joint
+from .types import JointState
 
 BASE = -1  # PyBullet's number of a body's first link
 _JOINT_KINDS = {0: "revolute", 1: "prismatic", 4: "fixed"}
 
 
 @dataclass
-class Body:
+class RigidBodies:
     """What is known of a body: PyBullet's numbers of it and of its links and joints.
 
     Attributes:
@@ -37,7 +37,7 @@ class Body:
     number: int
     links: dict[str, int]
     joints: dict[str, int]
-    facts: dict[str, Joint]
+    facts: dict[str, JointState]
     com_from_base: Array = field(default_factory=lambda: np.eye(4))
 
 
@@ -46,7 +46,7 @@ class Bodies(Simulator):
 
     def __init__(self, *, gui: bool = False) -> None:
         super().__init__(gui=gui)
-        self._bodies: dict[str, Body] = {}
+        self._bodies: dict[str, RigidBodies] = {}
         self._names: dict[int, str] = {}
 
     def load(
@@ -77,10 +77,10 @@ class Bodies(Simulator):
         self._names[number] = name
         self.place(name, np.eye(4) if world_from_base is None else world_from_base)
 
-    def _survey(self, number: int) -> Body:
+    def _survey(self, number: int) -> RigidBodies:
         base = self._call("getBodyInfo", number)[0].decode()
         inertial = self._call("getDynamicsInfo", number, BASE)
-        body = Body(
+        body = RigidBodies(
             number,
             {base: BASE},
             {},
@@ -93,7 +93,7 @@ class Bodies(Simulator):
             joint, link = info[1].decode(), info[12].decode()
             names[index] = link
             body.links[link], body.joints[joint] = index, index
-            body.facts[joint] = Joint(
+            body.facts[joint] = JointState(
                 joint,
                 link,
                 names[info[16]],
@@ -119,11 +119,11 @@ class Bodies(Simulator):
         """The names of a body's links, the base first."""
         return tuple(self._body(body).links)
 
-    def joints(self, body: str) -> tuple[Joint, ...]:
+    def joints(self, body: str) -> tuple[JointState, ...]:
         """A body's joints, fixed ones included, in the order of its URDF."""
         return tuple(self._body(body).facts.values())
 
-    def _body(self, name: str) -> Body:
+    def _body(self, name: str) -> RigidBodies:
         if name not in self._bodies:
             raise UnknownNameError("body", name, self._bodies)
         return self._bodies[name]

@@ -15,7 +15,7 @@ from .types import Contact, Hit
 NO_BODY = -1
 
 
-class Touch(Bodies):
+class ContactQueries(Bodies):
     """Contacts and rays, told by names."""
 
     def contacts(

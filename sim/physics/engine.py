@@ -12,7 +12,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from types import TracebackType
 
-from .contacts import Touch
+from .contacts import ContactQueries
 from .joints import Motors
 from .looks import Looks
 from .matter import Matter
@@ -24,7 +24,7 @@ CONTACT_BREAKING = 0.004  # [m] from which on there is a contact to solve; 0.02 
 GRAVITY = 9.81  # [m/s^2]
 
 
-class Engine(Motors, Matter, Touch, Looks):
+class PhysicsEngine(Motors, Matter, ContactQueries, Looks):
     """One physics simulator, spoken to by names.
 
     Use it in a `with` block, or `close` it. Several can live in one process.
@@ -38,7 +38,7 @@ class Engine(Motors, Matter, Touch, Looks):
         self.steps = 0
         self._configure()
 
-    def __enter__(self) -> Engine:
+    def __enter__(self) -> PhysicsEngine:
         return self
 
     def __exit__(

@@ -34,7 +34,7 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointState:
     """A joint of a body, as its URDF describes it.
 
     Attributes:

@@ -33,7 +33,7 @@ REACH_SCALE = 0.3  # [m], an error of this size is far
 
 
 @dataclass(frozen=True)
-class Joint:
+class ChainJoint:
     """One joint of a chain.
 
     Attributes:
@@ -78,11 +78,11 @@ class Chain:
         links: the link behind each joint.
     """
 
-    joints: tuple[Joint, ...]
+    joints: tuple[ChainJoint, ...]
     links: tuple[str, ...]
 
     @cached_property
-    def moving(self) -> tuple[Joint, ...]:
+    def moving(self) -> tuple[ChainJoint, ...]:
         """The joints that move; k of them."""
         return tuple(joint for joint in self.joints if joint.kind != "fixed")
 
@@ -263,7 +263,7 @@ def _is_small(error: Array) -> np.ndarray:
     )
 
 
-def _read_joint(element: ElementTree.Element, fixed: Sequence[str]) -> Joint:
+def _read_joint(element: ElementTree.Element, fixed: Sequence[str]) -> ChainJoint:
     name, kind = element.get("name", ""), element.get("type", "fixed")
     kind = "fixed" if name in fixed else {"continuous": "revolute"}.get(kind, kind)
     limit, safety = element.find("limit"), element.find("safety_controller")
@@ -276,7 +276,7 @@ def _read_joint(element: ElementTree.Element, fixed: Sequence[str]) -> Joint:
     axis = np.array(_triple(element, "axis", "xyz"))
     length = float(np.linalg.norm(axis))
     axis = axis / length if length else np.array([1.0, 0.0, 0.0])
-    return Joint(name, kind, origin, axis, low, high, _number(limit, "velocity", 1.0))
+    return ChainJoint(name, kind, origin, axis, low, high, _number(limit, "velocity", 1.0))
 
 
 def _attribute(element: ElementTree.Element, child: str, key: str) -> str:

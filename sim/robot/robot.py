@@ -13,7 +13,7 @@ import numpy as np
 
 from ...ontology.errors import SimulationError
 from .. import poses
-from ..physics.engine import TIME_STEP, Engine
+from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..physics.types import Contact
 from ..poses import Array
 from .collision import Spheres, arm_spheres, finger_spheres
@@ -45,7 +45,7 @@ class Robot:
 
     def __init__(
         self,
-        engine: Engine,
+        engine: PhysicsEngine,
         kind: RobotType,
         *,
         world_from_base: Array | None = None,

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..physics.engine import Engine
+from ..physics.engine import PhysicsEngine
 from ..poses import Array
 
 LOOK_EVERY = 12  # steps between two looks: a twentieth of a second
@@ -28,7 +28,7 @@ class Resting:
         loose: the names of all things that lie on the table, still by now.
     """
 
-    def __init__(self, engine: Engine, loose: Iterable[str]) -> None:
+    def __init__(self, engine: PhysicsEngine, loose: Iterable[str]) -> None:
         self._engine = engine
         self._moving: dict[str, Array] = {}
         self._places: dict[str, Array] = {}

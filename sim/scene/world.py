@@ -18,7 +18,7 @@ from ...ontology.errors import UnknownNameError
 from ...ontology.objects import Mount, ObjectType
 from .. import poses
 from ..models.object_models import INTO, SOCKET, Model, model_of
-from ..physics.engine import TIME_STEP, Engine
+from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
 from .placement import Spot, arrange
 from .scene import Scene
@@ -55,7 +55,7 @@ class World:
     """
 
     scene: Scene
-    engine: Engine
+    engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, Model]
@@ -78,7 +78,7 @@ class World:
         spots = arrange(scene, models)
         world = cls(
             scene,
-            Engine(gui=gui),
+            PhysicsEngine(gui=gui),
             objects,
             {spot.placement.name: objects[spot.placement.object] for spot in spots},
             models,

@@ -2,8 +2,8 @@
 """Cameras: from where they look, what they deliver, and the points in the world behind the pixels.
 
 Pinhole cameras after OpenGL: the camera looks along its -z axis, x goes right and y up; pixel rows
-count from the top. A `View` is what one camera delivers at one moment: colours, depths in [m] and,
-as the simulator's stand-in for a perfect detector, which link every pixel shows.
+count from the top. A `CameraImage` is what one camera delivers at one moment: colours, depths
+in [m] and, as the simulator's stand-in for a perfect detector, which link every pixel shows.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import poses
-from ..physics.engine import Engine
+from ..physics.engine import PhysicsEngine
 from ..physics.types import Light
 from ..poses import Array
 
@@ -122,15 +122,15 @@ class Camera:
         return replace(self, width=self.width // times, height=self.height // times)
 
     def look(
-        self, engine: Engine, *, light: Light = VISION_LIGHT, window: Window | None = None
-    ) -> View:
+        self, engine: PhysicsEngine, *, light: Light = VISION_LIGHT, window: Window | None = None
+    ) -> CameraImage:
         """What it sees now, or of that what is in a window of its image."""
         window = window or self.whole
         view = poses.inverse(self.world_from_camera)
         projection = self._through(window) @ self.projection
         image = engine.render(view, projection, window.width, window.height, light=light)
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
-        return View(self, image.colour, depth, image.labels, image.names, window)
+        return CameraImage(self, image.colour, depth, image.labels, image.names, window)
 
     def _through(self, window: Window) -> Array:
         """What moves and widens the image so that the window fills it (4, 4)."""
@@ -143,7 +143,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class View:
+class CameraImage:
     """What one camera saw at one moment, in a window of its image.
 
     Attributes:

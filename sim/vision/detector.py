@@ -16,9 +16,9 @@ import numpy as np
 
 from ...ontology.objects import ObjectType
 from ..models.object_models import Model
-from ..physics.engine import Engine
+from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import Camera, View, cameras_round_table
+from .camera import Camera, CameraImage, cameras_round_table
 from .noise import Noise, with_depth_noise
 from .percept import PartPercept, Percept, visible_features
 from .region_of_interest import Attention
@@ -46,14 +46,14 @@ class Vision:
             and what may hide them (see `attention`).
     """
 
-    engine: Engine
+    engine: PhysicsEngine
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, Model]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
     noise: Noise = field(default_factory=Noise)
     room: tuple[str, ...] = ()
 
-    def look(self) -> tuple[View, ...]:
+    def look(self) -> tuple[CameraImage, ...]:
         """What all cameras see now."""
         if self.room:
             attention = Attention.on(self.kinds, self.engine, room=self.room)
@@ -63,7 +63,7 @@ class Vision:
         seen = with_noise(views, self.noise, self.engine.steps)
         return tuple(self._smooth(view) for view in seen) if self.noise.depth_m else seen
 
-    def _smooth(self, view: View) -> View:
+    def _smooth(self, view: CameraImage) -> CameraImage:
         """The same without most of the noise of its depths on things."""
         labels = [label for label, (name, _) in view.names.items() if name in self.kinds]
         return replace(
@@ -71,7 +71,7 @@ class Vision:
         )
 
     def search(
-        self, features: Iterable[str], *, views: Sequence[View] | None = None
+        self, features: Iterable[str], *, views: Sequence[CameraImage] | None = None
     ) -> tuple[Percept, ...]:
         """The objects in sight that have one of the features, the surest first.
 
@@ -91,7 +91,9 @@ class Vision:
         percepts = [percept for percept in found if percept is not None]
         return tuple(sorted(percepts, key=lambda percept: -percept.confidence))
 
-    def obstacles(self, besides: str | None, *, views: Sequence[View] | None = None) -> Array:
+    def obstacles(
+        self, besides: str | None, *, views: Sequence[CameraImage] | None = None
+    ) -> Array:
         """Points on all other objects in sight (n, 3), in the world [m].
 
         Args:
@@ -104,7 +106,7 @@ class Vision:
         return thinned(np.vstack([np.empty((0, 3)), *clouds]), OBSTACLE_SPACING)
 
 
-def with_noise(views: Iterable[View], noise: Noise, moment: int) -> tuple[View, ...]:
+def with_noise(views: Iterable[CameraImage], noise: Noise, moment: int) -> tuple[CameraImage, ...]:
     """Some views with the noise of the cameras' depths at the moment of a look."""
     return tuple(
         replace(view, depth=with_depth_noise(view.depth, noise, view.camera.name, moment))
@@ -113,7 +115,7 @@ def with_noise(views: Iterable[View], noise: Noise, moment: int) -> tuple[View, 
 
 
 def perceive(
-    views: Sequence[View], name: str, kind: ObjectType, silhouette: float
+    views: Sequence[CameraImage], name: str, kind: ObjectType, silhouette: float
 ) -> Percept | None:
     """What some views show of one object; None when that is next to nothing.
 
@@ -131,13 +133,13 @@ def perceive(
     return Percept(name, kind.name, SURE * min(1.0, share / FULL_SIGHT), seen, kind.properties)
 
 
-def _perceive_part(views: Sequence[View], name: str, part: str) -> PartPercept:
+def _perceive_part(views: Sequence[CameraImage], name: str, part: str) -> PartPercept:
     clouds = [view.points(view.mask(name, part)) for view in views]
     cloud = np.vstack([np.empty((0, 3)), *clouds])
     return PartPercept(part, thinned(cloud, CLOUD_SPACING), len(cloud))
 
 
-def _shown_area(view: View, name: str) -> float:
+def _shown_area(view: CameraImage, name: str) -> float:
     """The area of an object's silhouette in a view, at the distance where it is [m^2]."""
     depths = view.depth[view.mask(name)].astype(np.float64)
     return float(((depths / view.camera.focal) ** 2).sum())

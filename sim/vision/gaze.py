@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ..grasping.context import Sight
 from ..scene.world import World
-from .camera import View
+from .camera import CameraImage
 from .percept import Percept
 from .sensors import Eyes
 
@@ -22,10 +22,10 @@ class Gaze:
 
     def __init__(self, world: World, eyes: Eyes) -> None:
         self.world, self.eyes = world, eyes
-        self._views: tuple[View, ...] = ()
+        self._views: tuple[CameraImage, ...] = ()
         self._seen_at = -1
 
-    def views(self) -> tuple[View, ...]:
+    def views(self) -> tuple[CameraImage, ...]:
         """What the cameras see; the last views as long as no time has passed."""
         now = self.world.engine.steps
         if now != self._seen_at:

@@ -19,9 +19,9 @@ import numpy as np
 
 from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
-from ..physics.engine import Engine
+from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import Camera, View, cameras_round_table
+from .camera import Camera, CameraImage, cameras_round_table
 from .classifier import Network
 from .descriptors import describe, describe_points
 from .detector import OBSTACLE_SPACING, thinned, with_noise
@@ -155,7 +155,7 @@ class LearnedVision:
         DataError: something was learned that is not among the types.
     """
 
-    engine: Engine
+    engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
     noise: Noise = field(default_factory=Noise)
@@ -171,13 +171,13 @@ class LearnedVision:
                 source="networks",
             )
 
-    def look(self) -> tuple[View, ...]:
+    def look(self) -> tuple[CameraImage, ...]:
         """What all cameras see now."""
         views = (camera.look(self.engine) for camera in self.cameras)
         return with_noise(views, self.noise, self.engine.steps)
 
     def search(
-        self, features: Iterable[str], *, views: Sequence[View] | None = None
+        self, features: Iterable[str], *, views: Sequence[CameraImage] | None = None
     ) -> tuple[Percept, ...]:
         """The things in sight that seem to have one of the features, the surest first.
 
@@ -198,7 +198,9 @@ class LearnedVision:
         ordered = sorted(percepts, key=lambda percept: -percept.confidence)
         return tuple(_told_apart(ordered, self.track))
 
-    def obstacles(self, besides: str | None, *, views: Sequence[View] | None = None) -> Array:
+    def obstacles(
+        self, besides: str | None, *, views: Sequence[CameraImage] | None = None
+    ) -> Array:
         """Points on all other things in sight (n, 3), in the world [m].
 
         Args:
@@ -209,7 +211,7 @@ class LearnedVision:
         others = [p.cloud for p in self.search(features, views=views) if p.name != besides]
         return thinned(np.vstack([np.empty((0, 3)), *others]), OBSTACLE_SPACING)
 
-    def _segments(self, views: Sequence[View] | None) -> tuple[Segment, ...]:
+    def _segments(self, views: Sequence[CameraImage] | None) -> tuple[Segment, ...]:
         seen = self.look() if views is None else views
         return segments(seen, margin=TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m)
 

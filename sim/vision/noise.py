@@ -93,7 +93,7 @@ _MOST = {
 }
 
 
-class Source(Protocol):
+class PerceptSource(Protocol):
     """Anything that finds what has one of some features."""
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
@@ -114,7 +114,7 @@ class NoisyVision:
         objects: the types that there are, by name.
     """
 
-    eyes: Source
+    eyes: PerceptSource
     noise: Noise
     objects: Mapping[str, ObjectType]
 

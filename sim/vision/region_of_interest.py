@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..physics.engine import Engine
+from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import Camera, View, Window
+from .camera import Camera, CameraImage, Window
 
 GLANCE = 4  # times fewer pixels to each side
 MARGIN = 12  # pixels round what a glance shows
@@ -39,14 +39,16 @@ class Attention:
         corners: of boxes round them (m, 8, 3), in the world [m].
     """
 
-    engine: Engine
+    engine: PhysicsEngine
     things: Collection[str]
     unseen: tuple[str, ...]
     links: tuple[tuple[str, str], ...]
     corners: Array
 
     @classmethod
-    def on(cls, things: Collection[str], engine: Engine, *, room: Collection[str]) -> Attention:
+    def on(
+        cls, things: Collection[str], engine: PhysicsEngine, *, room: Collection[str]
+    ) -> Attention:
         """Attention on things among bodies, of which those of the room hide nothing."""
         unseen = tuple(name for name in engine.bodies if name not in things)
         links = tuple(
@@ -56,7 +58,7 @@ class Attention:
         boxes = np.array(ends).reshape(-1, 2, 3)
         return cls(engine, things, unseen, links, boxes[:, _CORNERS, [0, 1, 2]])
 
-    def look(self, camera: Camera) -> View:
+    def look(self, camera: Camera) -> CameraImage:
         """What a camera sees of the things, in a window round all of them."""
         with self.engine.unseen(self.unseen):
             glance = camera.coarser(GLANCE).look(self.engine)
@@ -69,12 +71,12 @@ class Attention:
             view = self._look(camera, wider, farthest)
         return view
 
-    def _look(self, camera: Camera, window: Window, farthest: float) -> View:
+    def _look(self, camera: Camera, window: Window, farthest: float) -> CameraImage:
         """What a camera sees in a window, in which nothing is farther away than that [m]."""
         with self.engine.unseen(self.unseen, but=self._before(window, camera, farthest)):
             return camera.look(self.engine, window=window)
 
-    def _shown(self, view: View) -> NDArray[np.bool_]:
+    def _shown(self, view: CameraImage) -> NDArray[np.bool_]:
         """Which pixels of a view show any of the things (height, width)."""
         labels = [label for label, (body, _) in view.names.items() if body in self.things]
         return np.isin(view.labels, labels)
@@ -102,7 +104,7 @@ def _window(shown: NDArray[np.bool_], camera: Camera) -> Window:
     )
 
 
-def _widened(view: View, shown: NDArray[np.bool_]) -> Window | None:
+def _widened(view: CameraImage, shown: NDArray[np.bool_]) -> Window | None:
     """The window of a view, wider where something goes on beyond it; None where nothing does."""
     now = view.window
     top, left, bottom, right = (

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..grasping.point_clouds import thin
 from ..poses import Array
-from .camera import SAMPLE, Camera, View
+from .camera import SAMPLE, Camera, CameraImage
 
 Integers = NDArray[np.int64]
 
@@ -53,7 +53,7 @@ class Segment:
         return Segment(self.points[chosen], self.colours[chosen], self.sources[chosen])
 
 
-def segments(views: Sequence[View], *, margin: float = TABLE_MARGIN) -> tuple[Segment, ...]:
+def segments(views: Sequence[CameraImage], *, margin: float = TABLE_MARGIN) -> tuple[Segment, ...]:
     """The things on the table that some views show, in a fixed order.
 
     Args:
@@ -69,7 +69,7 @@ def segments(views: Sequence[View], *, margin: float = TABLE_MARGIN) -> tuple[Se
     )
 
 
-def _above_table(views: Sequence[View], margin: float) -> Segment:
+def _above_table(views: Sequence[CameraImage], margin: float) -> Segment:
     pieces: list[Segment] = []
     for number, view in enumerate(views):
         heights = view.camera.eye[2] + view.depth * _rise(view.camera)

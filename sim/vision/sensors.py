@@ -18,7 +18,7 @@ import numpy as np
 from ...ontology.errors import UnknownNameError
 from ..poses import Array
 from ..scene.world import FLOOR, TABLE, World
-from .camera import View
+from .camera import CameraImage
 from .detector import Vision
 from .noise import Noise
 from .percept import Percept
@@ -30,17 +30,19 @@ SAME_PLACE = 0.04  # [m], between the middle of what is seen and that of a thing
 class Eyes(Protocol):
     """What a body needs to see; `Vision` and `LearnedVision` are such eyes."""
 
-    def look(self) -> tuple[View, ...]:
+    def look(self) -> tuple[CameraImage, ...]:
         """What all cameras see now."""
         ...
 
     def search(
-        self, features: Sequence[str], *, views: Sequence[View] | None = None
+        self, features: Sequence[str], *, views: Sequence[CameraImage] | None = None
     ) -> tuple[Percept, ...]:
         """The things in sight that have one of the features, the surest first."""
         ...
 
-    def obstacles(self, besides: str | None, *, views: Sequence[View] | None = None) -> Array:
+    def obstacles(
+        self, besides: str | None, *, views: Sequence[CameraImage] | None = None
+    ) -> Array:
         """Points on all other things in sight (n, 3), in the world [m]."""
         ...
 

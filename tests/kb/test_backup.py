@@ -160,13 +160,15 @@ def test_what_a_killed_reader_left_is_removed(tmp_path: Path):
 def test_snapshot_can_be_bounded_and_copied(tmp_path: Path):
     """Who only reads can ask what may have to be stopped, and make backups."""
     from hilt.kb.sparql.limits import Limits
-    from hilt.kb.sparql.results import Answer
+    from hilt.kb.sparql.results import BooleanResult
 
     with KnowledgeBase.open(tmp_path / "kb") as kb:
         teach(kb, CUTTING)
         with KnowledgeBase.open(tmp_path / "kb", read_only=True) as reading:
             teach(kb, BLADE)
-            assert reading.query("ASK { ?s hilt:graspedBy ?o }", limits=Limits()) == Answer(False)
+            assert reading.query("ASK { ?s hilt:graspedBy ?o }", limits=Limits()) == BooleanResult(
+                False
+            )
             assert backup(reading, tmp_path / "backup") == 1
 
     assert not (tmp_path / "kb" / snapshots.INSIDE).exists()

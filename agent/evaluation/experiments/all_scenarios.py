@@ -33,7 +33,7 @@ from ..verification import finite_cases, hypotheses
 from ..verification.certificate import certificate, totals
 from ..verification.finite_cases import Found, TaughtSpace
 from ..verification.space import Space
-from ..verification.weak_orders import Block, blocks
+from ..verification.weak_orders import OrderShape, blocks
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class AllScenarios(Experiment):
             case "situations":
                 return hypotheses.situations(self._lexis, self.seed + first, second)
             case _:
-                return Block(self.objects, first, second).chosen()
+                return OrderShape(self.objects, first, second).chosen()
 
     @staticmethod
     def _facts(results: Sequence[Result]) -> dict[str, list[Json]]:

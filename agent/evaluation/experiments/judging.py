@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from ....inference.types import Candidate
 from ...dialogue.reply import Reply
-from ...execution.outcome import GoalResult, Json, World
+from ...execution.outcome import ExecutionResult, GoalResult, Json
 from ..case import Case, Kind, Result
 from ..scenarios import Scenario
 from .explaining import why
@@ -100,7 +100,7 @@ def judged(case: Case, truth: Truth, reply: Reply) -> Result:
 
 def grasped(case: Case, name: str, part: str, reply: Reply) -> Result:
     """The result of a grasp that was asked for by the name of the thing."""
-    world = reply.achievement.world if reply.achievement else World()
+    world = reply.achievement.world if reply.achievement else ExecutionResult()
     facts: Json = {"asked": reply.text, "said": reply.said, **_grasped(world, name, part)}
     facts["why"] = why(reply)
     facts["success"] = reply.is_done and facts["success"] is True
@@ -128,7 +128,7 @@ def _carried_out(came: GoalResult, truth: Truth, *, is_done: bool) -> Json:
     return facts
 
 
-def _grasped(world: World, taken: str, part: str) -> Json:
+def _grasped(world: ExecutionResult, taken: str, part: str) -> Json:
     """How a thing was held; `right_part` only where the fingers closed on something."""
     right_part = world.touched == (part,)
     facts: Json = {

@@ -16,14 +16,16 @@ from ....ontology.errors import DataError, StoreError
 from ..case import Case
 from ..experiment import Experiment
 from ..experiments.decisions import Decisions
-from .html import Picture, page
-from .summary import Report
+from .html import EmbeddedPicture, page
+from .summary import EvaluationReport
 
 MOST_PICTURES = 40  # in one page
 COLUMNS = ("key", "right", "kind", "principle", "found", "expected", "cpu_s")
 
 
-def write_report(path: Path, experiment: Experiment, cases: Sequence[Case], report: Report) -> None:
+def write_report(
+    path: Path, experiment: Experiment, cases: Sequence[Case], report: EvaluationReport
+) -> None:
     """Write a report; the end of the file's name says in which form.
 
     Args:
@@ -55,16 +57,16 @@ def check_form(path: Path) -> None:
         raise DataError(f"expected a name that ends in {', '.join(_FORMS)}.", source=str(path))
 
 
-def _html(experiment: Experiment, cases: Sequence[Case], report: Report) -> str:
+def _html(experiment: Experiment, cases: Sequence[Case], report: EvaluationReport) -> str:
     return page(experiment, cases, report, _pictures(experiment, cases))
 
 
-def _json(_: Experiment, __: Sequence[Case], report: Report) -> str:
+def _json(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
     results = [each.result.as_json() for each in report.done]
     return json.dumps(report.as_json() | {"results": results}, ensure_ascii=False, indent=1) + "\n"
 
 
-def _csv(_: Experiment, __: Sequence[Case], report: Report) -> str:
+def _csv(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -74,14 +76,14 @@ def _csv(_: Experiment, __: Sequence[Case], report: Report) -> str:
     return table.getvalue()
 
 
-_FORMS: Mapping[str, Callable[[Experiment, Sequence[Case], Report], str]] = {
+_FORMS: Mapping[str, Callable[[Experiment, Sequence[Case], EvaluationReport], str]] = {
     ".html": _html,
     ".json": _json,
     ".csv": _csv,
 }
 
 
-def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[Picture]:
+def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[EmbeddedPicture]:
     """Each scene of a simulated run as it lay on the table, at most so many."""
     if not isinstance(experiment, Decisions) or not experiment.sim:
         return
@@ -93,4 +95,4 @@ def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[Picture
         caption = f"scene {name}, seed {seed}: {', '.join(objects) or 'nothing'}"
         with tempfile.TemporaryDirectory() as folder:
             picture = experiment.picture(objects, int(seed), Path(folder) / "scene.jpg")
-            yield Picture(caption, base64.b64encode(picture.read_bytes()).decode(), "jpeg")
+            yield EmbeddedPicture(caption, base64.b64encode(picture.read_bytes()).decode(), "jpeg")

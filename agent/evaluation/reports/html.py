@@ -17,7 +17,7 @@ from ...execution.outcome import Json
 from ..case import Case, Result
 from ..experiment import Experiment
 from .plots import curve_svg
-from .summary import Report
+from .summary import EvaluationReport
 
 COUNTS = ("runs", "right", "unique", "ties", "none", "executed", "succeeded", "grasps")
 STYLE = """
@@ -39,7 +39,7 @@ section.why:target pre { outline: 2px solid #0072b2 }
 
 
 @dataclass(frozen=True)
-class Picture:
+class EmbeddedPicture:
     """A picture in a page.
 
     Attributes:
@@ -56,8 +56,8 @@ class Picture:
 def page(
     experiment: Experiment,
     cases: Sequence[Case],
-    report: Report,
-    pictures: Iterable[Picture] = (),
+    report: EvaluationReport,
+    pictures: Iterable[EmbeddedPicture] = (),
 ) -> str:
     """The whole page.
 
@@ -108,7 +108,7 @@ class _Reasons:
             yield f'<section class="why" id="why-{number}"><pre>{escape(text)}</pre></section>'
 
 
-def _options(report: Report) -> str:
+def _options(report: EvaluationReport) -> str:
     return ", ".join(f"{name} {json.dumps(value)}" for name, value in report.options.items())
 
 
@@ -158,7 +158,7 @@ def _curves(curves: object) -> Iterator[str]:
         yield f"<details><summary>figures</summary>{figures}</details></div>"
 
 
-def _pictures(pictures: Iterable[Picture]) -> Iterator[str]:
+def _pictures(pictures: Iterable[EmbeddedPicture]) -> Iterator[str]:
     found = list(pictures)
     if found:
         yield "<h2>Scenes</h2>"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Report:
+class EvaluationReport:
     """The results of one run.
 
     Attributes:
@@ -33,7 +33,7 @@ class Report:
     summary: Mapping[str, object] = field(default_factory=dict[str, object])
 
     @classmethod
-    def of(cls, experiment: Experiment, done: Sequence[Done]) -> Report:
+    def of(cls, experiment: Experiment, done: Sequence[Done]) -> EvaluationReport:
         """The report of a run."""
         summary = experiment.summary([each.result for each in done])
         return cls(experiment.name, experiment.options, tuple(done), summary)

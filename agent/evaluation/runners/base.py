@@ -18,13 +18,13 @@ from .worker import run_case
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from .journal import Journal
+    from .journal import RunJournal
 
 TIMEOUT_S = 600.0  # what takes longer hangs: no case of ours takes a tenth of it
 ATTEMPTS = 3  # how often a case is begun whose worker dies or hangs
 
 
-class Engine(Protocol):
+class Runner(Protocol):
     """Runs cases."""
 
     def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[Done]:
@@ -42,7 +42,7 @@ class Serial:
 
 def open_engine(
     workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
-) -> Engine:
+) -> Runner:
     """The engine that the options of a command ask for.
 
     Args:
@@ -69,8 +69,8 @@ def run(
     experiment: Experiment,
     cases: Sequence[Case] | None = None,
     *,
-    engine: Engine | None = None,
-    journal: Journal | None = None,
+    engine: Runner | None = None,
+    journal: RunJournal | None = None,
     console: Console | None = None,
 ) -> tuple[Done, ...]:
     """Run an experiment, or go on with it.

@@ -32,7 +32,7 @@ JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
 FORMAT = 1
 
 
-class Journal:
+class RunJournal:
     """The journal of one run, open for writing; use it in a `with` block.
 
     Args:
@@ -68,7 +68,7 @@ class Journal:
             self._file.close()
             raise
 
-    def __enter__(self) -> Journal:
+    def __enter__(self) -> RunJournal:
         return self
 
     def __exit__(

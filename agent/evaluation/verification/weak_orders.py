@@ -29,7 +29,7 @@ NOT_TOLD = Proof("unknown", VACUOUS)
 
 
 @dataclass(frozen=True)
-class Block:
+class OrderShape:
     """The weak orders of one shape.
 
     Attributes:
@@ -81,10 +81,10 @@ class Block:
         return sum(bit for bit, level in pairs if level == self.levels - 1)
 
 
-def blocks(objects: int) -> list[Block]:
+def blocks(objects: int) -> list[OrderShape]:
     """The blocks that together are all weak orders of so many objects."""
     shapes = ((k, m) for k in range(objects + 1) for m in range(min(k, 1), k + 1))
-    return [Block(objects, k, m) for k, m in shapes]
+    return [OrderShape(objects, k, m) for k, m in shapes]
 
 
 @cache

@@ -21,7 +21,7 @@ from hilt.agent.evaluation.verification.hypotheses import teaching
 from hilt.agent.evaluation.verification.space import Cell, Space, belief
 from hilt.agent.evaluation.verification.taught_agent import Taught
 from hilt.agent.evaluation.verification.tracing import Opaque, Traced
-from hilt.agent.evaluation.verification.weak_orders import Block, blocks, surjections
+from hilt.agent.evaluation.verification.weak_orders import OrderShape, blocks, surjections
 from hilt.inference.decision import Judge
 from hilt.inference.evidence import EPSILON, Operators
 from hilt.inference.settings import Settings
@@ -69,7 +69,7 @@ def test_every_finite_case_is_right(results):
 def test_the_paper_has_2189146_finite_cases():
     """The blocks hold as many cases as the counting formulas say."""
 
-    def size(block: Block) -> int:
+    def size(block: OrderShape) -> int:
         stirling = sum(
             (-1) ** i * comb(block.levels, i) * (block.levels - i) ** block.ranked
             for i in range(block.levels + 1)
@@ -180,7 +180,7 @@ def test_choice_that_drops_ties_is_found_out(monkeypatch):
         lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
     )
 
-    facts, wrong = Block(2, 2, 1).chosen()
+    facts, wrong = OrderShape(2, 2, 1).chosen()
 
     assert facts["ties"] == 0
     assert wrong == ["(2, 2) ranked (0, 0) gives 1"]

@@ -13,7 +13,7 @@ from hilt.agent.evaluation.experiment import make_experiment
 from hilt.agent.evaluation.experiments.judging import Truth
 from hilt.agent.evaluation.experiments.paper import PaperRun
 from hilt.agent.evaluation.experiments.situations import Situations
-from hilt.agent.evaluation.reports.summary import Report
+from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.base import run
 from hilt.agent.evaluation.scenarios import LEVELS, load_scenarios
 
@@ -98,7 +98,7 @@ def test_paper_run_is_right():
     """Taught by sentence and asked by sentence, the agent decides as the tables say."""
     experiment = PaperRun(scenes=4)
 
-    report = Report("paper", experiment.options, run(experiment)).as_json()
+    report = EvaluationReport("paper", experiment.options, run(experiment)).as_json()
 
     assert (report["runs"], report["right"], report["wrong"]) == (120, 120, [])
     assert set(cast("dict[str, object]", report["by_principle"])) == {"1", "2", "3", "4"}
@@ -140,7 +140,7 @@ def test_report_tells_decisions_from_what_the_hand_did():
     slipped = {"decided": True, "success": False, "right_part": True}
     result = Result("A/0/pass/cutting", False, "unique", 1, "knife", "knife", slipped)
 
-    counted = Report("paper", {"seed": 7}, (Done(result, 2.0),)).as_json()
+    counted = EvaluationReport("paper", {"seed": 7}, (Done(result, 2.0),)).as_json()
 
     assert counted["by_principle"] == {"1": {"runs": 1, "right": 1}}
     assert (counted["right"], counted["executed"], counted["succeeded"]) == (0, 1, 0)

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from hilt.agent.cli import main
 from hilt.agent.evaluation.case import Done
 from hilt.agent.evaluation.runners.base import run
-from hilt.agent.evaluation.runners.journal import JOURNAL, RESULTS, TIMES, Journal
+from hilt.agent.evaluation.runners.journal import JOURNAL, RESULTS, TIMES, RunJournal
 from hilt.ontology.errors import DataError, StoreError
 
 KILLS = int(os.environ.get("HILT_KILLS", "6")) // 3
@@ -32,7 +32,7 @@ COMMAND = (*HILT, "evaluate", "paper", "--json")
 def journaled(folder: Path, experiment: Squares, *, resume: bool = False) -> tuple[Done, ...]:
     """Run an experiment, or go on with it, with its journal in a folder."""
     cases = experiment.cases()
-    with Journal(folder, experiment, cases, resume=resume) as journal:
+    with RunJournal(folder, experiment, cases, resume=resume) as journal:
         return run(experiment, cases, journal=journal)
 
 
@@ -85,7 +85,7 @@ def test_folder_is_written_by_one_process(tmp_path: Path):
     cases = experiment.cases()
 
     with (
-        Journal(tmp_path, experiment, cases, resume=False),
+        RunJournal(tmp_path, experiment, cases, resume=False),
         pytest.raises(StoreError, match="Another process is writing the run"),
     ):
         journaled(tmp_path, experiment, resume=True)

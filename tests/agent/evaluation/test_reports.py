@@ -18,9 +18,9 @@ from hilt.agent.evaluation.experiments.noise import NoiseRun
 from hilt.agent.evaluation.experiments.paper import PaperRun
 from hilt.agent.evaluation.reports.comparing import compare
 from hilt.agent.evaluation.reports.export import write_report
-from hilt.agent.evaluation.reports.html import Picture, page
+from hilt.agent.evaluation.reports.html import EmbeddedPicture, page
 from hilt.agent.evaluation.reports.plots import curve_svg
-from hilt.agent.evaluation.reports.summary import Report
+from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.base import run
 from hilt.ontology.errors import DataError
 
@@ -53,7 +53,7 @@ def paper():
     """Two scenes of the paper's run: the experiment, its cases and their report."""
     experiment = PaperRun(scenes=2)
     cases = experiment.cases()
-    return experiment, cases, Report.of(experiment, run(experiment, cases))
+    return experiment, cases, EvaluationReport.of(experiment, run(experiment, cases))
 
 
 def test_every_case_links_to_its_explanation(paper):
@@ -71,7 +71,7 @@ def test_every_case_links_to_its_explanation(paper):
 
 def test_page_needs_nothing_else(paper):
     """No script, and nothing that is loaded from elsewhere."""
-    text = page(*paper, pictures=[Picture("scene 1", "AAAA")])
+    text = page(*paper, pictures=[EmbeddedPicture("scene 1", "AAAA")])
 
     assert Links(text).sources == ["data:image/png;base64,AAAA"]
     assert "<script" not in text and "http" not in text
@@ -81,7 +81,7 @@ def test_page_shows_what_is_wrong_and_escapes_it(paper):
     """A wrong case stands out, and its texts are text."""
     experiment, cases, _ = paper
     result = Result("A/<b>", False, "unique", 1, "<i>mug</i>", "knife", {"why": ["1 < 2"]})
-    wrong = Report("paper", {}, (Done(result, 0.1),))
+    wrong = EvaluationReport("paper", {}, (Done(result, 0.1),))
 
     text = page(experiment, [Case("paper", "A/<b>", cases[0].spec)], wrong)
 
@@ -102,7 +102,7 @@ def test_page_of_noise_has_its_curves():
     experiment = NoiseRun(trials=1)
     cases = [case for case in experiment.cases() if case.key.startswith("missed/default/0/")]
 
-    text = page(experiment, cases, Report.of(experiment, run(experiment, cases)))
+    text = page(experiment, cases, EvaluationReport.of(experiment, run(experiment, cases)))
 
     assert text.count("<svg") == 1
     assert "<th>accuracy</th>" in text
@@ -132,7 +132,9 @@ def test_unknown_form_is_refused_before_the_run():
 def test_equal_runs_do_not_differ(paper, tmp_path):
     """Times are not compared."""
     experiment, cases, report = paper
-    slower = Report.of(experiment, [Done(each.result, each.cpu_s + 1) for each in report.done])
+    slower = EvaluationReport.of(
+        experiment, [Done(each.result, each.cpu_s + 1) for each in report.done]
+    )
     write_report(tmp_path / "a.json", *paper)
     write_report(tmp_path / "b.json", experiment, cases, slower)
 
@@ -145,7 +147,9 @@ def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys
     (first, *others) = report.done
     worse = Done(Result(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
     write_report(tmp_path / "a.json", *paper)
-    write_report(tmp_path / "b.json", experiment, cases, Report.of(experiment, [worse, *others]))
+    write_report(
+        tmp_path / "b.json", experiment, cases, EvaluationReport.of(experiment, [worse, *others])
+    )
 
     files = [str(tmp_path / name) for name in ("a.json", "b.json")]
     with pytest.raises(SystemExit) as ended:
@@ -177,7 +181,7 @@ def test_page_of_a_simulated_run_has_pictures(tmp_path):
     cases = [case for case in experiment.cases() if case.key == "A/0/pointTo/cutting"]
     done = run(experiment, cases)
 
-    write_report(tmp_path / "r.html", experiment, cases, Report.of(experiment, done))
+    write_report(tmp_path / "r.html", experiment, cases, EvaluationReport.of(experiment, done))
 
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert len(Links(text).sources) == 1

@@ -9,12 +9,12 @@ from evaluation_faults import Squares
 
 from hilt.agent.evaluation.case import Result
 from hilt.agent.evaluation.experiment import Experiment, make_experiment
-from hilt.agent.evaluation.runners.base import Engine, Serial, open_engine, run
+from hilt.agent.evaluation.runners.base import Runner, Serial, open_engine, run
 from hilt.agent.evaluation.runners.local import Processes
 from hilt.ontology.errors import DataError, UnknownNameError, WorkersError
 
 
-def results(experiment: Experiment, engine: Engine) -> list[Result]:
+def results(experiment: Experiment, engine: Runner) -> list[Result]:
     """What comes of an experiment."""
     return [each.result for each in run(experiment, engine=engine)]
 
@@ -60,7 +60,7 @@ def test_case_that_always_kills_is_given_up(tmp_path: Path):
 
 
 @pytest.mark.parametrize("engine", [Serial(), Processes(2)], ids=["serial", "processes"])
-def test_error_of_a_case_is_its_result(engine: Engine):
+def test_error_of_a_case_is_its_result(engine: Runner):
     """A case that raises is wrong, says how, and stops nothing."""
     found = results(make_experiment("evaluation_faults:Broken", {"count": 3}), engine)
 
@@ -105,6 +105,6 @@ def test_unknown_option_is_told():
 
 def test_one_worker_needs_no_process():
     """By default cases run where the command runs."""
-    engines: Sequence[Engine] = (open_engine(), open_engine(2))
+    engines: Sequence[Runner] = (open_engine(), open_engine(2))
 
     assert [type(engine) for engine in engines] == [Serial, Processes]

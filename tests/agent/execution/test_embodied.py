@@ -8,7 +8,7 @@ from PIL import Image
 
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
-from hilt.agent.execution.outcome import World
+from hilt.agent.execution.outcome import ExecutionResult
 from hilt.sim.manipulation.pick_and_place import MEETING
 
 pytestmark = pytest.mark.sim
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.sim
 ALONE = "objects:knife"
 
 
-def world(agent: Agent, command: str) -> World:
+def world(agent: Agent, command: str) -> ExecutionResult:
     """What happened in the world when something was asked for."""
     reply = agent.hear(command)
     assert reply.achievement is not None, reply.said
@@ -50,7 +50,7 @@ def test_robot_does_not_move_for_what_it_was_not_told():
 
     assert (reply.ending, reply.said) == ("failed", "I see nothing that is used for cutting.")
     assert reply.achievement is not None
-    assert reply.achievement.world == World()
+    assert reply.achievement.world == ExecutionResult()
 
 
 def test_robot_does_not_look_for_a_part_that_is_not_there():
@@ -65,7 +65,7 @@ def test_robot_does_not_look_for_a_part_that_is_not_there():
 
 def test_same_seed_gives_the_same_run():
     """Every number of what happened repeats."""
-    runs: list[World] = []
+    runs: list[ExecutionResult] = []
     for _ in range(2):
         with Agent.open("memory:", scene=ALONE, seed=5) as agent:
             agent.hear("To pass a knife grab the knife by the blade")

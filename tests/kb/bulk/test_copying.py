@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.bulk.copying import FastRuleReader, Pair
-from hilt.kb.bulk.rule_lines import Printer, RuleSerializer, Star
+from hilt.kb.bulk.rule_lines import Printer, RuleSerializer, SerializedRule
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad
@@ -40,7 +40,9 @@ def pairs(rule: Rule) -> list[Pair]:
     return [(quad.predicate, quad.object) for quad in rule_mapping.star(rule)]
 
 
-def star(node: Iri, some: Iterable[Pair], copier: FastRuleReader | None = None) -> Star | None:
+def star(
+    node: Iri, some: Iterable[Pair], copier: FastRuleReader | None = None
+) -> SerializedRule | None:
     """What is made of a rule that stands in a file."""
     text = write_rdf((Quad(node, *pair, BELIEFS) for pair in some), format="nquads")
     reader = line_reader("nquads", source="x", default=BELIEFS)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.statements import Block, Group, in_full
+from hilt.kb.bulk.statements import Group, RuleBlock, in_full
 from hilt.kb.rdf.annotations import Reified
 from hilt.kb.rdf.rule_mapping import BELIEFS, statements
 from hilt.kb.rdf.terms import Quad
@@ -99,7 +99,7 @@ def test_chunks_may_end_anywhere(size: int):
     text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
     reader = line_reader("nquads", source="x", default=BELIEFS)
 
-    def read() -> Iterator[Group | Block | Reified]:
+    def read() -> Iterator[Group | RuleBlock | Reified]:
         for start in range(0, len(text), size):
             yield from reader.feed(text[start : start + size])
         yield from reader.finish()

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.formats.drawing import ANY_CONTEXT, Arrow, Box, Picture, picture_of
+from hilt.kb.formats.drawing import ANY_CONTEXT, Arrow, NodeBox, Picture, picture_of
 from hilt.kb.formats.graphml import graph_of
 from hilt.kb.formats.painting import png, svg
 from hilt.kb.interval import Interval
@@ -47,7 +47,7 @@ def test_every_rule_is_an_arrow_between_boxes_that_do_not_overlap(told: list[Rul
     assert len(set(starts)) == len(starts)
 
 
-def overlap(one: Box, other: Box) -> bool:
+def overlap(one: NodeBox, other: NodeBox) -> bool:
     """Whether two boxes share a point inside."""
     return (
         one.x < other.x + other.width

@@ -20,7 +20,7 @@ from hilt.kb.formats.csv_table import read_table, write_table
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
 from hilt.kb.formats.registry import FORMATS
 from hilt.kb.formats.rule_yaml import read_sheet, write_sheet
-from hilt.kb.formats.streams import Source
+from hilt.kb.formats.streams import InputStream
 from hilt.kb.formats.transfer import export_file, import_file, import_text, read_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
@@ -358,7 +358,7 @@ class Endless(io.RawIOBase):
 def test_endless_literal_is_refused_early(name: str, head: bytes):
     """Before the memory is full, whatever the format."""
     endless, chosen = Endless(head), FORMATS[name]
-    source = Source(endless, "x", most=chosen.most)  # pyright: ignore[reportArgumentType]
+    source = InputStream(endless, "x", most=chosen.most)  # pyright: ignore[reportArgumentType]
 
     with pytest.raises(DataError, match="x"):
         transfer.read_all(source, chosen)

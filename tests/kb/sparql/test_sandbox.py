@@ -13,7 +13,7 @@ import pytest
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import functional
 from hilt.kb.sparql.limits import Limits
-from hilt.kb.sparql.results import Answer, Solutions
+from hilt.kb.sparql.results import BooleanResult, Solutions
 from hilt.ontology.errors import QueryError
 
 from ..conftest import BLADE, CUTTING, HIGH, teach
@@ -63,7 +63,7 @@ def test_query_that_is_nested_too_deeply_is_stopped(told: KnowledgeBase):
 
     with pytest.raises(QueryError, match="nested too deeply"):
         told.query(deep, limits=PLENTY)
-    assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == Answer(True)
+    assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == BooleanResult(True)
 
 
 def test_query_that_takes_too_long_is_stopped(told: KnowledgeBase):
@@ -74,7 +74,7 @@ def test_query_that_takes_too_long_is_stopped(told: KnowledgeBase):
         told.query(CROSS, limits=Limits(seconds=0.7))
 
     assert time.monotonic() - start < 5
-    assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == Answer(True)
+    assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == BooleanResult(True)
 
 
 def test_query_that_takes_too_much_memory_is_stopped(told: KnowledgeBase):
@@ -82,7 +82,7 @@ def test_query_that_takes_too_much_memory_is_stopped(told: KnowledgeBase):
     with pytest.raises(QueryError, match="more than 30 MB and was stopped"):
         told.query(CROSS, limits=Limits(seconds=60, megabytes=30))
 
-    assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == Answer(True)
+    assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == BooleanResult(True)
 
 
 @pytest.mark.parametrize(

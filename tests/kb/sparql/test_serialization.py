@@ -13,7 +13,7 @@ import pytest
 from rdflib.query import Result
 
 from hilt.kb.rdf.terms import Literal, Quad
-from hilt.kb.sparql.results import Answer, Solutions, Statements, read_solutions
+from hilt.kb.sparql.results import BooleanResult, Solutions, Statements, read_solutions
 from hilt.kb.sparql.serialization import FORMATS, render
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
@@ -55,10 +55,10 @@ def test_csv_holds_plain_values():
 
 def test_yes_or_no_is_json_or_xml():
     """The other formats have no place for it."""
-    assert json.loads(render(Answer(True), "json")) == {"head": {}, "boolean": True}
-    assert "<boolean>false</boolean>" in render(Answer(False), "xml")
+    assert json.loads(render(BooleanResult(True), "json")) == {"head": {}, "boolean": True}
+    assert "<boolean>false</boolean>" in render(BooleanResult(False), "xml")
     with pytest.raises(QueryError, match="for rows"):
-        render(Answer(True), "csv")
+        render(BooleanResult(True), "csv")
 
 
 def test_statements_are_turtle_with_prefixes():

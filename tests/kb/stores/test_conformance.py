@@ -21,7 +21,7 @@ from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import functional, grasping
 from hilt.kb.sparql.limits import Limits
 from hilt.kb.sparql.named_queries import query_names
-from hilt.kb.sparql.results import Answer, Solutions, Statements
+from hilt.kb.sparql.results import BooleanResult, Solutions, Statements
 from hilt.kb.stores.addresses import parse_address
 from hilt.kb.stores.base import Store, open_store
 from hilt.kb.stores.remote import BATCH, open_remote
@@ -252,7 +252,7 @@ def test_run_answers_every_form(store: Store):
     assert store.run("SELECT ?s WHERE { GRAPH ?g { ?s ?p ?o } }", limits) == Solutions(
         ("s",), ((S,), (S,))
     )
-    assert store.run("ASK { ?s ?p 2 }", limits) == Answer(False)
+    assert store.run("ASK { ?s ?p 2 }", limits) == BooleanResult(False)
     assert store.run("CONSTRUCT { ?s ?p 3 } WHERE { ?s ?p ?o }", limits) == Statements.of(
         [Quad(S, P, 3)]
     )

@@ -18,11 +18,11 @@ from hilt.nlu import (
     FunctionalRule,
     Language,
     Meaning,
+    ObjectReference,
     Question,
     Retraction,
     Rule,
     Statement,
-    Target,
     ToolCommand,
 )
 from hilt.ontology.errors import UnknownNameError
@@ -50,10 +50,10 @@ action = st.builds(
 )
 rules = st.one_of(functional, action)
 targets = st.one_of(
-    st.builds(lambda name, props: Target(object=name, props=props), OBJECTS, PROPS),
-    st.builds(lambda props: Target(object=ANY_OBJECT, props=props), SOME),
-    st.builds(lambda use, props: Target(used_for=use, props=props), USES, PROPS),
-    st.builds(lambda use, props: Target(not_used_for=use, props=props), USES, PROPS),
+    st.builds(lambda name, props: ObjectReference(object=name, props=props), OBJECTS, PROPS),
+    st.builds(lambda props: ObjectReference(object=ANY_OBJECT, props=props), SOME),
+    st.builds(lambda use, props: ObjectReference(used_for=use, props=props), USES, PROPS),
+    st.builds(lambda use, props: ObjectReference(not_used_for=use, props=props), USES, PROPS),
 )
 parts = st.one_of(st.none(), PARTS)
 commands = st.one_of(
@@ -167,10 +167,10 @@ def test_what_is_echoed_is_understood(language: Language, rule: Rule) -> None:
             "to pick up a knife, grab it by the handle",
         ),
         (
-            Command("pass", Target(object="knife"), "handle", "kim", True),
+            Command("pass", ObjectReference(object="knife"), "handle", "kim", True),
             "I do not want you to pass the knife to Kim by the handle",
         ),
-        (ToolCommand("pound", "nail", Target(used_for="pounding")), "pound the nail"),
+        (ToolCommand("pound", "nail", ObjectReference(used_for="pounding")), "pound the nail"),
         (Question("about", "knife"), "what do you know about knives?"),
     ],
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.grammar.categories import Atom, sought, type_of
+from hilt.nlu.grammar.categories import AtomicCategory, sought, type_of
 from hilt.nlu.grammar.notation import read_category
 from hilt.nlu.grammar.types import Basic
 from hilt.nlu.parsing.combinators import Combination, Combinator
@@ -79,5 +79,5 @@ def test_an_undeclared_atom_has_no_type() -> None:
 
 def test_a_functor_seeks_its_argument() -> None:
     """An atom seeks nothing."""
-    assert sought(category("NP/N")) == Atom("N")
-    assert sought(Atom("N")) is None
+    assert sought(category("NP/N")) == AtomicCategory("N")
+    assert sought(AtomicCategory("N")) is None

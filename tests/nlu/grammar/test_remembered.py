@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu.grammar.reader import Start, read
-from hilt.nlu.grammar.remembered import Lines
+from hilt.nlu.grammar.remembered import NotationCache
 
 LINES: list[tuple[Start, str]] = [
     ("entry", "(S\\^NP)/^(NP/N) : λx.λy.implies(x,y(x),high) @-1.5"),
@@ -25,7 +25,7 @@ LINES: list[tuple[Start, str]] = [
 
 def kept(path: Path) -> Path:
     """The file, once all lines were read and kept."""
-    lines = Lines(path)
+    lines = NotationCache(path)
     for start, text in LINES:
         lines.add(text, start, read(text, start))
     lines.keep()
@@ -35,7 +35,10 @@ def kept(path: Path) -> Path:
 @pytest.mark.parametrize(("start", "text"), LINES)
 def test_what_is_recalled_is_what_was_read(tmp_path: Path, start: Start, text: str) -> None:
     """Also the names of variables, which only show in print."""
-    recalled, made = Lines(kept(tmp_path / "lines.json")).recall(text, start), read(text, start)
+    recalled, made = (
+        NotationCache(kept(tmp_path / "lines.json")).recall(text, start),
+        read(text, start),
+    )
 
     assert recalled == made
     assert str(recalled) == str(made)
@@ -57,7 +60,7 @@ def test_a_file_that_is_not_whole_counts_for_nothing(tmp_path: Path, spoilt: obj
     assert callable(spoilt)
     path.write_bytes(spoilt(path.read_bytes()))
 
-    assert [Lines(path).recall(text, start) for start, text in LINES] == [None] * len(LINES)
+    assert [NotationCache(path).recall(text, start) for start, text in LINES] == [None] * len(LINES)
 
 
 def test_no_place_to_keep_lines_is_no_error(tmp_path: Path) -> None:
@@ -72,12 +75,12 @@ def test_no_place_to_keep_lines_is_no_error(tmp_path: Path) -> None:
 def test_lines_that_are_no_longer_used_are_dropped(tmp_path: Path) -> None:
     """When a new one comes, so that the file does not grow for ever."""
     path = kept(tmp_path / "lines.json")
-    lines = Lines(path)
+    lines = NotationCache(path)
     lines.recall("NP", "category")
     lines.add("N", "category", read("N", "category"))
     lines.keep()
 
-    again = Lines(path)
+    again = NotationCache(path)
 
     assert again.recall("NP", "category")
     assert again.recall("N", "category")

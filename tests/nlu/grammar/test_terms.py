@@ -21,15 +21,15 @@ from hilt.nlu.grammar.terms import (
     replace_constants,
     show,
 )
-from hilt.nlu.grammar.types import Arrow, Basic, Type, check
+from hilt.nlu.grammar.types import Basic, FunctionType, Type, check
 
 E = Basic("e")
-TYPES = st.recursive(st.just(E), lambda inner: st.builds(Arrow, inner, inner), max_leaves=4)
+TYPES = st.recursive(st.just(E), lambda inner: st.builds(FunctionType, inner, inner), max_leaves=4)
 SIGNATURE = {
     "a": [E],
-    "f": [Arrow(E, E)],
-    "g": [Arrow(E, Arrow(E, E))],
-    "h": [Arrow(Arrow(E, E), E)],
+    "f": [FunctionType(E, E)],
+    "g": [FunctionType(E, FunctionType(E, E))],
+    "h": [FunctionType(FunctionType(E, E), E)],
 }
 
 
@@ -38,17 +38,17 @@ def typed_terms(
     draw: st.DrawFn, wanted: Type = E, context: tuple[Type, ...] = (), depth: int = 4
 ) -> Term:
     """A closed term of a type, redexes included."""
-    if isinstance(wanted, Arrow) and draw(st.booleans()):
+    if isinstance(wanted, FunctionType) and draw(st.booleans()):
         return Lambda(draw(typed_terms(wanted.target, (wanted.source, *context), depth)))
     if depth and draw(st.booleans()):
         source = draw(TYPES)
-        function = draw(typed_terms(Arrow(source, wanted), context, depth - 1))
+        function = draw(typed_terms(FunctionType(source, wanted), context, depth - 1))
         return Apply(function, draw(typed_terms(source, context, depth - 1)))
     known = [Bound(i) for i, each in enumerate(context) if each == wanted]
     known += [Constant(name) for name, (each,) in SIGNATURE.items() if each == wanted]
     if known:
         return draw(st.sampled_from(known))
-    if isinstance(wanted, Arrow):
+    if isinstance(wanted, FunctionType):
         return Lambda(draw(typed_terms(wanted.target, (wanted.source, *context), depth)))
     return Constant("a")
 
@@ -113,7 +113,11 @@ def test_normal_form_keeps_the_type(term: Term) -> None:
     check(term if not isinstance(term, Apply) else normal_form(term), E, SIGNATURE)
 
 
-@given(typed_terms(Arrow(E, E)), typed_terms(Arrow(E, E)), typed_terms(Arrow(E, E)))
+@given(
+    typed_terms(FunctionType(E, E)),
+    typed_terms(FunctionType(E, E)),
+    typed_terms(FunctionType(E, E)),
+)
 def test_composition_is_associative(one: Term, two: Term, three: Term) -> None:
     """It does not matter which two functions are composed first."""
     f, g, h = evaluate(one), evaluate(two), evaluate(three)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from hilt.nlu.grammar.categories import Atom, Category
+from hilt.nlu.grammar.categories import AtomicCategory, Category
 from hilt.nlu.grammar.terms import Constant, evaluate
 from hilt.nlu.lexicon.lexicon import Entry, Lexicon
 from hilt.nlu.lexicon.patterns import PatternError
@@ -21,7 +21,7 @@ class Later:
 
     says: str
     name: str = ""
-    category: Category = field(default_factory=lambda: Atom("N"))
+    category: Category = field(default_factory=lambda: AtomicCategory("N"))
     made: int = 0
 
     def entry(self) -> Entry:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hilt.nlu import Language, Statement
 from hilt.nlu.language import LANGUAGES_FOLDER
 from hilt.nlu.parsing.combinators import Combination
-from hilt.nlu.parsing.derivation import Step
+from hilt.nlu.parsing.derivation import DerivationStep
 from hilt.nlu.parsing.framing import load_frames
 from hilt.ontology.errors import DataError
 
@@ -119,7 +119,7 @@ def test_a_kind_that_nothing_is_is_told(language: Language, tmp_path: Path) -> N
         load_frames(path, language.listener.grammar)
 
 
-def _leaves(step: Step) -> list[str]:
+def _leaves(step: DerivationStep) -> list[str]:
     if not step.parts:
         return [step.words]
     return [words for part in step.parts for words in _leaves(part)]

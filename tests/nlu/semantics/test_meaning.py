@@ -13,10 +13,10 @@ from hilt.nlu import (
     FunctionalRule,
     Meaning,
     Misunderstanding,
+    ObjectReference,
     Question,
     Retraction,
     Statement,
-    Target,
     ToolCommand,
 )
 
@@ -38,13 +38,13 @@ RULE_JSON = {
              "confidence": [0.5, 1.0], "props": ["red"], "revises": True},
         ),
         (
-            Command("pass", Target(used_for="cutting"), "blade", "bob", negated=True),
+            Command("pass", ObjectReference(used_for="cutting"), "blade", "bob", negated=True),
             "command",
             {"goal": "pass", "target": {"usedFor": "cutting"}, "part": "blade",
              "recipient": "bob", "negated": True},
         ),
         (
-            ToolCommand("pound", "nail", Target(object="hammer")),
+            ToolCommand("pound", "nail", ObjectReference(object="hammer")),
             "command",
             {"goal": "pound", "patient": "nail", "tool": {"object": "hammer"}},
         ),
@@ -76,4 +76,4 @@ def test_a_meaning_has_its_kind_and_json(
 def test_a_target_is_one_thing(wrong: dict[str, object]) -> None:
     """Either an object, or a use it has, or a use it has not."""
     with pytest.raises(ValueError, match="exactly one"):
-        Target(**wrong)  # type: ignore[arg-type]
+        ObjectReference(**wrong)  # type: ignore[arg-type]

@@ -15,7 +15,7 @@ from hilt.sim.grasping.selection import MAX_ATTEMPTS
 from hilt.sim.manipulation.report import MotionReport
 from hilt.sim.robot.robot import NAME
 from hilt.sim.scene.scene import Placement, Scene, parse_scene
-from hilt.sim.vision.camera import Camera, View
+from hilt.sim.vision.camera import Camera, CameraImage
 
 pytestmark = pytest.mark.sim
 
@@ -120,7 +120,7 @@ def test_run_that_is_not_recorded_draws_only_what_the_eyes_need(monkeypatch: pyt
     drawn: list[int] = []
     look = Camera.look
 
-    def counted(*args: Any, **options: Any) -> View:
+    def counted(*args: Any, **options: Any) -> CameraImage:
         view = look(*args, **options)
         drawn.append(view.labels.size)
         return view

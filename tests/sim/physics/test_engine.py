@@ -13,7 +13,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import model_of
 from hilt.sim.physics import display
-from hilt.sim.physics.engine import GRAVITY, TIME_STEP, Engine
+from hilt.sim.physics.engine import GRAVITY, TIME_STEP, PhysicsEngine
 from hilt.sim.vision.camera import Camera
 
 pytestmark = pytest.mark.sim
@@ -28,14 +28,14 @@ SLIDER = """<robot name="slider"><link name="rail"/>
 
 
 @pytest.fixture
-def engine() -> Iterator[Engine]:
+def engine() -> Iterator[PhysicsEngine]:
     """An empty world."""
-    with Engine() as made:
+    with PhysicsEngine() as made:
         yield made
 
 
 @pytest.fixture
-def slider(engine: Engine, tmp_path: Path) -> Engine:
+def slider(engine: PhysicsEngine, tmp_path: Path) -> PhysicsEngine:
     """A world with a cart on a rail."""
     path = tmp_path / "slider.urdf"
     path.write_text(SLIDER, encoding="utf-8")
@@ -43,7 +43,7 @@ def slider(engine: Engine, tmp_path: Path) -> Engine:
     return engine
 
 
-def test_body_is_where_it_was_put(engine: Engine):
+def test_body_is_where_it_was_put(engine: PhysicsEngine):
     """The pose of a body is that of its URDF frame, whatever its centre of mass."""
     engine.load("knife", KNIFE, ASKEW)
 
@@ -51,7 +51,7 @@ def test_body_is_where_it_was_put(engine: Engine):
     assert engine.pose("knife", "blade") == pytest.approx(ASKEW, abs=1e-5)
 
 
-def test_body_falls_as_galilei_says(engine: Engine):
+def test_body_falls_as_galilei_says(engine: PhysicsEngine):
     """After a quarter of a second of free fall a body is 0.3 m lower."""
     engine.load("block", BLOCK, poses.translation(0, 0, 1))
 
@@ -61,14 +61,14 @@ def test_body_falls_as_galilei_says(engine: Engine):
     assert fallen == pytest.approx(GRAVITY / 2 * (60 * TIME_STEP) ** 2, rel=0.03)
 
 
-def test_links_bear_the_names_of_the_parts(engine: Engine):
+def test_links_bear_the_names_of_the_parts(engine: PhysicsEngine):
     """Links are known by the names of the parts, the first part being the base."""
     engine.load("knife", KNIFE)
 
     assert engine.links("knife") == ("handle", "blade")
 
 
-def test_unknown_names_are_told(engine: Engine):
+def test_unknown_names_are_told(engine: PhysicsEngine):
     """Asking for what is not there lists what is."""
     engine.load("knife", KNIFE)
 
@@ -78,7 +78,7 @@ def test_unknown_names_are_told(engine: Engine):
         engine.pose("knife", "tip")
 
 
-def test_two_bodies_of_one_name_are_refused(engine: Engine):
+def test_two_bodies_of_one_name_are_refused(engine: PhysicsEngine):
     """A name belongs to one body."""
     engine.load("knife", KNIFE)
 
@@ -86,16 +86,16 @@ def test_two_bodies_of_one_name_are_refused(engine: Engine):
         engine.load("knife", KNIFE)
 
 
-def test_worlds_do_not_know_each_other(engine: Engine):
+def test_worlds_do_not_know_each_other(engine: PhysicsEngine):
     """Two simulators in one process hold different bodies."""
-    with Engine() as other:
+    with PhysicsEngine() as other:
         other.load("knife", KNIFE)
 
         assert engine.bodies == ()
         assert other.bodies == ("knife",)
 
 
-def test_contact_names_both_sides(engine: Engine):
+def test_contact_names_both_sides(engine: PhysicsEngine):
     """What lies on something touches it, with its weight."""
     engine.load("block", BLOCK, fixed=True)
     engine.load("upper", BLOCK, poses.translation(0, 0, 0.0702))
@@ -110,7 +110,7 @@ def test_contact_names_both_sides(engine: Engine):
     assert all(c.normal[2] > 0.99 for c in contacts)
 
 
-def test_near_measures_gaps(engine: Engine):
+def test_near_measures_gaps(engine: PhysicsEngine):
     """The distance of two blocks 3 cm apart is 3 cm, and nothing is nearer than 2 cm."""
     engine.load("block", BLOCK)
     engine.load("other", BLOCK, poses.translation(0, 0, 0.1))
@@ -121,7 +121,7 @@ def test_near_measures_gaps(engine: Engine):
     assert not engine.near("block", "other", within=0.02)
 
 
-def test_ray_meets_the_nearer_surface(engine: Engine):
+def test_ray_meets_the_nearer_surface(engine: PhysicsEngine):
     """A ray from above hits the top of a block, one beside it nothing."""
     engine.load("block", BLOCK, fixed=True)
     starts = np.array([[0, 0, 1.0], [1, 1, 1.0]])
@@ -133,7 +133,7 @@ def test_ray_meets_the_nearer_surface(engine: Engine):
     assert miss.body is None
 
 
-def test_tentative_changes_are_undone(engine: Engine):
+def test_tentative_changes_are_undone(engine: PhysicsEngine):
     """After a tentative block everything is where it was, even when the block fails."""
     engine.load("knife", KNIFE, ASKEW)
 
@@ -144,7 +144,7 @@ def test_tentative_changes_are_undone(engine: Engine):
     assert engine.pose("knife") == pytest.approx(ASKEW, abs=1e-6)
 
 
-def test_joint_tells_its_facts(slider: Engine):
+def test_joint_tells_its_facts(slider: PhysicsEngine):
     """A joint knows its links, limits and axis."""
     (joint,) = slider.joints("slider")
 
@@ -153,7 +153,7 @@ def test_joint_tells_its_facts(slider: Engine):
     assert joint.axis == (1.0, 0.0, 0.0)
 
 
-def test_motor_drives_a_joint(slider: Engine):
+def test_motor_drives_a_joint(slider: PhysicsEngine):
     """A driven joint reaches its target and stays there."""
     slider.drive("slider", ["slide"], [0.2], forces=[30.0])
 
@@ -164,7 +164,7 @@ def test_motor_drives_a_joint(slider: Engine):
     assert slider.pose("slider", "cart")[0, 3] == pytest.approx(0.2, abs=1e-3)
 
 
-def test_speed_drive_moves_evenly(slider: Engine):
+def test_speed_drive_moves_evenly(slider: PhysicsEngine):
     """A joint driven at 0.1 m/s is 0.1 m further after a second."""
     slider.drive_speed("slider", "slide", 0.1, force=30.0)
 
@@ -173,7 +173,7 @@ def test_speed_drive_moves_evenly(slider: Engine):
     assert slider.joint_positions("slider", ["slide"]) == pytest.approx([0.1], abs=0.002)
 
 
-def test_removed_body_is_gone(engine: Engine):
+def test_removed_body_is_gone(engine: PhysicsEngine):
     """A removed body is neither listed nor found, and its name is free again."""
     engine.load("knife", KNIFE)
     engine.remove("knife")
@@ -184,7 +184,7 @@ def test_removed_body_is_gone(engine: Engine):
 
 def test_closed_simulator_says_so():
     """Closing twice is allowed; using it afterwards is an error of ours."""
-    engine = Engine()
+    engine = PhysicsEngine()
     engine.close()
     engine.close()
 
@@ -192,7 +192,7 @@ def test_closed_simulator_says_so():
         engine.step()
 
 
-def test_missing_file_is_our_error(engine: Engine):
+def test_missing_file_is_our_error(engine: PhysicsEngine):
     """What PyBullet refuses is told as a simulation error."""
     with pytest.raises(SimulationError, match="PyBullet refuses loadURDF"):
         engine.load("ghost", Path("/nowhere/ghost.urdf"))
@@ -202,7 +202,7 @@ def test_same_steps_give_the_same_world():
     """The physics is deterministic to the last bit."""
     ends: list[np.ndarray] = []
     for _ in range(2):
-        with Engine() as engine:
+        with PhysicsEngine() as engine:
             engine.load("block", BLOCK, fixed=True)
             engine.load("knife", KNIFE, poses.translation(0, 0, 0.1))
             engine.step(200)
@@ -211,7 +211,7 @@ def test_same_steps_give_the_same_world():
     assert (ends[0] == ends[1]).all()
 
 
-def test_what_is_unseen_is_only_not_drawn(engine: Engine):
+def test_what_is_unseen_is_only_not_drawn(engine: PhysicsEngine):
     """Inside the block no pixel shows the knife; afterwards the picture is what it was."""
     engine.load("knife", KNIFE)
     camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
@@ -226,7 +226,7 @@ def test_what_is_unseen_is_only_not_drawn(engine: Engine):
     assert np.array_equal(before.colour, after.colour)
 
 
-def test_some_links_of_the_unseen_may_be_seen(engine: Engine):
+def test_some_links_of_the_unseen_may_be_seen(engine: PhysicsEngine):
     """Only the blade of a knife is drawn; there are two links to be seen of it."""
     engine.load("knife", KNIFE)
     camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
@@ -239,7 +239,7 @@ def test_some_links_of_the_unseen_may_be_seen(engine: Engine):
     assert set(engine.seen_links("knife")) == {"handle", "blade"}
 
 
-def test_bounds_are_round_the_corners(engine: Engine):
+def test_bounds_are_round_the_corners(engine: PhysicsEngine):
     """A block on the floor fills the box that its corners do, to the margin of its hull."""
     engine.load("block", BLOCK, poses.translation(0.2, 0.0, 0.0), fixed=True)
 
@@ -256,4 +256,4 @@ def test_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(display, "_answers", lambda: False)
 
     with pytest.raises(SimulationError, match="no display"):
-        Engine(gui=True)
+        PhysicsEngine(gui=True)

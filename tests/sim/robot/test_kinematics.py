@@ -8,7 +8,7 @@ import pytest
 
 from hilt.ontology.errors import DataError
 from hilt.sim import poses
-from hilt.sim.physics.engine import Engine
+from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import pose_error, read_chain
 from hilt.sim.robot.models import find_robot
 
@@ -25,7 +25,7 @@ def test_forward_agrees_with_the_simulator(panda):
     joints = np.random.default_rng(3).uniform(panda.arm.low, panda.arm.high, (20, 7))
     names = [joint.name for joint in panda.arm.moving]
 
-    with Engine() as engine:
+    with PhysicsEngine() as engine:
         engine.load("arm", panda.urdf, fixed=True)
         for posture, base_from_hand in zip(joints, panda.arm.forward(joints), strict=True):
             engine.set_joints("arm", names, posture)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from hilt.sim.physics.engine import Engine
+from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.path_planner import Reacher
 from hilt.sim.robot.robot import Robot
@@ -22,7 +22,7 @@ NOTHING = np.zeros((0, 3))
 @pytest.fixture
 def robot() -> Iterator[Robot]:
     """A Panda alone in the world."""
-    with Engine() as engine:
+    with PhysicsEngine() as engine:
         yield Robot(engine, find_robot("panda"))
 
 

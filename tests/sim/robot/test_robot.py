@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hilt.sim import poses
-from hilt.sim.physics.engine import TIME_STEP, Engine
+from hilt.sim.physics.engine import TIME_STEP, PhysicsEngine
 from hilt.sim.poses import Array
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.paths import timed
@@ -27,7 +27,7 @@ BLOCK = """<robot name="block"><link name="core">
 @pytest.fixture
 def robot() -> Iterator[Robot]:
     """A Panda alone in the world."""
-    with Engine() as engine:
+    with PhysicsEngine() as engine:
         yield Robot(engine, find_robot("panda"))
 
 

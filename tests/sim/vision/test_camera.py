@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import model_of
-from hilt.sim.physics.engine import Engine
-from hilt.sim.vision.camera import SAMPLE, Camera, View, Window, cameras_round_table
+from hilt.sim.physics.engine import PhysicsEngine
+from hilt.sim.vision.camera import SAMPLE, Camera, CameraImage, Window, cameras_round_table
 
 CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
 BLOCK = model_of(load_objects()["block"])
@@ -20,9 +20,9 @@ coordinates = st.floats(-0.3, 0.3)
 
 
 @pytest.fixture(scope="module")
-def view() -> Iterator[View]:
+def view() -> Iterator[CameraImage]:
     """A block seen by a camera."""
-    with Engine() as engine:
+    with PhysicsEngine() as engine:
         engine.load("block", BLOCK.urdf, fixed=True)
         yield CAMERA.look(engine)
 
@@ -63,7 +63,7 @@ def test_camera_may_look_straight_down():
 
 
 @pytest.mark.sim
-def test_points_lie_on_the_surface(view: View):
+def test_points_lie_on_the_surface(view: CameraImage):
     """The points behind the pixels of a block are on its faces, to a tenth of a millimetre."""
     points = view.points(view.mask("block"))
 
@@ -75,7 +75,7 @@ def test_points_lie_on_the_surface(view: View):
 
 
 @pytest.mark.sim
-def test_points_return_to_their_pixels(view: View):
+def test_points_return_to_their_pixels(view: CameraImage):
     """Seen again by the same camera, a point is in the pixel that it came from."""
     mask = view.mask("block", "body")
 
@@ -86,7 +86,7 @@ def test_points_return_to_their_pixels(view: View):
 
 
 @pytest.mark.sim
-def test_mask_of_what_is_not_there_is_empty(view: View):
+def test_mask_of_what_is_not_there_is_empty(view: CameraImage):
     """Nothing shows a body that does not exist."""
     assert not view.mask("mug").any()
     assert not view.mask("block", "handle").any()
@@ -95,7 +95,7 @@ def test_mask_of_what_is_not_there_is_empty(view: View):
 @pytest.mark.sim
 def test_window_shows_its_part_of_the_image():
     """The same pixels, and the same points in the world behind them."""
-    with Engine() as engine:
+    with PhysicsEngine() as engine:
         engine.load("block", BLOCK.urdf, fixed=True)
         whole = CAMERA.look(engine)
         view = CAMERA.look(engine, window=Window(300, 200, 90, 70))

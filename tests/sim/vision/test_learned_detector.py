@@ -13,7 +13,7 @@ from hilt.ontology.objects import load_household, load_objects
 from hilt.sim import poses
 from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
 from hilt.sim.scene.world import World
-from hilt.sim.vision.camera import View
+from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.descriptors import describe, segment_frame
 from hilt.sim.vision.detector import Vision
 from hilt.sim.vision.learned_detector import LearnedVision, Recogniser
@@ -49,7 +49,7 @@ def world() -> Iterator[World]:
 
 
 @pytest.fixture(scope="module")
-def views(world: World) -> tuple[View, ...]:
+def views(world: World) -> tuple[CameraImage, ...]:
     """What the cameras see of them; the mask is of no use any more."""
     seen = Vision(world.engine, world.kinds, world.models).look()
     return tuple(replace(view, labels=np.full_like(view.labels, -1), names={}) for view in seen)
@@ -61,7 +61,7 @@ def eyes(world: World) -> LearnedVision:
     return LearnedVision(world.engine, OBJECTS)
 
 
-def test_each_thing_is_one_segment(views: tuple[View, ...]):
+def test_each_thing_is_one_segment(views: tuple[CameraImage, ...]):
     """Eight things on a table are eight segments, above the table and apart."""
     found = segments(views)
 
@@ -81,7 +81,7 @@ def test_empty_table_has_no_segments():
 
 
 def test_all_things_are_recognised_without_the_mask(
-    world: World, eyes: LearnedVision, views: tuple[View, ...]
+    world: World, eyes: LearnedVision, views: tuple[CameraImage, ...]
 ):
     """Each thing gets its name, surely, at its place."""
     percepts = eyes.search(ALL, views=views)
@@ -93,7 +93,7 @@ def test_all_things_are_recognised_without_the_mask(
 
 
 def test_points_are_shared_out_to_their_parts(
-    world: World, eyes: LearnedVision, views: tuple[View, ...]
+    world: World, eyes: LearnedVision, views: tuple[CameraImage, ...]
 ):
     """Nineteen of twenty points at least lie in the box round their part."""
     for percept in eyes.search(ALL, views=views):
@@ -106,13 +106,15 @@ def test_points_are_shared_out_to_their_parts(
             assert ((points > low) & (points < high)).all(axis=1).mean() > 0.95
 
 
-def test_only_what_is_asked_is_found(eyes: LearnedVision, views: tuple[View, ...]):
+def test_only_what_is_asked_is_found(eyes: LearnedVision, views: tuple[CameraImage, ...]):
     """Learned eyes search for features just as the others do."""
     assert {p.name for p in eyes.search(["property:sharp"], views=views)} == {"knife"}
     assert eyes.search(["action:pass"], views=views) == ()
 
 
-def test_obstacles_are_all_the_others(world: World, eyes: LearnedVision, views: tuple[View, ...]):
+def test_obstacles_are_all_the_others(
+    world: World, eyes: LearnedVision, views: tuple[CameraImage, ...]
+):
     """What is in the way is all that stands there, besides the thing itself."""
     obstacles = eyes.obstacles("mug", views=views)
 
@@ -121,7 +123,9 @@ def test_obstacles_are_all_the_others(world: World, eyes: LearnedVision, views: 
     assert distance.min() > 0.03
 
 
-def test_things_are_tracked_by_the_name_that_they_are_given(views: tuple[View, ...], world: World):
+def test_things_are_tracked_by_the_name_that_they_are_given(
+    views: tuple[CameraImage, ...], world: World
+):
     """Whoever keeps track of things may name them; twins get numbers."""
     eyes = LearnedVision(world.engine, OBJECTS, track=lambda percept: "thing")
 
@@ -154,7 +158,7 @@ def test_what_was_never_learned_is_not_sure(strange: str, tmp_path: Path):
     assert all(percept.confidence < 0.15 for percept in percepts)
 
 
-def test_description_does_not_change_with_place_and_turn(views: tuple[View, ...]):
+def test_description_does_not_change_with_place_and_turn(views: tuple[CameraImage, ...]):
     """A segment that is moved and turned on the table is described nearly alike."""
     segment = max(segments(views), key=len)
     moved = poses.pose(poses.rotation_from_rpy(0, 0, 0.8), (0.05, -0.1, 0))

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from hilt.ontology.objects import load_objects
-from hilt.sim.physics.engine import Engine
+from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import NAME, Robot
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import FLOOR, TABLE, World
-from hilt.sim.vision.camera import Camera, View, Window
+from hilt.sim.vision.camera import Camera, CameraImage, Window
 from hilt.sim.vision.detector import Vision
 from hilt.sim.vision.region_of_interest import Attention
 
@@ -33,18 +33,18 @@ def world() -> Iterator[World]:
         yield made
 
 
-def attentive(world: World) -> tuple[View, ...]:
+def attentive(world: World) -> tuple[CameraImage, ...]:
     """What the cameras see with attention."""
     return Vision(world.engine, world.kinds, world.models, room=ROOM).look()
 
 
-def shown(view: View) -> dict[tuple[str, str], np.ndarray]:
+def shown(view: CameraImage) -> dict[tuple[str, str], np.ndarray]:
     """Body and link of what is in view -> the points on it, to a tenth of a millimetre."""
     present = [view.names[label] for label in np.unique(view.labels) if label in view.names]
     return {(body, link): view.points(view.mask(body, link)).round(4) for body, link in present}
 
 
-def seen_of(things: World, view: View) -> dict[tuple[str, str], int]:
+def seen_of(things: World, view: CameraImage) -> dict[tuple[str, str], int]:
     """Body and link of the things in view -> how many pixels show it."""
     return {key: len(points) for key, points in shown(view).items() if key[0] in things.kinds}
 
@@ -87,7 +87,7 @@ def test_what_a_glance_misses_is_followed():
 def test_nothing_in_sight_is_a_view_of_nothing():
     """On a bare table there is nothing to look at."""
     camera = Camera("eye", (1.0, 0.0, 0.7), (0.4, 0.0, 0.0))
-    with Engine() as engine:
+    with PhysicsEngine() as engine:
         view = Attention.on((), engine, room=()).look(camera)
 
     assert view.window == Window(0, 0, 1, 1)
