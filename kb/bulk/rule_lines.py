@@ -2,9 +2,8 @@
 """Rules as lines of N-Quads, stamped out of what many of them share: for millions of rules.
 
 What rules have in common (`RuleTemplate`), and what they are about (`FeatureLines`), is worked out
-and checked once; of each rule there is left its interval, its name and the putting together of its
-lines. What is written is what `rule_mapping.statements` says, statement for statement; a test holds them
-together.
+and checked once; of each rule, only its interval, its name and the joining of its lines are left.
+The statements are exactly those of `rule_mapping.statements`; a test compares them.
 """
 
 from __future__ import annotations
