@@ -12,6 +12,7 @@ from ..inference.types import Target
 from ..kb.interval import Interval
 from ..kb.rule import Rule, functional, grasping
 from ..nlu.language import Language
+from ..nlu.lexicon.vocabulary import NewWord
 from ..nlu.semantics import meaning
 from ..nlu.semantics.interpretation import GOALS
 from ..ontology.actions import Actions
@@ -86,20 +87,20 @@ def request_of(
     return Request(command.goal, arguments, speaker, part=command.part)
 
 
-def words_of(actions: Actions, language: Language) -> list[meaning.NewWord]:
+def words_of(actions: Actions, language: Language) -> list[NewWord]:
     """The words by which actions are asked for that the language does not have yet.
 
     An action on a patient is done with a tool: "stir" comes with "used for stirring". Only a name
     that is one lower-case word can be said.
     """
     known = {*GOALS, *language.listener.interpreter.tool_acts, *language.listener.interpreter.acts}
-    words: list[meaning.NewWord] = []
+    words: list[NewWord] = []
     for name, tree in actions.trees.items():
         if name in known or not name.islower() or not name.isalpha():
             continue
         is_use = "patient" in tree.parameters
         word = language.inflection.form(name, "ing") if is_use else name
-        words.append(meaning.NewWord(word, "affordance" if is_use else "context", word))
+        words.append(NewWord(word, "affordance" if is_use else "context", word))
     return words
 
 

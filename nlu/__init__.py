@@ -21,7 +21,7 @@ meaning         what it comes to for Hilt: a rule, a command, a question, ...
 from __future__ import annotations
 
 from .language import Language
-from .lexicon.vocabulary import Vocabulary
+from .lexicon.vocabulary import NewWord, Vocabulary
 from .semantics.coreference import Discourse
 from .semantics.meaning import (
     ANY_OBJECT,
@@ -32,7 +32,6 @@ from .semantics.meaning import (
     FunctionalRule,
     Meaning,
     Misunderstanding,
-    NewWord,
     ObjectReference,
     Question,
     Retraction,

@@ -21,24 +21,23 @@ from ..ontology.yaml_reader import read_yaml
 from .building import building, without_collecting
 from .generation.realizer import Expression, load_expression
 from .generation.templates import Slot, Speech, load_speech
+from .grammar.combinators import Combinator
 from .grammar.grammar import load_grammar
-from .grammar.notation import keep_lines
+from .grammar.notation import save_cache
 from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import WordBook
-from .lexicon.vocabulary import Vocabulary, household_vocabulary
-from .parsing.combinators import Combinator
+from .lexicon.tokenizer import tokenize
+from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .parsing.framing import load_frames
 from .parsing.hearing import Hearing, without_reading
 from .parsing.parser import Listener, UtteranceContext
 from .parsing.strategies import Attempts
-from .parsing.tokenizer import tokenize
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
 from .semantics.meaning import (
     AskBack,
     Meaning,
-    NewWord,
     Rule,
 )
 from .semantics.pragmatics import load_pragmatics
@@ -126,7 +125,7 @@ class Language:
             {**words, degrees.intervals[degrees.default]: ""},
             book.tool_acts(),
         )
-        keep_lines()
+        save_cache()
         return cls(language, listener, speech, expression, book, inflection, degrees)
 
     def __repr__(self) -> str:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from .lexicon.vocabulary import NewWord
 from .parsing.chart import Derivation
 from .parsing.derivation import DerivationStep, steps
 from .semantics.coreference import Discourse
-from .semantics.meaning import Confidence, Json, Meaning, NewWord
+from .semantics.meaning import Confidence, Json, Meaning
 from .semantics.predicates import Form
 
 

@@ -18,6 +18,7 @@ from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom, Rule
 from ...nlu.language import Language
+from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.coreference import Discourse
 from ...nlu.understanding import Understanding
@@ -404,6 +405,6 @@ def _declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
     return SpokenAnswer("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
-def _person(name: str) -> meaning.NewWord:
+def _person(name: str) -> NewWord:
     """Somebody known by name, to be asked about: "do you trust kim?"."""
-    return meaning.NewWord(name.lower(), "person", name)
+    return NewWord(name.lower(), "person", name)

@@ -15,7 +15,8 @@ from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_words import Word
 from ...kb.rule import Atom, Rule
-from ...nlu.semantics.meaning import NewWord, Retraction, Statement
+from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.semantics.meaning import Retraction, Statement
 from ..translation import rule_of
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes

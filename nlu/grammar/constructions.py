@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ...ontology.yaml_reader import Field
-from ..lexicon.patterns import is_gap
 from .categories import AtomicCategory, Category, Functor
+from .patterns import is_gap
 from .terms import Lambda, Term, bind
 
 

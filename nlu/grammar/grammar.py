@@ -15,10 +15,10 @@ from pathlib import Path
 from types import MappingProxyType
 
 from ...ontology.yaml_reader import Field, read_yaml
-from ..lexicon.patterns import spelt, steps_of
 from .categories import AtomicCategory, Category, Functor, type_of
 from .constructions import Gap
 from .notation import read_entry, read_type, read_unary
+from .patterns import spelt, steps_of
 from .terms import Term, Value, evaluate
 from .types import Basic, FunctionType, Signature, Type, TypeMismatchError, check
 

@@ -1,129 +1,90 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of the notation in which the language data is written.
+"""Reader of the notation for categories, lambda terms, types and pragmatic rules.
 
-One small grammar (`notation.lark`) has the categories, lambda terms, types and pragmatic rules.
-A mistake becomes a `DataError` with file, line, column and what was expected.
+The language data is written in one small grammar, `notation.lark`. Each line is parsed once and
+kept in a cache on disk, so that a language that was loaded before needs no parser. A mistake
+becomes a `DataError` with file, line, column and what was expected.
 """
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from collections.abc import Iterator
+from functools import cache
 from typing import TYPE_CHECKING, cast
 
-from ...ontology.errors import DataError
-from ..semantics.predicates import Form, form_of_term
-from .remembered import NotationCache
-from .types import BASIC_TYPES, Basic
+from ...ontology.yaml_reader import Field
+from .categories import Category
+from .notation_cache import NotationCache
+from .terms import Term
+from .types import BASIC_TYPES, Basic, Type
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ...ontology.yaml_reader import Field
-    from .categories import Category
-    from .reader import Change, Entry, Pair, Start, Value
-    from .terms import Term
-    from .types import Type
+    from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
 
 MAX_CHARACTERS = 400
-"""A longer line is refused, so that none can nest too deeply to be used."""
-
-MAX_REMEMBERED = 4096
-"""Many lines of a language are the same, and are read once."""
-
-
-class MistakeError(Exception):
-    """A text is not written as the grammar says.
-
-    Attributes:
-        problem: what was expected, and what is there.
-        offset: at which of its characters.
-    """
-
-    def __init__(self, problem: str, offset: int) -> None:
-        super().__init__(problem, offset)
-        self.problem, self.offset = problem, offset
+"""A longer line is rejected, so that none can nest too deeply to be used."""
 
 
 def read_entry(field: Field) -> Entry:
-    """A category, the term of a word that has it, and its cost: `NP/N : λx.x @1`."""
+    """Read the category of a word, its term and its cost: `NP/N : λx.x @1`."""
     return cast("Entry", _read(field, "entry"))
 
 
-def read_unary(field: Field) -> Change:
-    """A change of category: `R => S : λr.r(high)`."""
-    return cast("Change", _read(field, "unary"))
+def read_unary(field: Field) -> UnaryRule:
+    """Read a unary rule, which changes a category: `R => S : λr.r(high)`."""
+    return cast("UnaryRule", _read(field, "unary"))
 
 
-def read_rule(field: Field) -> tuple[Form, Form]:
-    """A pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
-    left, right = cast("Pair", _read(field, "rule"))
-    try:
-        return form_of_term(left), form_of_term(right)
-    except ValueError as error:
-        raise field.fail("expected predicate forms without functions.") from error
+def read_rule(field: Field) -> TermPair:
+    """Read both sides of a pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
+    return cast("TermPair", _read(field, "rule"))
 
 
 def read_category(field: Field) -> Category:
-    """A category alone: `(S/C)/C`."""
+    """Read a category: `(S/C)/C`."""
     return cast("Category", _read(field, "category"))
 
 
 def read_type(field: Field) -> Type:
-    """A type: `e -> e -> t`."""
+    """Read a type: `e -> e -> t`."""
     found = cast("Type", _read(field, "type"))
-    for name in _names(found):
+    for name in _basic_types(found):
         if name not in BASIC_TYPES:
             raise field.fail(f'expected one of {", ".join(BASIC_TYPES)}, found the type "{name}".')
     return found
 
 
 def parse_term(text: str) -> Term:
-    """A lambda term from a text; for tests and examples."""
-    from ...ontology.yaml_reader import Field  # here: only for a text that stands in no file
-
+    """Parse a lambda term that stands in no file; for tests and examples."""
     return cast("Term", _read(Field(text, "<text>", 1, 0), "term"))
+
+
+def save_cache() -> None:
+    """Save the lines that were parsed, so that the next program need not parse them again."""
+    _cache().save()
 
 
 def _read(field: Field, start: Start) -> Value:
     text = field.text()
     if len(text) > MAX_CHARACTERS:
         raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")
-    try:
-        return _value(text, start)
-    except MistakeError as error:
-        raise DataError(
-            error.problem,
-            source=field.source,
-            line=field.line,
-            # Such texts stand in quotes, because they hold a colon or an arrow.
-            column=field.column + 1 + error.offset,
-        ) from error
-
-
-@cache
-def _lines() -> NotationCache:
-    return NotationCache()
-
-
-def keep_lines() -> None:
-    """Keep what was read, so that the next program need not read it again."""
-    _lines().keep()
-
-
-@lru_cache(MAX_REMEMBERED)
-def _value(text: str, start: Start) -> Value:
-    found = _lines().recall(text, start)
+    found = _cache().get(text, start)
     if found is None:
-        from .reader import read  # here, with lark: who reads nothing new should not pay for it
+        from .notation_parser import parse  # here: lark takes 0.1 s to import and start
 
-        found = read(text, start)
-        _lines().add(text, start, found)
+        found = parse(field, start)
+        _cache().add(text, start, found)
     return found
 
 
-def _names(found: Type) -> Iterator[str]:
+@cache
+def _cache() -> NotationCache:
+    return NotationCache()
+
+
+def _basic_types(found: Type) -> Iterator[str]:
     if isinstance(found, Basic):
         yield found.name
     else:
-        yield from _names(found.source)
-        yield from _names(found.target)
+        yield from _basic_types(found.source)
+        yield from _basic_types(found.target)

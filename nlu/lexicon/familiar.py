@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from ..parsing.tokenizer import Token, Tokens
-from ..semantics.negation import denies_a_thing
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon
 from .loader import WordBook
+from .tokenizer import Token, Tokens
 from .unknown_words import NOUNS, compounds, guesses
 
 _KNOWN_COST = 1.0  # a word of a turn of phrase hardly ever names something, too
@@ -73,10 +72,6 @@ class Familiar:
                     found[place] = [*found.get(place, ()), *names]
         return found
 
-    def denies_a_thing(self, tokens: Tokens) -> bool:
-        """Whether an utterance is about no thing of a kind: "no knife", but not "no, a knife"."""
-        return denies_a_thing(tokens, self.book.denying, self._may_be_a_thing)
-
     def _has(self, word: str) -> bool:
         return word in self.lexicon or word in self.book.closed or word in self.framed
 
@@ -85,7 +80,8 @@ class Familiar:
         """Words of turns of phrase that name nothing yet, and may be taught as names."""
         return self.book.names_too - self.named
 
-    def _may_be_a_thing(self, word: str) -> bool:
+    def may_be_a_thing(self, word: str) -> bool:
+        """Whether a word names, or may name, a thing."""
         names = self._things | self.book.names_too | self.book.denied
         return word in names or not self._has(word)
 

@@ -16,9 +16,9 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 from ..grammar.categories import Category
+from ..grammar.combinators import Combinator, Sign
+from ..grammar.patterns import Steps, steps_of, words_of
 from ..grammar.terms import Term, Value
-from ..parsing.combinators import Combinator, Sign
-from .patterns import Steps, steps_of, words_of
 
 
 class Entry(NamedTuple):

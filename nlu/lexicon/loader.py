@@ -18,17 +18,17 @@ from types import MappingProxyType
 
 from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.categories import AtomicCategory, Functor
+from ..grammar.combinators import Combinator
 from ..grammar.constructions import Construction, Run, pieces_of, runs
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
+from ..grammar.patterns import variants, words_in
 from ..grammar.terms import Constant, evaluate
-from ..parsing.combinators import Combinator
-from ..parsing.discourse_markers import Asides
-from ..parsing.tokenizer import Tokens
+from .discourse_markers import Asides
 from .inflection import Inflection
 from .lexicon import Entry, EntryTemplate, Lexicon, Template
-from .patterns import variants, words_in
 from .senses import Filled, Headed
+from .tokenizer import Tokens
 from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}

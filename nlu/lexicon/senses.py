@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..grammar.categories import Category
+from ..grammar.combinators import Combinator
 from ..grammar.constructions import Construction
 from ..grammar.terms import evaluate, replace_constants
-from ..parsing.combinators import Combinator
 from .lexicon import Entry, EntryTemplate
 
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
-from ..parsing.tokenizer import Token
-from ..semantics.meaning import NewWord
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon
 from .loader import Verb, WordBook
 from .senses import Filled
+from .tokenizer import Token
+from .vocabulary import NewWord
 
 MAX_NEW_WORDS = 3
 MIN_LETTERS = 3

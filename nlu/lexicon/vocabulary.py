@@ -11,8 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..semantics.meaning import NewWord
-
 if TYPE_CHECKING:
     from ...ontology.objects import ObjectType
 
@@ -49,6 +47,25 @@ class Vocabulary:
             "property": self.properties,
             "person": self.people,
         }[role]
+
+
+@dataclass(frozen=True)
+class NewWord:
+    """A word that was not known, and the role that the rest of its sentence gives it.
+
+    Attributes:
+        word: its dictionary form: singular, bare verb for a context, gerund for an affordance.
+        role: `object`, `part`, `affordance` or `context`; `person` for somebody known.
+        said: the word as it was said.
+    """
+
+    word: str
+    role: str
+    said: str
+
+    def as_json(self) -> dict[str, object]:
+        """This word as `new_words` lists it."""
+        return {"word": self.word, "role": self.role, "said": self.said}
 
 
 def household_vocabulary(objects: Mapping[str, ObjectType] | None = None) -> Vocabulary:

@@ -12,10 +12,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
+from ..grammar.combinators import Combination, Combinator, Sign
 from ..grammar.grammar import Unary
 from ..grammar.terms import Value, compose
 from ..lexicon.lexicon import Entry, Lexicon, Sorted
-from .combinators import Combination, Combinator, Sign
 
 MAX_DERIVATIONS = 16
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..grammar.categories import Category
+from ..grammar.combinators import Combination
 from ..grammar.terms import quote
 from ..lexicon.lexicon import Entry
 from .chart import Derivation
-from .combinators import Combination
 
 
 @dataclass(frozen=True)

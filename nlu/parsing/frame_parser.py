@@ -12,15 +12,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..grammar.categories import AtomicCategory, Category
+from ..grammar.combinators import Combination
 from ..grammar.grammar import Unary
 from ..grammar.terms import Constant, evaluate
 from ..lexicon.lexicon import Entry
+from ..lexicon.tokenizer import BREAK, Tokens
 from ..semantics.coreference import SOMETHING
 from ..semantics.predicates import form_of
 from .chart import Chart, Derivation
-from .combinators import Combination
 from .frames import Fillers, Frame, Frames, Kind, Phrase
-from .tokenizer import BREAK, Tokens
 
 _RULE, _STATEMENT, _QUESTION, _DEGREE = (
     AtomicCategory("R"),

@@ -16,9 +16,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 from ..grammar.categories import Category
+from ..grammar.patterns import Steps, matches
 from ..grammar.terms import Value
-from ..lexicon.patterns import Steps, matches
-from .tokenizer import Tokens
+from ..lexicon.tokenizer import Tokens
 
 Phrase = tuple[str, ...]
 

@@ -12,8 +12,8 @@ from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.constructions import Gap, pieces_of
 from ..grammar.grammar import Grammar
 from ..grammar.notation import read_category, read_entry
+from ..grammar.patterns import Steps, spellings, steps_of, words_in, words_of
 from ..grammar.terms import bind, evaluate
-from ..lexicon.patterns import Steps, spellings, steps_of, words_in, words_of
 from .frames import Fillers, Frame, Frames, Kind, Phrase
 
 

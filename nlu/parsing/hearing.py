@@ -18,6 +18,7 @@ from ..generation.templates import Speech
 from ..lexicon.familiar import Familiar
 from ..lexicon.inflection import Inflection
 from ..lexicon.loader import WordBook
+from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import (
     MAX_NEW_WORDS,
     is_word,
@@ -26,23 +27,22 @@ from ..lexicon.unknown_words import (
     nearest,
     slips,
 )
+from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import RefusedError
 from ..semantics.meaning import (
     AskBack,
     Command,
     Meaning,
     Misunderstanding,
-    NewWord,
     Question,
     Statement,
     ToolCommand,
 )
-from ..semantics.negation import is_denial
+from ..semantics.negation import denies_a_thing, is_denial
 from ..semantics.predicates import Form
 from ..understanding import Reading, Understanding
 from .chart import Chart
 from .parser import Listener, UtteranceContext, after, decide
-from .tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,7 +98,7 @@ class Hearing:
         unknown = self.familiar.unknown(tokens)
         chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
-        if self.familiar.denies_a_thing(tokens):
+        if denies_a_thing(tokens, self.book.denying, self.familiar.may_be_a_thing):
             readings = [each for each in readings if is_denial(each.meaning)]
         clear = [each for each in readings if self._may_bring(each, tokens, in_frames=in_frames)]
         chosen = decide(clear)

@@ -11,8 +11,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ..grammar.categories import Category, Functor
+from ..grammar.combinators import Combinator
 from ..grammar.grammar import Grammar
 from ..lexicon.lexicon import Entry, Lexicon
+from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.coreference import IT, SOMETHING, Discourse, RefusedError, resolved
 from ..semantics.interpretation import Interpreter, reply
@@ -22,11 +24,9 @@ from ..semantics.predicates import Form, form_of
 from ..semantics.questions import question
 from ..understanding import Reading
 from .chart import Chart, Derivation
-from .combinators import Combinator
 from .derivation import categories_of, entries_of
 from .frame_parser import wholes
 from .frames import Frames
-from .tokenizer import Tokens
 
 MAX_EXPECTED = 5
 _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is likelier

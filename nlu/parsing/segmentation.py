@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+from ..lexicon.tokenizer import BREAK, Tokens
 from ..semantics.meaning import (
     Acknowledgement,
     ActionRule,
@@ -27,7 +28,6 @@ from ..semantics.meaning import (
 from ..semantics.predicates import Form
 from ..understanding import Understanding
 from .parser import UtteranceContext
-from .tokenizer import BREAK, Tokens
 
 MAX_MOVES = 4
 

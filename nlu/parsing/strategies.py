@@ -11,14 +11,14 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from typing import TypeGuard
 
+from ..lexicon.discourse_markers import fronted
+from ..lexicon.tokenizer import BREAK, Tokens
 from ..semantics.meaning import AskBack, Command, Meaning, Misunderstanding, ToolCommand
 from ..semantics.predicates import Form
 from ..understanding import Understanding
-from .discourse_markers import fronted
 from .hearing import Hearing, without_reading
 from .parser import UtteranceContext
 from .segmentation import Moves
-from .tokenizer import BREAK, Tokens
 
 
 class Attempts:

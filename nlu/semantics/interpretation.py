@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from ..lexicon.vocabulary import NewWord
 from .coreference import SOMETHING, Discourse, RefusedError
 from .meaning import (
     ANY_OBJECT,
@@ -19,7 +20,6 @@ from .meaning import (
     Confidence,
     FunctionalRule,
     Meaning,
-    NewWord,
     ObjectReference,
     Retraction,
     Rule,

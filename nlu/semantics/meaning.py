@@ -318,25 +318,6 @@ Meaning = (
 )
 
 
-@dataclass(frozen=True)
-class NewWord:
-    """A word that was not known, and the role that the rest of its sentence gives it.
-
-    Attributes:
-        word: its dictionary form: singular, bare verb for a context, gerund for an affordance.
-        role: `object`, `part`, `affordance` or `context`; `person` for somebody known.
-        said: the word as it was said.
-    """
-
-    word: str
-    role: str
-    said: str
-
-    def as_json(self) -> Json:
-        """This word as `new_words` lists it."""
-        return {"word": self.word, "role": self.role, "said": self.said}
-
-
 def _present(named: dict[str, str | None]) -> Json:
     return {key: value for key, value in named.items() if value is not None}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-from ..parsing.tokenizer import Tokens
+from ..lexicon.tokenizer import Tokens
 from .meaning import Meaning, Statement
 
 _LIKELY = 0.5  # a rule whose upper bound is below says that something is not so

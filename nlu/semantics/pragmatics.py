@@ -17,7 +17,7 @@ from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.notation import read_rule
 from .evidence import EVIDENCE, Evidence
 from .meaning import Confidence
-from .predicates import Form, fill, match
+from .predicates import Form, fill, form_of_term, match
 
 CERTAIN: Confidence = (1.0, 1.0)
 
@@ -120,7 +120,11 @@ def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
 
 def _rule(field: Field) -> PragmaticRule:
     parts = field.entries(required=("rule", "interval"), optional=())
-    act, intention = read_rule(parts["rule"])
+    left, right = read_rule(parts["rule"])
+    try:
+        act, intention = form_of_term(left), form_of_term(right)
+    except ValueError as error:
+        raise parts["rule"].fail("expected predicate forms without functions.") from error
     lower, upper = parts["interval"].numbers(count=2, low=0, high=1)
     if lower > upper:
         raise parts["interval"].fail(f"expected lower <= upper, found [{lower:g}, {upper:g}].")

@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu.grammar.categories import AtomicCategory, sought, type_of
+from hilt.nlu.grammar.combinators import Combination, Combinator
 from hilt.nlu.grammar.notation import read_category
 from hilt.nlu.grammar.types import Basic
-from hilt.nlu.parsing.combinators import Combination, Combinator
 from hilt.ontology.yaml_reader import Field
 
 

@@ -8,7 +8,7 @@ import pytest
 from hilt.nlu import Language
 from hilt.nlu.grammar.constructions import Construction, Gap, Run, pieces_of
 from hilt.nlu.grammar.notation import read_entry
-from hilt.nlu.lexicon.patterns import variants
+from hilt.nlu.grammar.patterns import variants
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import Field
 

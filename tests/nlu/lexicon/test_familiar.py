@@ -7,7 +7,7 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.lexicon.familiar import Familiar
-from hilt.nlu.parsing.tokenizer import tokenize
+from hilt.nlu.lexicon.tokenizer import tokenize
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import pytest
 
 from hilt.nlu.grammar.categories import AtomicCategory, Category
+from hilt.nlu.grammar.patterns import PatternError
 from hilt.nlu.grammar.terms import Constant, evaluate
 from hilt.nlu.lexicon.lexicon import Entry, Lexicon
-from hilt.nlu.lexicon.patterns import PatternError
 
 TERM = Constant("knife")
 

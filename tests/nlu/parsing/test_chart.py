@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.nlu import Language
+from hilt.nlu.lexicon.tokenizer import MAX_TOKENS
 from hilt.nlu.parsing.chart import Chart
-from hilt.nlu.parsing.tokenizer import MAX_TOKENS
 from hilt.nlu.semantics.predicates import form_of
 
 SLOWEST = (

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.nlu import Language, Statement
+from hilt.nlu.grammar.combinators import Combination
 from hilt.nlu.language import LANGUAGES_FOLDER
-from hilt.nlu.parsing.combinators import Combination
 from hilt.nlu.parsing.derivation import DerivationStep
 from hilt.nlu.parsing.framing import load_frames
 from hilt.ontology.errors import DataError

@@ -80,6 +80,7 @@ def test_another_inference_can_be_handed_in() -> None:
         ("{rule: 'STATEMENT(A,B,X) => want(A,Y)', interval: [0, 1]}", "Y stands only on the right"),
         ("{rule: 'STATEMENT(A,B,X) => want(A,X)', interval: [1, 0]}", "expected lower <= upper"),
         ("{rule: 'STATEMENT(A,B,X)', interval: [0, 1]}", "expected"),
+        ("{rule: 'STATEMENT(A,B,X) => λx.x', interval: [0, 1]}", "without functions"),
         ("{rule: 'STATEMENT(A,B,X) => want(A,X)'}", 'the key "interval" is missing'),
     ],
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.lexicon.patterns import spellings, variants
+from hilt.nlu.grammar.patterns import spellings, variants
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import Field
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.nlu.parsing.tokenizer import tokenize
+from hilt.nlu.lexicon.tokenizer import tokenize
 
 SHORT = {"don't": ("do", "not")}
 

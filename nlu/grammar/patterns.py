@@ -14,10 +14,9 @@ from itertools import chain
 from typing import TypeAlias
 
 from ...ontology.yaml_reader import Field
-from ..parsing.tokenizer import BREAK
 
 _ANY = "*"
-_NEVER_ANY = frozenset({BREAK, "not", "never", "no"})
+_NEVER_ANY = frozenset({";", "not", "never", "no"})  # ";" is the token between sentences
 
 MAX_SPELLINGS = 4000
 MAX_DEPTH = 20

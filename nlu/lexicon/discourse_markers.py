@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...ontology.yaml_reader import Field
-from ..lexicon.patterns import Steps, checked, matches, spellings
+from ..grammar.patterns import Steps, checked, matches, spellings
 from .tokenizer import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]

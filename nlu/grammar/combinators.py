@@ -14,8 +14,8 @@ from enum import Enum
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
-from ..grammar.categories import AtomicCategory, Category, Functor
-from ..grammar.grammar import Unary
+from .categories import AtomicCategory, Category, Functor
+from .grammar import Unary
 
 
 class Combination(Enum):

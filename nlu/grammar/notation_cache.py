@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What lines of the notation stand for, kept from one run of a program to the next.
+"""Cache of parsed lines of the notation, in memory and in a JSON file.
 
-To start the parser and to read a thousand lines takes half of the time of loading a language, and
-the lines are nearly always the same. They are kept as JSON in the cache folder, under the digest of
-the grammar and of the code that reads it. A file that is not whole, or of another version, counts
-for nothing; and what is recalled is checked against its category like what is read.
+Starting the parser and parsing a thousand lines takes half of the time of loading a language, and
+the lines are nearly always the same. The file lies in the cache folder, under the digest of the
+grammar and of the code that reads it. A damaged file, or one of another version, is ignored; and
+what comes from the cache is checked against its category like what is parsed.
 """
 
 from __future__ import annotations
@@ -21,71 +21,64 @@ from .terms import Apply, Bound, Constant, Lambda, Term
 from .types import Basic, FunctionType, Type
 
 if TYPE_CHECKING:
-    from .reader import Start, Value
+    from .notation_parser import Start, Value
 
     Plain = str | int | float | list["Plain"]
 
 FILE = "notation.json"
-_SOURCES = ("notation.lark", "reader.py", "remembered.py")
-_NOT_AS_WRITTEN = (ValueError, TypeError, KeyError, IndexError, RecursionError)
+_SOURCES = ("notation.lark", "notation_parser.py", "notation_cache.py")
+_MALFORMED = (ValueError, TypeError, KeyError, IndexError, RecursionError)
 
 
 class NotationCache:
-    """The lines that were read before.
+    """The parsed lines that this program used; those of earlier programs are read when asked for.
 
     Args:
-        path: the file that they are kept in; in the cache folder when None.
+        path: the file; `notation.json` in the cache folder when None.
     """
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path or cache_folder() / FILE
-        self._used: dict[str, Plain] = {}
+        self._used: dict[tuple[Start, str], Value] = {}
         self._is_new = False
 
-    def recall(self, text: str, start: Start) -> Value | None:
-        """What a line stands for, None when it was never read."""
-        name = f"{start} {text}"
-        plain = self._kept.get(name)
-        if plain is None:
-            return None
-        try:
-            value = _value(plain, start)
-        except _NOT_AS_WRITTEN:
-            return None
-        self._used[name] = plain
+    def get(self, text: str, start: Start) -> Value | None:
+        """The value of a line, None when it was never parsed."""
+        value = self._used.get((start, text))
+        if value is None and (plain := self._saved.get(f"{start} {text}")) is not None:
+            with suppress(*_MALFORMED):
+                value = self._used[start, text] = _from_plain(plain, start)
         return value
 
     def add(self, text: str, start: Start, value: Value) -> None:
-        """Remember what a line stands for."""
-        self._used[f"{start} {text}"] = _plain(value)
+        """Add the value of a line."""
+        self._used[start, text] = value
         self._is_new = True
 
-    def keep(self) -> None:
-        """Write the lines that this program used, if there is a new one and a place for it."""
+    def save(self) -> None:
+        """Write the lines that this program used, if any is new and the file is writable."""
         if self._is_new:
-            body = json.dumps(self._used, ensure_ascii=False)
+            used = {f"{start} {text}": _to_plain(v) for (start, text), v in self._used.items()}
+            body = json.dumps(used, ensure_ascii=False)
             with suppress(OSError):
                 write_whole(self._path, f"{self._head(body)}\n{body}")
             self._is_new = False
 
     @cached_property
-    def _kept(self) -> dict[str, Plain]:
+    def _saved(self) -> dict[str, Plain]:
         try:
             head, _, body = self._path.read_text(encoding="utf-8").partition("\n")
             return json.loads(body) if head == self._head(body) else {}
         except (OSError, ValueError):
             return {}
 
-    @cached_property
-    def _version(self) -> str:
-        folder = Path(__file__).parent
-        return content_key(*((folder / name).read_bytes() for name in _SOURCES))
-
     def _head(self, body: str) -> str:
-        return f"{self._version} {content_key(body.encode())}"
+        folder = Path(__file__).parent
+        version = content_key(*((folder / name).read_bytes() for name in _SOURCES))
+        return f"{version} {content_key(body.encode())}"
 
 
-def _plain(value: Value | float) -> Plain:
+def _to_plain(value: Value | float) -> Plain:
     plain: Plain
     match value:
         case AtomicCategory(name) | Basic(name) | Constant(name):
@@ -94,19 +87,19 @@ def _plain(value: Value | float) -> Plain:
             plain = index
         case Functor(result, argument, forward, composes):
             slash = ("/" if forward else "\\") + ("^" if composes else "")
-            plain = [_plain(result), slash, _plain(argument)]
+            plain = [_to_plain(result), slash, _to_plain(argument)]
         case Lambda(body, hint):
-            plain = ["λ", hint, _plain(body)]
+            plain = ["λ", hint, _to_plain(body)]
         case FunctionType(one, other) | Apply(one, other):
-            plain = [_plain(one), _plain(other)]
+            plain = [_to_plain(one), _to_plain(other)]
         case tuple():
-            plain = [_plain(each) for each in value]
+            plain = [_to_plain(each) for each in value]
         case _:
             plain = value
     return plain
 
 
-def _value(plain: Any, start: Start) -> Value:
+def _from_plain(plain: Any, start: Start) -> Value:
     match start:
         case "entry":
             category, term, cost = plain

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""The parser of the notation, and what each rule of its grammar stands for.
+r"""LALR(1) parser of the notation: builds categories, terms and types straight from the text.
 
-The grammar is `notation.lark`. What a text stands for is made while it is read, without a tree. It
-is read by LALR(1), so its lexer knows at each place what may follow: `\` is a slash or a "λ".
+The grammar is `notation.lark`. No tree is built in between. The lexer is contextual: it knows at
+each place what may follow, so that `\` is read as a slash or as a "λ".
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ from typing import Literal, cast
 
 from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
+from ...ontology.errors import DataError
+from ...ontology.yaml_reader import Field
 from .categories import AtomicCategory, Category, Functor
-from .notation import MistakeError
 from .terms import Apply, Constant, Term, bind
 from .types import Basic, FunctionType, Type
 
 Entry = tuple[Category, Term, float]
-Change = tuple[Category, Category, Term]
-Pair = tuple[Term, Term]
-Value = Entry | Change | Pair | Category | Term | Type
+UnaryRule = tuple[Category, Category, Term]
+TermPair = tuple[Term, Term]
+Value = Entry | UnaryRule | TermPair | Category | Term | Type
 Start = Literal["entry", "unary", "rule", "category", "term", "type"]
 
 _SHOWN = {
@@ -32,37 +33,43 @@ _SHOWN = {
     "COST": "a number",
     "$END": "the end",
 }
-"""How a message calls each terminal that is not one certain sign."""
+"""How messages name the terminals that are not one fixed sign."""
 
 
-def read(text: str, start: Start) -> Value:
-    """What a text stands for.
+def parse(field: Field, start: Start) -> Value:
+    """Return what a line of the notation stands for.
 
     Raises:
-        MistakeError: it is not written as the rule `start` of the grammar says.
+        DataError: it does not match the rule `start` of the grammar; says where.
     """
+    text = field.text()
     try:
-        # The parser says it gives a tree, but it gives what `_Values` makes.
+        # Lark declares that it returns a tree, but it returns what `_Builder` makes.
         return cast("Value", _PARSER.parse(text, start=start))
     except UnexpectedInput as error:
         offset = _offset(text, error)
         rest = text[offset : offset + 12]
         found = f'"{rest}"' if rest else "the end"
-        expected = _expected(text[:offset], start)
-        raise MistakeError(f"expected {expected}, found {found} in {text!r}.", offset) from error
+        raise DataError(
+            f"expected {_expected(text[:offset], start)}, found {found} in {text!r}.",
+            source=field.source,
+            line=field.line,
+            # Such texts stand in quotes, because they hold a colon or an arrow.
+            column=field.column + 1 + offset,
+        ) from error
 
 
 @v_args(inline=True)
-class _Values(Transformer[object, Value]):
-    """What each rule stands for, given what its parts do."""
+class _Builder(Transformer[object, Value]):
+    """Builds the value of each grammar rule from those of its parts."""
 
     def entry(self, category: Category, term: Term, cost: str = "0") -> Entry:
         return category, term, float(cost)
 
-    def unary(self, source: Category, target: Category, term: Term) -> Change:
+    def unary(self, source: Category, target: Category, term: Term) -> UnaryRule:
         return source, target, term
 
-    def rule(self, left: Term, right: Term) -> Pair:
+    def rule(self, left: Term, right: Term) -> TermPair:
         return left, right
 
     def atom(self, name: str) -> Category:
@@ -94,7 +101,7 @@ class _Values(Transformer[object, Value]):
 _PARSER = Lark(
     (Path(__file__).parent / "notation.lark").read_text(encoding="utf-8"),
     parser="lalr",
-    transformer=_Values(),
+    transformer=_Builder(),
     maybe_placeholders=False,
     start=["entry", "unary", "rule", "category", "term", "type"],
 )
@@ -106,7 +113,7 @@ def _offset(text: str, error: UnexpectedInput) -> int:
 
 
 def _expected(before: str, start: Start) -> str:
-    """What may follow after the right part of a text."""
+    """The terminals that may follow the correct beginning of a text, in words."""
     parser = _PARSER.parse_interactive(before, start=start)
     parser.exhaust_lexer()
     return " or ".join(sorted(map(_shown, parser.accepts())))

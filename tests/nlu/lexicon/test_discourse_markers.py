@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.parsing.discourse_markers import Asides, fronted
-from hilt.nlu.parsing.tokenizer import BREAK, tokenize
+from hilt.nlu.lexicon.discourse_markers import Asides, fronted
+from hilt.nlu.lexicon.tokenizer import BREAK, tokenize
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import Field
 
