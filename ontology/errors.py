@@ -1,44 +1,45 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that Hilt raises on purpose.
+"""The exceptions that Hilt raises, and the check that an optional package is installed.
 
     HiltError
-    ├── DataError (ValueError)           a file or text that Hilt reads is wrong, and where
-    ├── IntervalError (ValueError)       numbers that are no interval [lower, upper]
-    ├── ConflictError (ValueError)       sources that contradict each other fully
-    ├── UnknownNameError (LookupError)   a name that nothing answers to; lists those that do
-    │   └── NotFoundError                what a knowledge base was asked for and does not have
-    ├── StoreError (OSError)             the knowledge base cannot be opened, read or written
-    │   └── InUseError                   another process has the folder of the knowledge base open
-    ├── QueryError (ValueError)          a SPARQL text that is wrong or refused
-    │   └── StoppedError                 one that took too long or too much memory
-    ├── ValidationError (ValueError)     a graph that breaks the shapes; carries each finding
-    ├── MissingExtraError (ImportError)  an optional part is not installed; says how to get it
-    ├── SimulationError (RuntimeError)   the simulator cannot do what was asked
-    └── WorkersError (RuntimeError)      processes or nodes cannot be started or reached
+    ├── DataError (ValueError)           invalid content in a file or text; has line and column
+    ├── IntervalError (ValueError)       numbers that do not form an interval [lower, upper]
+    ├── ConflictError (ValueError)       sources that contradict each other completely
+    ├── UnknownNameError (LookupError)   a name that does not exist; lists the names that do
+    │   └── NotFoundError                a name that a knowledge base does not contain
+    ├── StoreError (OSError)             a knowledge base cannot be opened, read or written
+    │   └── InUseError                   another process has opened the knowledge base
+    ├── QueryError (ValueError)          an invalid or forbidden SPARQL text
+    │   └── StoppedError                 a query stopped at its limit of time or memory
+    ├── ValidationError (ValueError)     a graph or rule that violates the SHACL shapes
+    ├── MissingExtraError (ImportError)  an optional package is not installed
+    ├── SimulationError (RuntimeError)   the simulator cannot do what was requested
+    └── WorkersError (RuntimeError)      worker processes or nodes cannot be started or reached
 
-They live here because every other package imports `ontology` and nothing imports back.
-Failures that a robot must expect (nothing seen, not sure, dropped) are outcomes, not errors.
+They are defined here because every other package imports `ontology`, which imports none of them.
+Failures that a robot must expect (nothing seen, not sure, dropped) are results, not exceptions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from types import TracebackType
 
 
 class HiltError(Exception):
-    """Base of all errors that Hilt raises on purpose; `str()` is one line for a person."""
+    """Base class of all exceptions of Hilt; `str()` is a one-line message for the user."""
 
 
 class DataError(HiltError, ValueError):
-    """A file or text that Hilt reads is wrong.
+    """A file or text has invalid content.
 
     Attributes:
-        source: the file, or what the text was (`"<text>"`).
+        source: the file, or a description of the text (`"<text>"`).
         line: 1-based line, or 0 when the whole source is meant.
         column: 1-based column, or 0 when the whole line is meant.
         text: the line itself, for the caret; empty when not known.
         problem: what was expected and what was found.
-        mistakes: all that were found, each on its own, where there is more than this one.
+        mistakes: all errors found, each as an exception, if there are several.
     """
 
     mistakes: tuple[DataError, ...] = ()
@@ -58,7 +59,7 @@ class DataError(HiltError, ValueError):
 
     @classmethod
     def together(cls, mistakes: Sequence[DataError]) -> DataError:
-        """One error for several mistakes, at least one: the first, which knows of the others."""
+        """Combine several errors (at least one) into one: the first, with all as `mistakes`."""
         first = mistakes[0]
         whole = cls(
             first.problem,
@@ -75,14 +76,14 @@ class DataError(HiltError, ValueError):
         return f"{super().__str__()} (and {others} more)" if others > 0 else super().__str__()
 
     def excerpt(self) -> str:
-        """The line with a caret under the column, or an empty text when there is none."""
+        """Return the line with a caret under the column, or an empty text if unknown."""
         if not self.text or not self.column:
             return ""
         return f"{self.text}\n{' ' * (self.column - 1)}^"
 
 
 class IntervalError(HiltError, ValueError):
-    """Two numbers that do not satisfy 0 <= lower <= upper <= 1."""
+    """Two numbers do not satisfy 0 <= lower <= upper <= 1."""
 
     def __init__(self, lower: object, upper: object) -> None:
         self.lower, self.upper = lower, upper
@@ -92,20 +93,20 @@ class IntervalError(HiltError, ValueError):
 
 
 class ConflictError(HiltError, ValueError):
-    """Sources that contradict each other fully, so that nothing can be concluded."""
+    """Sources contradict each other completely, so that nothing can be concluded."""
 
 
 class UnknownNameError(HiltError, LookupError):
-    """A name that nothing answers to.
+    """A name does not exist.
 
     Attributes:
-        kind: what was looked for ("object", "part", "query", ...).
-        name: what was asked.
-        known: the names there are, sorted.
+        kind: the kind of thing looked up ("object", "part", "query", ...).
+        name: the requested name.
+        known: the existing names, sorted.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        from difflib import get_close_matches  # only where something is wrong already
+        from difflib import get_close_matches  # imported only when an error is reported
 
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
         close = get_close_matches(name, self.known, n=1)
@@ -115,15 +116,15 @@ class UnknownNameError(HiltError, LookupError):
 
 
 class NotFoundError(UnknownNameError):
-    """A name of something kept in a knowledge base, that it does not have."""
+    """A knowledge base does not contain the requested name."""
 
 
 class StoreError(HiltError, OSError):
-    """The knowledge base cannot be opened, read or written."""
+    """A knowledge base cannot be opened, read or written."""
 
 
 class InUseError(StoreError):
-    """Another process has the folder of a knowledge base open for writing.
+    """Another process has opened the folder of a knowledge base for writing.
 
     Attributes:
         location: the folder.
@@ -138,18 +139,18 @@ class InUseError(StoreError):
 
 
 class QueryError(HiltError, ValueError):
-    """A SPARQL text that is wrong, is refused, or was stopped."""
+    """A SPARQL text is invalid, is not allowed, or was stopped."""
 
 
 class StoppedError(QueryError):
-    """A SPARQL text that took too long or too much memory, and was stopped."""
+    """A SPARQL query or update exceeded its limit of time or memory and was stopped."""
 
 
 class ValidationError(HiltError, ValueError):
-    """A graph or rule that breaks the shapes.
+    """A graph or rule violates the SHACL shapes.
 
     Attributes:
-        findings: one sentence for each thing that is wrong.
+        findings: one sentence for each violation.
     """
 
     def __init__(self, findings: Sequence[str]) -> None:
@@ -159,7 +160,12 @@ class ValidationError(HiltError, ValueError):
 
 
 class MissingExtraError(HiltError, ImportError):
-    """An optional part of Hilt is not installed."""
+    """A package of one of Hilt's optional extras is not installed.
+
+    Attributes:
+        extra: the extra of Hilt that installs it ("sim", "report", ...).
+        package: the name of the package.
+    """
 
     def __init__(self, extra: str, package: str) -> None:
         self.extra, self.package = extra, package
@@ -167,8 +173,41 @@ class MissingExtraError(HiltError, ImportError):
 
 
 class SimulationError(HiltError, RuntimeError):
-    """The simulator cannot do what was asked of it."""
+    """The simulator cannot do what was requested."""
 
 
 class WorkersError(HiltError, RuntimeError):
-    """The processes or nodes that were to work cannot be started or reached."""
+    """Worker processes or cluster nodes cannot be started or reached."""
+
+
+class extra_required:  # noqa: N801 - reads like contextlib's lower-case context managers
+    """Context manager for imports of an optional package.
+
+    >>> with extra_required("report", "no_such_package"):
+    ...     import no_such_package
+    Traceback (most recent call last):
+    ...
+    hilt.ontology.errors.MissingExtraError: "no_such_package" is not installed. Run: ...
+
+    Args:
+        extra: the extra of Hilt that installs the package ("sim", "report", ...).
+        package: the name of the package, as pip knows it.
+
+    Raises:
+        MissingExtraError: an import in the block failed.
+    """
+
+    def __init__(self, extra: str, package: str) -> None:
+        self._extra, self._package = extra, package
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if isinstance(error, ImportError):
+            raise MissingExtraError(self._extra, self._package) from error
