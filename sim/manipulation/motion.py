@@ -165,7 +165,7 @@ class Motion:
 
     def height_gained(self, held: Held) -> float:
         """How far the thing is above where it lay [m]."""
-        now = self.robot.engine.pose(held.name)
+        now = self.robot.engine.bodies.pose(held.name)
         return float(now[2, 3] - held.world_from_start[2, 3])
 
     def grip_on(self, name: str, reach: Reach, sight: Sight, before: Array) -> Held:
@@ -178,7 +178,7 @@ class Motion:
             before: where the thing lay then (4, 4).
         """
         hand_from_world = poses.inverse(self.robot.world_from_hand)
-        seen = hand_from_world @ self.robot.engine.pose(name) @ poses.inverse(before)
+        seen = hand_from_world @ self.robot.engine.bodies.pose(name) @ poses.inverse(before)
         grip = self.robot.gripper.hand_from_grip[:3, 3]
         rest = poses.transform(seen, sight.rest)
         cloud = poses.transform(seen, sight.percept.cloud)
@@ -277,7 +277,7 @@ class Motion:
             self.robot.follow(path, pace=pace)
 
     def _hand_from(self, name: str) -> Array:
-        return poses.inverse(self.robot.world_from_hand) @ self.robot.engine.pose(name)
+        return poses.inverse(self.robot.world_from_hand) @ self.robot.engine.bodies.pose(name)
 
     def _carry(self, held: Held, goal: Array, reacher: Reacher) -> Array | None:
         """A way to a posture on which neither the arm nor what is held hits anything."""

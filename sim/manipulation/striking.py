@@ -122,7 +122,7 @@ class StrikingMotion(Motion):
 
         def struck() -> bool:
             nonlocal after
-            contacts = self.robot.engine.contacts(name)
+            contacts = self.robot.engine.contacts.find(name)
             hit = any(c.force > FELT_BLOW and c.other != NAME for c in contacts)
             after += bool(after) or hit
             return after > FOLLOW_STEPS

@@ -69,10 +69,10 @@ def take_picture(
     large = replace(
         camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)
     )
-    with engine.tinted(*tint, TINT) if tint else nullcontext():
+    with engine.rendering.tinted(*tint, TINT) if tint else nullcontext():
         view = large.look(engine, light=light)
     picture = view.colour.copy()
-    if TABLE_TOP[0] in engine.bodies:
+    if TABLE_TOP[0] in engine.bodies.names:
         table = view.mask(*TABLE_TOP)
         shades = _boards(large)[table] * picture[table]
         picture[table] = np.minimum(shades, 255).astype(np.uint8)

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bodies by name: loaded from URDF files, surveyed once, and put where they should be.
+"""Rigid bodies by name: loaded from URDF files, placed, and asked where they are.
 
 A body's frame is the frame of its URDF, not the centre of mass that PyBullet uses.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,40 +15,35 @@ import numpy as np
 from ...ontology.errors import SimulationError, UnknownNameError
 from .. import poses
 from ..poses import Array
-from .client import Simulator
-from .silence import quiet
-from .types import JointState
+from .client import PhysicsClient, quiet
+from .types import JointInfo
 
-BASE = -1  # PyBullet's number of a body's first link
+BASE = -1  # PyBullet's index of a body's first link
 _JOINT_KINDS = {0: "revolute", 1: "prismatic", 4: "fixed"}
 
 
-@dataclass
-class RigidBodies:
-    """What is known of a body: PyBullet's numbers of it and of its links and joints.
-
-    Attributes:
-        number: of the body.
-        links: name -> number.
-        joints: name -> number.
-        facts: name -> the joint as its URDF describes it.
-        com_from_base: where its frame is, seen from its centre of mass (4, 4).
-    """
+@dataclass(frozen=True)
+class _BodyRecord:
+    """PyBullet's numbers of a body, its links and joints, and what its URDF says of it."""
 
     number: int
     links: dict[str, int]
     joints: dict[str, int]
-    facts: dict[str, JointState]
-    com_from_base: Array = field(default_factory=lambda: np.eye(4))
+    infos: tuple[JointInfo, ...]
+    com_from_base: Array  # (4, 4), its frame seen from its centre of mass
 
 
-class Bodies(Simulator):
-    """A simulator whose bodies, links and joints have names."""
+class Bodies:
+    """The bodies in one simulator; the other parts of the engine look up PyBullet's numbers here.
 
-    def __init__(self, *, gui: bool = False) -> None:
-        super().__init__(gui=gui)
-        self._bodies: dict[str, RigidBodies] = {}
-        self._names: dict[int, str] = {}
+    Args:
+        client: the simulator.
+    """
+
+    def __init__(self, client: PhysicsClient) -> None:
+        self._client = client
+        self._records: dict[str, _BodyRecord] = {}
+        self._names: dict[tuple[int, int], tuple[str, str]] = {}
 
     def load(
         self,
@@ -63,113 +59,114 @@ class Bodies(Simulator):
         Args:
             name: by which it is known from now on.
             urdf: its description.
-            world_from_base: where its URDF frame is; the origin when None.
+            world_from_base: pose of its URDF frame; the origin when None.
             fixed: whether it stays where it is, whatever pushes it.
-            inertia_of_shape: whether how hard its links are to turn follows from their masses and
-                shapes, and not from what the file says.
+            inertia_of_shape: whether inertias follow from the masses and shapes of its links
+                instead of from the file.
         """
-        if name in self._bodies:
+        if name in self._records:
             raise SimulationError(f'There already is a body "{name}".')
-        flags = 0 if inertia_of_shape else self._p.URDF_USE_INERTIA_FROM_FILE
+        flags = 0 if inertia_of_shape else self._client.constant("URDF_USE_INERTIA_FROM_FILE")
         with quiet():
-            number: int = self._call("loadURDF", str(urdf), useFixedBase=fixed, flags=flags)
-        self._bodies[name] = self._survey(number)
-        self._names[number] = name
+            number: int = self._client.call("loadURDF", str(urdf), useFixedBase=fixed, flags=flags)
+        self._records[name] = record = self._read_record(number)
+        self._names |= {(number, index): (name, link) for link, index in record.links.items()}
         self.place(name, np.eye(4) if world_from_base is None else world_from_base)
 
-    def _survey(self, number: int) -> RigidBodies:
-        base = self._call("getBodyInfo", number)[0].decode()
-        inertial = self._call("getDynamicsInfo", number, BASE)
-        body = RigidBodies(
-            number,
-            {base: BASE},
-            {},
-            {},
-            poses.inverse(poses.from_quaternion(inertial[3], inertial[4])),
-        )
-        names = {BASE: base}
-        for index in range(self._call("getNumJoints", number)):
-            info = self._call("getJointInfo", number, index)
+    def _read_record(self, number: int) -> _BodyRecord:
+        base = self._client.call("getBodyInfo", number)[0].decode()
+        inertial = self._client.call("getDynamicsInfo", number, BASE)
+        links, names, joints = {base: BASE}, {BASE: base}, dict[str, int]()
+        infos: list[JointInfo] = []
+        for index in range(self._client.call("getNumJoints", number)):
+            info = self._client.call("getJointInfo", number, index)
             joint, link = info[1].decode(), info[12].decode()
-            names[index] = link
-            body.links[link], body.joints[joint] = index, index
-            body.facts[joint] = JointState(
-                joint,
-                link,
-                names[info[16]],
-                _JOINT_KINDS.get(info[2], "other"),
-                (info[8], info[9]),
-                info[11],
-                info[10],
-                info[13],
+            names[index], links[link], joints[joint] = link, index, index
+            kind, limits = _JOINT_KINDS.get(info[2], "other"), (info[8], info[9])
+            infos.append(
+                JointInfo(joint, link, names[info[16]], kind, limits, info[11], info[10], info[13])
             )
-        return body
-
-    def remove(self, name: str) -> None:
-        """Take a body out of the world."""
-        self._call("removeBody", self._body(name).number)
-        del self._names[self._bodies.pop(name).number]
+        base_from_com = poses.from_quaternion(inertial[3], inertial[4])
+        return _BodyRecord(number, links, joints, tuple(infos), poses.inverse(base_from_com))
 
     @property
-    def bodies(self) -> tuple[str, ...]:
+    def names(self) -> tuple[str, ...]:
         """The names of all bodies, in the order in which they were loaded."""
-        return tuple(self._bodies)
+        return tuple(self._records)
 
     def links(self, body: str) -> tuple[str, ...]:
         """The names of a body's links, the base first."""
-        return tuple(self._body(body).links)
+        return tuple(self._record(body).links)
 
-    def joints(self, body: str) -> tuple[JointState, ...]:
+    def joints(self, body: str) -> tuple[JointInfo, ...]:
         """A body's joints, fixed ones included, in the order of its URDF."""
-        return tuple(self._body(body).facts.values())
-
-    def _body(self, name: str) -> RigidBodies:
-        if name not in self._bodies:
-            raise UnknownNameError("body", name, self._bodies)
-        return self._bodies[name]
-
-    def _link(self, body: str, link: str | None) -> tuple[int, int]:
-        found = self._body(body)
-        if link is None:
-            return found.number, BASE
-        if link not in found.links:
-            raise UnknownNameError(f"link of {body}", link, found.links)
-        return found.number, found.links[link]
-
-    def _joint(self, body: str, joint: str) -> tuple[int, int]:
-        found = self._body(body)
-        if joint not in found.joints:
-            raise UnknownNameError(f"joint of {body}", joint, found.joints)
-        return found.number, found.joints[joint]
+        return self._record(body).infos
 
     def pose(self, body: str, link: str | None = None) -> Array:
         """`world_from_link` of a link's URDF frame; of the base when `link` is None."""
-        number, index = self._link(body, link)
+        number, index = self.link_id(body, link)
         if index == BASE:
-            position, quaternion = self._call("getBasePositionAndOrientation", number)
-            return poses.from_quaternion(position, quaternion) @ self._body(body).com_from_base
-        state = self._call("getLinkState", number, index, computeForwardKinematics=1)
+            return self.centre_of_mass(body) @ self._record(body).com_from_base
+        state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
         return poses.from_quaternion(state[4], state[5])
 
     def place(self, body: str, world_from_base: Array) -> None:
-        """Put a body somewhere, at rest."""
-        found = self._body(body)
-        world_from_com = world_from_base @ poses.inverse(found.com_from_base)
+        """Move a body to a pose, at rest."""
+        record = self._record(body)
+        world_from_com = world_from_base @ poses.inverse(record.com_from_base)
         quaternion = poses.quaternion(world_from_com[:3, :3])
-        self._call(
-            "resetBasePositionAndOrientation", found.number, world_from_com[:3, 3], quaternion
+        self._client.call(
+            "resetBasePositionAndOrientation", record.number, world_from_com[:3, 3], quaternion
         )
-        self._call("resetBaseVelocity", found.number, (0, 0, 0), (0, 0, 0))
+        self._client.call("resetBaseVelocity", record.number, (0, 0, 0), (0, 0, 0))
 
-    def speed(self, body: str) -> tuple[float, float]:
-        """How fast a body's base moves [m/s] and turns [rad/s]."""
-        linear, angular = self._call("getBaseVelocity", self._body(body).number)
-        return float(np.linalg.norm(linear)), float(np.linalg.norm(angular))
+    def bounds(self, body: str, link: str) -> tuple[Array, Array]:
+        """The lowest and the highest corner (3,) of a link's axis-aligned bounding box [m]."""
+        low, high = self._client.call("getAABB", *self.link_id(body, link))
+        return np.array(low), np.array(high)
 
-    def _centre(self, body: str) -> Array:
+    # --- PyBullet's numbers, for the other parts of the engine ------------------------------
+
+    def number(self, body: str) -> int:
+        """PyBullet's number of a body."""
+        return self._record(body).number
+
+    def link_id(self, body: str, link: str | None) -> tuple[int, int]:
+        """PyBullet's numbers of a body and one of its links; the base when `link` is None."""
+        record = self._record(body)
+        if link is None:
+            return record.number, BASE
+        if link not in record.links:
+            raise UnknownNameError(f"link of {body}", link, record.links)
+        return record.number, record.links[link]
+
+    def link_ids(self, body: str, link: str | None = None) -> Iterable[tuple[int, int]]:
+        """The same of one link, or of all links when `link` is None."""
+        if link is not None:
+            return (self.link_id(body, link),)
+        record = self._record(body)
+        return [(record.number, index) for index in record.links.values()]
+
+    def joint_ids(self, body: str, joints: Sequence[str]) -> tuple[int, list[int]]:
+        """PyBullet's numbers of a body and of some of its joints."""
+        record = self._record(body)
+        for joint in joints:
+            if joint not in record.joints:
+                raise UnknownNameError(f"joint of {body}", joint, record.joints)
+        return record.number, [record.joints[joint] for joint in joints]
+
+    def link_name(self, number: int, index: int) -> tuple[str, str]:
+        """The names of the body and the link that have these numbers."""
+        return self._names[number, index]
+
+    def centre_of_mass(self, body: str) -> Array:
         """`world_from_com` of a body's base: PyBullet's own frame of it."""
-        return self.pose(body) @ poses.inverse(self._body(body).com_from_base)
+        position, quaternion = self._client.call(
+            "getBasePositionAndOrientation", self._record(body).number
+        )
+        return poses.from_quaternion(position, quaternion)
 
-    def _link_name(self, body: str, index: int) -> str:
-        links = self._bodies[body].links
-        return next(name for name, each in links.items() if each == index)
+    def _record(self, name: str) -> _BodyRecord:
+        if name not in self._records:
+            raise UnknownNameError("body", name, self._records)
+        return self._records[name]

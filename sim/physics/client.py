@@ -1,21 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One PyBullet simulator: opened, called and closed here; the only module that imports PyBullet.
+"""A connection to one PyBullet simulator; the only module that imports PyBullet.
 
-What is built on it speaks to it by `_call`, which hands the simulator its number (two of them in a
-process would else be one) and tells what PyBullet refuses as an error of ours.
+Several connections can live in one process: each call carries the number of its own. What PyBullet
+refuses is raised as an error of Hilt, and what it prints is kept out of the user's terminal.
 """
 
 from __future__ import annotations
 
+import ctypes
+import os
+import sys
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
+from ctypes.util import find_library
 from typing import Any
 
 from ...ontology.errors import MissingExtraError, SimulationError
-from .display import refuse_no_display
-from .silence import quiet
 
 
-class Simulator:
-    """One simulator; `close` it.
+class PhysicsClient:
+    """A connection to one simulator; `close` it.
 
     Args:
         gui: whether to show a window.
@@ -26,28 +30,64 @@ class Simulator:
     """
 
     def __init__(self, *, gui: bool = False) -> None:
-        self._p: Any = _import_pybullet()
-        if gui:
-            refuse_no_display()
+        self._pybullet: Any = _import_pybullet()
+        # Where it cannot open a window PyBullet ends the whole process without a word.
+        if gui and sys.platform.startswith("linux") and not _has_display():
+            raise SimulationError("There is no display to open a window on. Run without --gui.")
         with quiet():
-            self._client: int = self._p.connect(self._p.GUI if gui else self._p.DIRECT)
-        if self._client < 0:
+            self._number: int = self._pybullet.connect(self.constant("GUI" if gui else "DIRECT"))
+        if self._number < 0:
             raise SimulationError("PyBullet cannot open a window. Run without --gui.")
         self.gui = gui
 
-    def _call(self, function: str, *args: Any, **options: Any) -> Any:
-        if self._client < 0:
+    def call(self, function: str, *args: Any, **options: Any) -> Any:
+        """Call a function of PyBullet's API in this simulator.
+
+        Raises:
+            SimulationError: PyBullet refuses it, or the simulator is closed.
+        """
+        if self._number < 0:
             raise SimulationError("The simulator is closed.")
         try:
-            return getattr(self._p, function)(*args, **options, physicsClientId=self._client)
-        except self._p.error as error:
+            return getattr(self._pybullet, function)(*args, **options, physicsClientId=self._number)
+        except self._pybullet.error as error:
             raise SimulationError(f"PyBullet refuses {function}: {error}") from error
+
+    def constant(self, name: str) -> int:
+        """Return a constant of PyBullet's API."""
+        return getattr(self._pybullet, name)
 
     def close(self) -> None:
         """Stop the simulator; closing twice is allowed."""
-        if self._client >= 0:
-            self._call("disconnect")
-            self._client = -1
+        if self._number >= 0:
+            self.call("disconnect")
+            self._number = -1
+
+
+@contextmanager
+def quiet() -> Generator[None]:
+    """Suppress all output inside this block, that of C libraries included."""
+    with ExitStack() as stack, open(os.devnull, "wb") as nothing:
+        for number in (1, 2):
+            stack.enter_context(_redirected(number, nothing.fileno()))
+        yield
+
+
+@contextmanager
+def _redirected(number: int, target: int) -> Generator[None]:
+    try:
+        saved = os.dup(number)
+    except OSError:  # the stream is closed: there is nothing to hide
+        yield
+        return
+    os.dup2(target, number)
+    try:
+        yield
+    finally:
+        # What C has printed waits in its own buffer: flush it before the stream is restored.
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(saved, number)
+        os.close(saved)
 
 
 def _import_pybullet() -> Any:
@@ -57,3 +97,16 @@ def _import_pybullet() -> Any:
     except ImportError as error:
         raise MissingExtraError("sim", "pybullet") from error
     return pybullet
+
+
+def _has_display() -> bool:
+    """Whether the X server answers; True where its library is not found, as nobody knows then."""
+    library = find_library("X11")
+    if library is None:
+        return True
+    x11 = ctypes.CDLL(library)
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    display = x11.XOpenDisplay(None)
+    if display:
+        x11.XCloseDisplay(ctypes.c_void_p(display))
+    return bool(display)

@@ -1,73 +1,99 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Touch: what meets what, by contact, by nearness and by rays."""
+"""Contacts between bodies: which there are, with which friction, and which are computed at all."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
-
-from ..poses import Array
-from .bodies import Bodies
-from .types import Contact, Hit
-
-NO_BODY = -1
+from .bodies import BASE, Bodies
+from .client import PhysicsClient
+from .types import Contact
 
 
-class ContactQueries(Bodies):
-    """Contacts and rays, told by names."""
+class Contacts:
+    """The contacts of bodies, their friction, and which of them are computed.
 
-    def contacts(
+    Args:
+        client: the simulator.
+        bodies: that touch each other.
+    """
+
+    def __init__(self, client: PhysicsClient, bodies: Bodies) -> None:
+        self._client, self._bodies = client, bodies
+
+    def find(
         self, body: str, link: str | None = None, *, other: str | None = None
     ) -> tuple[Contact, ...]:
-        """What a body (or one of its links) touched in the last step, and with which force."""
-        options: dict[str, int] = {"bodyA": self._body(body).number}
+        """The contacts of a body (or one of its links) in the last step, with their forces.
+
+        Args:
+            body: whose contacts.
+            link: only those of this link.
+            other: only those with this body.
+        """
+        options = {"bodyA": self._bodies.number(body)}
         if link is not None:
-            options["linkIndexA"] = self._link(body, link)[1]
+            options["linkIndexA"] = self._bodies.link_id(body, link)[1]
         if other is not None:
-            options["bodyB"] = self._body(other).number
-        return tuple(self._contact(raw) for raw in self._call("getContactPoints", **options))
-
-    def near(
-        self, body: str, other: str, *, within: float, link: str | None = None
-    ) -> tuple[Contact, ...]:
-        """Where two bodies are nearer to each other than `within` [m], without a step."""
-        options = {} if link is None else {"linkIndexA": self._link(body, link)[1]}
-        raw = self._call(
-            "getClosestPoints",
-            self._body(body).number,
-            self._body(other).number,
-            within,
-            **options,
-        )
-        return tuple(self._contact(each) for each in raw)
-
-    def bounds(self, body: str, link: str) -> tuple[Array, Array]:
-        """The lowest and the highest corner (3,) of a box round what is felt of a link [m]."""
-        low, high = self._call("getAABB", *self._link(body, link))
-        return np.array(low), np.array(high)
-
-    def _contact(self, raw: Sequence[Any]) -> Contact:
-        body, other = self._names[raw[1]], self._names[raw[2]]
-        return Contact(
-            body,
-            self._link_name(body, raw[3]),
-            other,
-            self._link_name(other, raw[4]),
-            raw[5],
-            raw[7],
-            raw[8],
-            raw[9],
+            options["bodyB"] = self._bodies.number(other)
+        name = self._bodies.link_name
+        return tuple(
+            Contact(*name(raw[1], raw[3]), *name(raw[2], raw[4]), raw[5], raw[7], raw[8], raw[9])
+            for raw in self._client.call("getContactPoints", **options)
         )
 
-    def rays(self, starts: Array, ends: Array) -> tuple[Hit, ...]:
-        """What each ray from a start (n, 3) to an end (n, 3) meets first."""
-        raw = self._call("rayTestBatch", starts.tolist(), ends.tolist())
-        return tuple(self._hit(each) for each in raw)
+    def set_surface(
+        self,
+        body: str,
+        link: str | None = None,
+        *,
+        friction: float | None = None,
+        spinning: float | None = None,
+        rolling: float | None = None,
+    ) -> None:
+        """Set the friction of a link, or of all links when `link` is None.
 
-    def _hit(self, raw: Sequence[Any]) -> Hit:
-        if raw[0] == NO_BODY:
-            return Hit(None, None, raw[3])
-        body = self._names[raw[0]]
-        return Hit(body, self._link_name(body, raw[1]), raw[3])
+        Args:
+            body: whose link.
+            link: which one.
+            friction: lateral coefficient; between two surfaces their product counts.
+            spinning: resistance against turning on the spot [m].
+            rolling: resistance against rolling [m].
+        """
+        wanted = {
+            "lateralFriction": friction,
+            "spinningFriction": spinning,
+            "rollingFriction": rolling,
+        }
+        options = {key: value for key, value in wanted.items() if value is not None}
+        for number, index in self._bodies.link_ids(body, link):
+            self._client.call("changeDynamics", number, index, **options)
+
+    def enable(self, body: str, other: str, *, enabled: bool) -> None:
+        """Compute contacts between two bodies from now on, or let them pass through each other."""
+        for number, index in self._bodies.link_ids(body):
+            for other_number, other_index in self._bodies.link_ids(other):
+                self._client.call(
+                    "setCollisionFilterPair",
+                    number,
+                    other_number,
+                    index,
+                    other_index,
+                    int(enabled),
+                )
+
+    def enable_sleeping(self, body: str) -> None:
+        """Put a body that lies still to sleep: it is computed only once something touches it.
+
+        It falls asleep again when it has lain still for a while.
+        """
+        self._activate(body, "ENABLE_SLEEPING", "SLEEP")
+
+    def disable_sleeping(self, body: str) -> None:
+        """Wake a body, and compute it at every step from now on."""
+        self._activate(body, "WAKE_UP", "DISABLE_SLEEPING")
+
+    def _activate(self, body: str, *states: str) -> None:
+        for state in states:
+            constant = self._client.constant(f"ACTIVATION_STATE_{state}")
+            self._client.call(
+                "changeDynamics", self._bodies.number(body), BASE, activationState=constant
+            )

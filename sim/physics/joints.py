@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Joints and motors: where joints are, what drives them, and what couples them."""
+"""Joints and motors: joint positions, motor targets, gears, and joints between bodies."""
 
 from __future__ import annotations
 
@@ -10,44 +10,39 @@ import numpy as np
 from .. import poses
 from ..poses import Array
 from .bodies import BASE, Bodies
+from .client import PhysicsClient
 
 
-class Motors(Bodies):
-    """The joints of bodies, their motors, and joints between bodies."""
+class Joints:
+    """The joints of bodies, their motors, and joints between bodies.
 
-    def joint_positions(self, body: str, joints: Sequence[str]) -> Array:
+    Args:
+        client: the simulator.
+        bodies: whose joints.
+    """
+
+    def __init__(self, client: PhysicsClient, bodies: Bodies) -> None:
+        self._client, self._bodies = client, bodies
+
+    def positions(self, body: str, joints: Sequence[str]) -> Array:
         """Positions of joints [rad] or [m], shape (len(joints),)."""
-        return self._joint_states(body, joints, 0)
+        return self._states(body, joints, 0)
 
-    def joint_speeds(self, body: str, joints: Sequence[str]) -> Array:
+    def speeds(self, body: str, joints: Sequence[str]) -> Array:
         """Speeds of joints [rad/s] or [m/s], shape (len(joints),)."""
-        return self._joint_states(body, joints, 1)
+        return self._states(body, joints, 1)
 
-    def joint_efforts(self, body: str, joints: Sequence[str]) -> Array:
-        """What the motors gave in the last step [Nm] or [N], shape (len(joints),)."""
-        return self._joint_states(body, joints, 3)
-
-    def _joint_states(self, body: str, joints: Sequence[str], column: int) -> Array:
-        states = self._call("getJointStates", *self._indices(body, joints))
+    def _states(self, body: str, joints: Sequence[str], column: int) -> Array:
+        states = self._client.call("getJointStates", *self._bodies.joint_ids(body, joints))
         return np.array([state[column] for state in states])
 
-    def _indices(self, body: str, joints: Sequence[str]) -> tuple[int, list[int]]:
-        """PyBullet's numbers of a body and of joints of it."""
-        known = self._body(body).joints
-        for joint in joints:
-            if joint not in known:
-                self._joint(body, joint)
-        return self._body(body).number, [known[joint] for joint in joints]
+    def reset(self, body: str, joints: Sequence[str], positions: Sequence[float] | Array) -> None:
+        """Set joint positions at once, at rest, without physics."""
+        number, indices = self._bodies.joint_ids(body, joints)
+        for index, position in zip(indices, positions, strict=True):
+            self._client.call("resetJointState", number, index, float(position), 0.0)
 
-    def set_joints(
-        self, body: str, joints: Sequence[str], positions: Sequence[float] | Array
-    ) -> None:
-        """Put joints somewhere at once, at rest, without physics."""
-        for joint, position in zip(joints, positions, strict=True):
-            number, index = self._joint(body, joint)
-            self._call("resetJointState", number, index, float(position), 0.0)
-
-    def drive(
+    def drive_to(
         self,
         body: str,
         joints: Sequence[str],
@@ -64,16 +59,16 @@ class Motors(Bodies):
             body: whose joints.
             joints: their names.
             positions: targets [rad] or [m].
-            forces: most that each motor may give [Nm] or [N].
+            forces: limit of each motor [Nm] or [N].
             gain: share of the position error that is corrected in one step, in [0, 1].
             damping: share of the speed error that is corrected in one step, in [0, 1].
-            speeds: target speeds [rad/s] or [m/s]; standing still when None.
+            speeds: target speeds [rad/s] or [m/s]; zero when None.
         """
         count = len(joints)
-        self._call(
+        self._client.call(
             "setJointMotorControlArray",
-            *self._indices(body, joints),
-            self._p.POSITION_CONTROL,
+            *self._bodies.joint_ids(body, joints),
+            self._client.constant("POSITION_CONTROL"),
             targetPositions=np.asarray(positions, float).tolist(),
             targetVelocities=np.zeros(count).tolist()
             if speeds is None
@@ -83,67 +78,57 @@ class Motors(Bodies):
             velocityGains=[damping] * count,
         )
 
-    def drive_speed(self, body: str, joint: str, speed: float, *, force: float) -> None:
-        """Let a motor keep a joint at a speed from now on; force 0 lets it go free."""
-        number, index = self._joint(body, joint)
-        self._call(
-            "setJointMotorControl2",
-            number,
-            index,
-            self._p.VELOCITY_CONTROL,
-            targetVelocity=speed,
-            force=force,
+    def drive_at(self, body: str, joint: str, speed: float, *, force: float) -> None:
+        """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit."""
+        number, (index,) = self._bodies.joint_ids(body, [joint])
+        control = self._client.constant("VELOCITY_CONTROL")
+        self._client.call(
+            "setJointMotorControl2", number, index, control, targetVelocity=speed, force=force
         )
 
-    def gear(
+    def add_gear(
         self, body: str, joint: str, other: str, *, ratio: float, force: float, stiffness: float
     ) -> None:
-        """Couple two joints of one body, as the fingers of a hand are coupled.
+        """Couple two joints of one body, as the fingers of a gripper are coupled.
 
         Args:
             body: whose joints.
             joint: the one whose link carries the gear.
             other: the one that it turns.
             ratio: -1 makes two fingers that face each other move alike.
-            force: most that the gear transmits [N].
+            force: limit of what the gear transmits [N].
             stiffness: share of the difference that is corrected in one step, in [0, 1].
         """
-        number, index = self._joint(body, joint)
-        other_index = self._joint(body, other)[1]
-        axis = self._body(body).facts[joint].axis
-        gear = self._call(
+        number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
+        (axis,) = (info.axis for info in self._bodies.joints(body) if info.name == joint)
+        gear = self._client.call(
             "createConstraint",
             number,
             index,
             number,
             other_index,
-            jointType=self._p.JOINT_GEAR,
+            jointType=self._client.constant("JOINT_GEAR"),
             jointAxis=axis,
             parentFramePosition=(0, 0, 0),
             childFramePosition=(0, 0, 0),
         )
-        self._call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
+        self._client.call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
 
-    def attach(self, body: str, other: str, *, force: float) -> None:
-        """Fix a body's base to another one's, as they stand to each other now.
-
-        Args:
-            body: what is attached.
-            other: what it is attached to.
-            force: most that the joint bears [N].
-        """
-        number, other_number = self._body(body).number, self._body(other).number
-        other_from_body = poses.inverse(self._centre(other)) @ self._centre(body)
-        constraint = self._call(
+    def fix_bodies(self, body: str, other: str, *, force: float) -> None:
+        """Join the bases of two bodies by a fixed joint that bears at most `force` [N]."""
+        other_from_body = poses.inverse(
+            self._bodies.centre_of_mass(other)
+        ) @ self._bodies.centre_of_mass(body)
+        constraint = self._client.call(
             "createConstraint",
-            other_number,
+            self._bodies.number(other),
             BASE,
-            number,
+            self._bodies.number(body),
             BASE,
-            jointType=self._p.JOINT_FIXED,
+            jointType=self._client.constant("JOINT_FIXED"),
             jointAxis=(0, 0, 0),
             parentFramePosition=other_from_body[:3, 3],
             childFramePosition=(0, 0, 0),
             parentFrameOrientation=poses.quaternion(other_from_body[:3, :3]),
         )
-        self._call("changeConstraint", constraint, maxForce=force)
+        self._client.call("changeConstraint", constraint, maxForce=force)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the physics engine tells: contacts, joints, ray hits and raw images, all by name."""
+"""Values that the physics engine takes and returns: contacts, joints, light and images."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class Contact:
 
     Attributes:
         body, link: the one that was asked for.
-        other, other_link: what it touches.
+        other, other_link: the one that it touches.
         position: in the world [m].
         normal: from the other one towards this one, unit length.
         gap: distance of the surfaces; negative where they overlap [m].
-        force: along the normal [N]; 0 for answers to `near`.
+        force: along the normal [N].
     """
 
     body: str
@@ -34,17 +34,17 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class JointState:
+class JointInfo:
     """A joint of a body, as its URDF describes it.
 
     Attributes:
         name: of the joint.
         link: that it moves.
         parent: link that carries it.
-        kind: "revolute", "prismatic" or "fixed".
+        kind: "revolute", "prismatic", "fixed" or "other".
         limits: lowest and highest position [rad] or [m].
-        speed: highest [rad/s] or [m/s].
-        effort: highest [Nm] or [N].
+        speed: limit [rad/s] or [m/s].
+        effort: limit [Nm] or [N].
         axis: in the frame of the joint.
     """
 
@@ -59,17 +59,8 @@ class JointState:
 
 
 @dataclass(frozen=True)
-class Hit:
-    """What a ray met first: nothing, when `body` is None."""
-
-    body: str | None
-    link: str | None
-    position: tuple[float, float, float]
-
-
-@dataclass(frozen=True)
 class Light:
-    """How a picture is lit; all amounts in [0, 1]."""
+    """The lighting of an image; all amounts in [0, 1]."""
 
     direction: tuple[float, float, float] = (0.4, -0.6, 1.0)
     ambient: float = 0.55
@@ -80,7 +71,7 @@ class Light:
 
 @dataclass(frozen=True)
 class Image:
-    """What a camera delivers, before it is understood.
+    """A rendered image with depth and labels.
 
     Attributes:
         colour: (height, width, 3) uint8.

@@ -59,10 +59,10 @@ class Robot:
         self._joints = [joint.name for joint in self.chain.moving]
         # Robot files tell inertias that no link of that mass can have (0.1 kg m^2 of each finger of
         # the Panda): the wrist's motors then cannot follow, and the arm leaves its way by 0.3 rad.
-        engine.load(NAME, kind.file, self.world_from_base, fixed=True, inertia_of_shape=True)
-        facts = {joint.name: joint for joint in engine.joints(NAME)}
+        engine.bodies.load(NAME, kind.file, self.world_from_base, fixed=True, inertia_of_shape=True)
+        facts = {joint.name: joint for joint in engine.bodies.joints(NAME)}
         self._efforts = [facts[name].effort for name in self._joints]
-        engine.set_joints(NAME, self._joints, kind.home)
+        engine.joints.reset(NAME, self._joints, kind.home)
         self._hold_arm(kind.home)
         if kind.gripper:
             self._prepare_hand(kind.gripper)
@@ -81,17 +81,17 @@ class Robot:
     @property
     def joints(self) -> Array:
         """Where the joints of the arm are (k,) [rad]."""
-        return self.engine.joint_positions(NAME, self._joints)
+        return self.engine.joints.positions(NAME, self._joints)
 
     @property
     def opening(self) -> float:
         """How far the hand is open [m]."""
-        return float(self.engine.joint_positions(NAME, self.gripper.joints).sum())
+        return float(self.engine.joints.positions(NAME, self.gripper.joints).sum())
 
     @property
     def world_from_hand(self) -> Array:
         """The hand (4, 4)."""
-        return self.engine.pose(NAME, self.kind.hand)
+        return self.engine.bodies.pose(NAME, self.kind.hand)
 
     @property
     def world_from_grip(self) -> Array:
@@ -150,16 +150,18 @@ class Robot:
     def open(self, opening: float) -> None:
         """Open the hand [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
-        self.engine.drive(NAME, self.gripper.joints, [half] * 2, forces=[OPENING_FORCE] * 2)
+        self.engine.joints.drive_to(
+            NAME, self.gripper.joints, [half] * 2, forces=[OPENING_FORCE] * 2
+        )
 
     def close(self) -> None:
         """Close the hand until it meets something or its end, and squeeze."""
         for joint in self.gripper.joints:
-            self.engine.drive_speed(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
+            self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
         still = 0
         for step in range(round(CLOSING_TIME / TIME_STEP)):
             self.advance(1)
-            speeds = self.engine.joint_speeds(NAME, self.gripper.joints)
+            speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
             if still == STILL_STEPS:
                 break
@@ -176,11 +178,11 @@ class Robot:
         return any(self._felt_by(link) for link in links)
 
     def _felt_by(self, link: str) -> tuple[Contact, ...]:
-        contacts = self.engine.contacts(NAME, link)
+        contacts = self.engine.contacts.find(NAME, link)
         return tuple(c for c in contacts if c.force > FELT and c.other != NAME)
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
-        self.engine.drive(
+        self.engine.joints.drive_to(
             NAME,
             self._joints,
             position,
@@ -192,10 +194,12 @@ class Robot:
 
     def _prepare_hand(self, gripper: Gripper) -> None:
         first, second = gripper.joints
-        self.engine.gear(
+        self.engine.joints.add_gear(
             NAME, first, second, ratio=-1.0, force=GEAR_FORCE, stiffness=GEAR_STIFFNESS
         )
         for link in gripper.links:
-            self.engine.set_surface(NAME, link, friction=FINGER_FRICTION, spinning=FINGER_SPINNING)
-        self.engine.set_joints(NAME, gripper.joints, [gripper.opening / 2] * 2)
+            self.engine.contacts.set_surface(
+                NAME, link, friction=FINGER_FRICTION, spinning=FINGER_SPINNING
+            )
+        self.engine.joints.reset(NAME, gripper.joints, [gripper.opening / 2] * 2)
         self.open(gripper.opening)

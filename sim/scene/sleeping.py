@@ -65,15 +65,15 @@ class Resting:
 
     def _rest(self, name: str) -> None:
         for other in self._places:
-            self._engine.enable_collisions(name, other, wanted=False)
-        self._engine.enable_sleeping(name)
+            self._engine.contacts.enable(name, other, enabled=False)
+        self._engine.contacts.enable_sleeping(name)
         self._places[name] = self._place(name)
 
     def _wake(self, name: str) -> None:
         self._moving[name] = self._places.pop(name)
-        self._engine.keep_awake(name)
+        self._engine.contacts.disable_sleeping(name)
         for other in self._places:
-            self._engine.enable_collisions(name, other, wanted=True)
+            self._engine.contacts.enable(name, other, enabled=True)
 
     def _place(self, name: str) -> Array:
-        return self._engine.pose(name)[:3, 3]
+        return self._engine.bodies.pose(name)[:3, 3]

@@ -17,7 +17,7 @@ import numpy as np
 from ...ontology.errors import UnknownNameError
 from ...ontology.objects import Mount, ObjectType
 from .. import poses
-from ..models.object_models import INTO, SOCKET, Model, model_of
+from ..models.object_models import INTO, Model, model_of
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
 from .placement import Spot, arrange
@@ -91,31 +91,28 @@ class World:
 
     def _furnish(self) -> None:
         floor = poses.translation(0, 0, FLOOR_HEIGHT)
-        self.engine.load(FLOOR, self.models[FLOOR].urdf, floor, fixed=True)
-        self.engine.load(
+        self.engine.bodies.load(FLOOR, self.models[FLOOR].urdf, floor, fixed=True)
+        self.engine.bodies.load(
             TABLE, self.models[TABLE].urdf, poses.translation(*TABLE_CENTRE), fixed=True
         )
-        self.engine.set_surface(TABLE, rolling=ROLLING_FRICTION)
+        self.engine.contacts.set_surface(TABLE, rolling=ROLLING_FRICTION)
 
     def _add(self, spot: Spot) -> None:
         name, model = spot.placement.name, self.models[spot.placement.object]
         mount, support = model.kind.mount, spot.placement.within
         if mount is None or support is None:
-            self.engine.load(name, model.urdf, spot.world_from_object)
+            self.engine.bodies.load(name, model.urdf, spot.world_from_object)
         else:
-            self.engine.load(name, model.mounted, spot.world_from_object)
+            self.engine.bodies.load(name, model.mounted, spot.world_from_object)
             self._mount(name, mount, support)
-        self.engine.set_surface(name, spinning=SPINNING_FRICTION)
+        self.engine.contacts.set_surface(name, spinning=SPINNING_FRICTION)
 
     def _mount(self, name: str, mount: Mount, support: str) -> None:
         """Let an object stand in another one, which holds it by friction."""
-        for link in self.engine.links(name):
-            for other in self.engine.links(support):
-                if link != SOCKET:
-                    self.engine.ignore_contacts(name, link, support, other)
-        self.engine.attach(name, support, force=MOUNT_FORCE)
+        self.engine.contacts.enable(name, support, enabled=False)
+        self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
         # A motor that wants to stand still, and can do no more than this, is dry friction.
-        self.engine.drive_speed(name, INTO, 0.0, force=mount.resistance)
+        self.engine.joints.drive_at(name, INTO, 0.0, force=mount.resistance)
         self._supports[name] = support
 
     def close(self) -> None:
@@ -174,7 +171,7 @@ class World:
     def pose(self, name: str) -> Array:
         """`world_from_object` of an object."""
         # The first part has the frame of the object, also where the base is a socket.
-        return self.engine.pose(name, next(iter(self.kinds[name].parts)))
+        return self.engine.bodies.pose(name, next(iter(self.kinds[name].parts)))
 
     def depth(self, name: str) -> float:
         """How deep an object stands in another one [m]: a nail in its block.
@@ -185,7 +182,7 @@ class World:
         mount = self.kinds[name].mount if name in self._supports else None
         if mount is None:
             raise UnknownNameError("thing that stands in another", name, self._supports)
-        return mount.depth + float(self.engine.joint_positions(name, [INTO])[0])
+        return mount.depth + float(self.engine.joints.positions(name, [INTO])[0])
 
     def support(self, name: str) -> str | None:
         """The name of what an object stands in; None for what lies loose."""

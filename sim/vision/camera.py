@@ -128,7 +128,7 @@ class Camera:
         window = window or self.whole
         view = poses.inverse(self.world_from_camera)
         projection = self._through(window) @ self.projection
-        image = engine.render(view, projection, window.width, window.height, light=light)
+        image = engine.rendering.render(view, projection, window.width, window.height, light=light)
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
         return CameraImage(self, image.colour, depth, image.labels, image.names, window)
 

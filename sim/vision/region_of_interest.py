@@ -50,17 +50,20 @@ class Attention:
         cls, things: Collection[str], engine: PhysicsEngine, *, room: Collection[str]
     ) -> Attention:
         """Attention on things among bodies, of which those of the room hide nothing."""
-        unseen = tuple(name for name in engine.bodies if name not in things)
+        unseen = tuple(name for name in engine.bodies.names if name not in things)
         links = tuple(
-            (body, link) for body in unseen if body not in room for link in engine.seen_links(body)
+            (body, link)
+            for body in unseen
+            if body not in room
+            for link in engine.rendering.visible_links(body)
         )
-        ends = [np.add(engine.bounds(*each), [[-BULGE], [BULGE]]) for each in links]
+        ends = [np.add(engine.bodies.bounds(*each), [[-BULGE], [BULGE]]) for each in links]
         boxes = np.array(ends).reshape(-1, 2, 3)
         return cls(engine, things, unseen, links, boxes[:, _CORNERS, [0, 1, 2]])
 
     def look(self, camera: Camera) -> CameraImage:
         """What a camera sees of the things, in a window round all of them."""
-        with self.engine.unseen(self.unseen):
+        with self.engine.rendering.hidden(self.unseen):
             glance = camera.coarser(GLANCE).look(self.engine)
         shown = self._shown(glance)
         if not shown.any():
@@ -73,7 +76,7 @@ class Attention:
 
     def _look(self, camera: Camera, window: Window, farthest: float) -> CameraImage:
         """What a camera sees in a window, in which nothing is farther away than that [m]."""
-        with self.engine.unseen(self.unseen, but=self._before(window, camera, farthest)):
+        with self.engine.rendering.hidden(self.unseen, but=self._before(window, camera, farthest)):
             return camera.look(self.engine, window=window)
 
     def _shown(self, view: CameraImage) -> NDArray[np.bool_]:

@@ -87,7 +87,7 @@ def test_thing_that_always_slips_is_given_up():
     """Without friction every closing fails, each is told, and the hand is empty afterwards."""
     with body_with("objects:screwdriver", seed=3) as body:
         for finger in body.robot.gripper.links:
-            body.world.engine.set_surface(NAME, finger, friction=0.0, spinning=0.0)
+            body.world.engine.contacts.set_surface(NAME, finger, friction=0.0, spinning=0.0)
 
         report = grasped(body, "screwdriver", "handle")
         if report.ok:
@@ -105,7 +105,7 @@ def test_thing_torn_away_on_the_way_is_taken_and_given_all_the_same():
         where = body.world.pose("knife")
         assert grasped(body, "knife", "handle").ok
         assert body.lift().ok
-        body.world.engine.place("knife", poses.translation(0, 0, 0.002) @ where)
+        body.world.engine.bodies.place("knife", poses.translation(0, 0, 0.002) @ where)
 
         report = body.hand_over()
 

@@ -75,7 +75,7 @@ def test_tint_is_seen_and_taken_back(world: World):
     """A tinted part is redder while it is tinted, and then as before."""
     before = take_picture(world.engine, SMALL, smoothing=1).astype(int)
 
-    with world.engine.tinted("mug", "barrel", (1.0, 0.0, 0.0)):
+    with world.engine.rendering.tinted("mug", "barrel", (1.0, 0.0, 0.0)):
         tinted = take_picture(world.engine, SMALL, smoothing=1).astype(int)
 
     after = take_picture(world.engine, SMALL, smoothing=1).astype(int)

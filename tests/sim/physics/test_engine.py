@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The physics engine behind names."""
 
-import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from hilt.ontology.errors import SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import model_of
-from hilt.sim.physics import display
+from hilt.sim.physics import client
 from hilt.sim.physics.engine import GRAVITY, TIME_STEP, PhysicsEngine
 from hilt.sim.vision.camera import Camera
 
@@ -39,70 +38,70 @@ def slider(engine: PhysicsEngine, tmp_path: Path) -> PhysicsEngine:
     """A world with a cart on a rail."""
     path = tmp_path / "slider.urdf"
     path.write_text(SLIDER, encoding="utf-8")
-    engine.load("slider", path, fixed=True)
+    engine.bodies.load("slider", path, fixed=True)
     return engine
 
 
 def test_body_is_where_it_was_put(engine: PhysicsEngine):
     """The pose of a body is that of its URDF frame, whatever its centre of mass."""
-    engine.load("knife", KNIFE, ASKEW)
+    engine.bodies.load("knife", KNIFE, ASKEW)
 
-    assert engine.pose("knife") == pytest.approx(ASKEW, abs=1e-6)
-    assert engine.pose("knife", "blade") == pytest.approx(ASKEW, abs=1e-5)
+    assert engine.bodies.pose("knife") == pytest.approx(ASKEW, abs=1e-6)
+    assert engine.bodies.pose("knife", "blade") == pytest.approx(ASKEW, abs=1e-5)
 
 
 def test_body_falls_as_galilei_says(engine: PhysicsEngine):
     """After a quarter of a second of free fall a body is 0.3 m lower."""
-    engine.load("block", BLOCK, poses.translation(0, 0, 1))
+    engine.bodies.load("block", BLOCK, poses.translation(0, 0, 1))
 
     engine.step(60)
 
-    fallen = 1 - engine.pose("block")[2, 3]
+    fallen = 1 - engine.bodies.pose("block")[2, 3]
     assert fallen == pytest.approx(GRAVITY / 2 * (60 * TIME_STEP) ** 2, rel=0.03)
 
 
 def test_links_bear_the_names_of_the_parts(engine: PhysicsEngine):
     """Links are known by the names of the parts, the first part being the base."""
-    engine.load("knife", KNIFE)
+    engine.bodies.load("knife", KNIFE)
 
-    assert engine.links("knife") == ("handle", "blade")
+    assert engine.bodies.links("knife") == ("handle", "blade")
 
 
 def test_unknown_names_are_told(engine: PhysicsEngine):
     """Asking for what is not there lists what is."""
-    engine.load("knife", KNIFE)
+    engine.bodies.load("knife", KNIFE)
 
     with pytest.raises(UnknownNameError, match=r'no body "nife".*Did you mean "knife"'):
-        engine.pose("nife")
+        engine.bodies.pose("nife")
     with pytest.raises(UnknownNameError, match=r"no link of knife .* Known: blade, handle"):
-        engine.pose("knife", "tip")
+        engine.bodies.pose("knife", "tip")
 
 
 def test_two_bodies_of_one_name_are_refused(engine: PhysicsEngine):
     """A name belongs to one body."""
-    engine.load("knife", KNIFE)
+    engine.bodies.load("knife", KNIFE)
 
     with pytest.raises(SimulationError, match='already is a body "knife"'):
-        engine.load("knife", KNIFE)
+        engine.bodies.load("knife", KNIFE)
 
 
 def test_worlds_do_not_know_each_other(engine: PhysicsEngine):
     """Two simulators in one process hold different bodies."""
     with PhysicsEngine() as other:
-        other.load("knife", KNIFE)
+        other.bodies.load("knife", KNIFE)
 
-        assert engine.bodies == ()
-        assert other.bodies == ("knife",)
+        assert engine.bodies.names == ()
+        assert other.bodies.names == ("knife",)
 
 
 def test_contact_names_both_sides(engine: PhysicsEngine):
     """What lies on something touches it, with its weight."""
-    engine.load("block", BLOCK, fixed=True)
-    engine.load("upper", BLOCK, poses.translation(0, 0, 0.0702))
+    engine.bodies.load("block", BLOCK, fixed=True)
+    engine.bodies.load("upper", BLOCK, poses.translation(0, 0, 0.0702))
 
     engine.step(120)
 
-    contacts = engine.contacts("upper")
+    contacts = engine.contacts.find("upper")
     assert {(c.body, c.link, c.other, c.other_link) for c in contacts} == {
         ("upper", "body", "block", "body")
     }
@@ -110,43 +109,9 @@ def test_contact_names_both_sides(engine: PhysicsEngine):
     assert all(c.normal[2] > 0.99 for c in contacts)
 
 
-def test_near_measures_gaps(engine: PhysicsEngine):
-    """The distance of two blocks 3 cm apart is 3 cm, and nothing is nearer than 2 cm."""
-    engine.load("block", BLOCK)
-    engine.load("other", BLOCK, poses.translation(0, 0, 0.1))
-
-    (first, *_) = engine.near("block", "other", within=0.05)
-
-    assert first.gap == pytest.approx(0.03, abs=1e-4)
-    assert not engine.near("block", "other", within=0.02)
-
-
-def test_ray_meets_the_nearer_surface(engine: PhysicsEngine):
-    """A ray from above hits the top of a block, one beside it nothing."""
-    engine.load("block", BLOCK, fixed=True)
-    starts = np.array([[0, 0, 1.0], [1, 1, 1.0]])
-
-    hit, miss = engine.rays(starts, starts - (0, 0, 2))
-
-    assert (hit.body, hit.link) == ("block", "body")
-    assert hit.position[2] == pytest.approx(0.07, abs=1e-4)
-    assert miss.body is None
-
-
-def test_tentative_changes_are_undone(engine: PhysicsEngine):
-    """After a tentative block everything is where it was, even when the block fails."""
-    engine.load("knife", KNIFE, ASKEW)
-
-    with contextlib.suppress(ZeroDivisionError), engine.tentatively():
-        engine.step(50)
-        _ = 1 / 0
-
-    assert engine.pose("knife") == pytest.approx(ASKEW, abs=1e-6)
-
-
 def test_joint_tells_its_facts(slider: PhysicsEngine):
     """A joint knows its links, limits and axis."""
-    (joint,) = slider.joints("slider")
+    (joint,) = slider.bodies.joints("slider")
 
     assert (joint.parent, joint.link, joint.kind) == ("rail", "cart", "prismatic")
     assert (joint.limits, joint.speed, joint.effort) == ((-1.0, 2.0), 0.5, 30.0)
@@ -155,31 +120,22 @@ def test_joint_tells_its_facts(slider: PhysicsEngine):
 
 def test_motor_drives_a_joint(slider: PhysicsEngine):
     """A driven joint reaches its target and stays there."""
-    slider.drive("slider", ["slide"], [0.2], forces=[30.0])
+    slider.joints.drive_to("slider", ["slide"], [0.2], forces=[30.0])
 
     slider.step(480)
 
-    assert slider.joint_positions("slider", ["slide"]) == pytest.approx([0.2], abs=1e-3)
-    assert slider.joint_speeds("slider", ["slide"]) == pytest.approx([0.0], abs=1e-3)
-    assert slider.pose("slider", "cart")[0, 3] == pytest.approx(0.2, abs=1e-3)
+    assert slider.joints.positions("slider", ["slide"]) == pytest.approx([0.2], abs=1e-3)
+    assert slider.joints.speeds("slider", ["slide"]) == pytest.approx([0.0], abs=1e-3)
+    assert slider.bodies.pose("slider", "cart")[0, 3] == pytest.approx(0.2, abs=1e-3)
 
 
 def test_speed_drive_moves_evenly(slider: PhysicsEngine):
     """A joint driven at 0.1 m/s is 0.1 m further after a second."""
-    slider.drive_speed("slider", "slide", 0.1, force=30.0)
+    slider.joints.drive_at("slider", "slide", 0.1, force=30.0)
 
     slider.step(240)
 
-    assert slider.joint_positions("slider", ["slide"]) == pytest.approx([0.1], abs=0.002)
-
-
-def test_removed_body_is_gone(engine: PhysicsEngine):
-    """A removed body is neither listed nor found, and its name is free again."""
-    engine.load("knife", KNIFE)
-    engine.remove("knife")
-
-    assert engine.bodies == ()
-    engine.load("knife", KNIFE)
+    assert slider.joints.positions("slider", ["slide"]) == pytest.approx([0.1], abs=0.002)
 
 
 def test_closed_simulator_says_so():
@@ -195,7 +151,7 @@ def test_closed_simulator_says_so():
 def test_missing_file_is_our_error(engine: PhysicsEngine):
     """What PyBullet refuses is told as a simulation error."""
     with pytest.raises(SimulationError, match="PyBullet refuses loadURDF"):
-        engine.load("ghost", Path("/nowhere/ghost.urdf"))
+        engine.bodies.load("ghost", Path("/nowhere/ghost.urdf"))
 
 
 def test_same_steps_give_the_same_world():
@@ -203,21 +159,21 @@ def test_same_steps_give_the_same_world():
     ends: list[np.ndarray] = []
     for _ in range(2):
         with PhysicsEngine() as engine:
-            engine.load("block", BLOCK, fixed=True)
-            engine.load("knife", KNIFE, poses.translation(0, 0, 0.1))
+            engine.bodies.load("block", BLOCK, fixed=True)
+            engine.bodies.load("knife", KNIFE, poses.translation(0, 0, 0.1))
             engine.step(200)
-            ends.append(engine.pose("knife"))
+            ends.append(engine.bodies.pose("knife"))
 
     assert (ends[0] == ends[1]).all()
 
 
 def test_what_is_unseen_is_only_not_drawn(engine: PhysicsEngine):
     """Inside the block no pixel shows the knife; afterwards the picture is what it was."""
-    engine.load("knife", KNIFE)
+    engine.bodies.load("knife", KNIFE)
     camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
     before = camera.look(engine)
 
-    with engine.unseen(["knife"]):
+    with engine.rendering.hidden(["knife"]):
         unseen = camera.look(engine)
 
     after = camera.look(engine)
@@ -228,22 +184,22 @@ def test_what_is_unseen_is_only_not_drawn(engine: PhysicsEngine):
 
 def test_some_links_of_the_unseen_may_be_seen(engine: PhysicsEngine):
     """Only the blade of a knife is drawn; there are two links to be seen of it."""
-    engine.load("knife", KNIFE)
+    engine.bodies.load("knife", KNIFE)
     camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
 
-    with engine.unseen(["knife"], but=[("knife", "blade")]):
+    with engine.rendering.hidden(["knife"], but=[("knife", "blade")]):
         view = camera.look(engine)
 
     assert view.mask("knife", "blade").any()
     assert not view.mask("knife", "handle").any()
-    assert set(engine.seen_links("knife")) == {"handle", "blade"}
+    assert set(engine.rendering.visible_links("knife")) == {"handle", "blade"}
 
 
 def test_bounds_are_round_the_corners(engine: PhysicsEngine):
     """A block on the floor fills the box that its corners do, to the margin of its hull."""
-    engine.load("block", BLOCK, poses.translation(0.2, 0.0, 0.0), fixed=True)
+    engine.bodies.load("block", BLOCK, poses.translation(0.2, 0.0, 0.0), fixed=True)
 
-    low, high = engine.bounds("block", "body")
+    low, high = engine.bodies.bounds("block", "body")
 
     corners = model_of(OBJECTS["block"]).points + np.array([0.2, 0.0, 0.0])
     assert low == pytest.approx(corners.min(axis=0), abs=0.01)
@@ -252,8 +208,8 @@ def test_bounds_are_round_the_corners(engine: PhysicsEngine):
 
 def test_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch):
     """It is one error, where PyBullet would end the process."""
-    monkeypatch.setattr(display.sys, "platform", "linux")
-    monkeypatch.setattr(display, "_answers", lambda: False)
+    monkeypatch.setattr(client.sys, "platform", "linux")
+    monkeypatch.setattr(client, "_has_display", lambda: False)
 
     with pytest.raises(SimulationError, match="no display"):
         PhysicsEngine(gui=True)

@@ -26,10 +26,10 @@ def test_forward_agrees_with_the_simulator(panda):
     names = [joint.name for joint in panda.arm.moving]
 
     with PhysicsEngine() as engine:
-        engine.load("arm", panda.urdf, fixed=True)
+        engine.bodies.load("arm", panda.urdf, fixed=True)
         for posture, base_from_hand in zip(joints, panda.arm.forward(joints), strict=True):
-            engine.set_joints("arm", names, posture)
-            assert np.allclose(engine.pose("arm", panda.hand), base_from_hand, atol=2e-6)
+            engine.joints.reset("arm", names, posture)
+            assert np.allclose(engine.bodies.pose("arm", panda.hand), base_from_hand, atol=2e-6)
 
 
 def test_solve_reaches_poses_over_a_table(panda):

@@ -77,7 +77,7 @@ def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
     robot.open(0.05)
     robot.wait(0.5)
     halfway = robot.opening
-    fingers = robot.engine.joint_positions(NAME, robot.gripper.joints)
+    fingers = robot.engine.joints.positions(NAME, robot.gripper.joints)
     robot.close()
 
     assert halfway == pytest.approx(0.05, abs=5e-4)
@@ -91,7 +91,7 @@ def test_closed_hand_feels_what_is_between_its_fingers(robot: Robot, tmp_path: P
     urdf.write_text(BLOCK, encoding="utf-8")
     robot.open(0.034)
     robot.wait(0.5)
-    robot.engine.load("block", urdf, poses.pose(np.eye(3), robot.world_from_grip[:3, 3]))
+    robot.engine.bodies.load("block", urdf, poses.pose(np.eye(3), robot.world_from_grip[:3, 3]))
 
     robot.close()
     first, second = robot.felt()
@@ -99,7 +99,7 @@ def test_closed_hand_feels_what_is_between_its_fingers(robot: Robot, tmp_path: P
 
     assert {c.other for c in (*first, *second)} == {"block"}
     assert sum(c.force for c in first) == pytest.approx(robot.gripper.force, rel=0.3)
-    assert abs(robot.engine.pose("block")[2, 3] - robot.world_from_grip[2, 3]) < 0.02
+    assert abs(robot.engine.bodies.pose("block")[2, 3] - robot.world_from_grip[2, 3]) < 0.02
 
 
 def test_empty_hand_feels_nothing(robot: Robot):

@@ -50,11 +50,11 @@ def test_moved_thing_wakes_and_is_felt_by_those_that_rest(world: World):
     above = poses.translation(0, 0, 0.12) @ world.pose("knife")
     above[:2, 3] = world.points("mug")[:, :2].mean(axis=0)
 
-    world.engine.place("knife", above)
+    world.engine.bodies.place("knife", above)
     touched: set[str] = set()
     for _ in range(10):
         step(world, resting, LOOK_EVERY)
-        touched |= {contact.other for contact in world.engine.contacts("knife", other="mug")}
+        touched |= {contact.other for contact in world.engine.contacts.find("knife", other="mug")}
 
     assert "knife" not in resting.names
     assert touched == {"mug"}
@@ -64,7 +64,7 @@ def test_settled_thing_rests_again(world: World):
     """What was moved and lies still rests again, but for what is going to be moved."""
     resting = Resting(world.engine, world.kinds)
     for name in world.kinds:
-        world.engine.place(name, poses.translation(0.01, 0, 0.0) @ world.pose(name))
+        world.engine.bodies.place(name, poses.translation(0.01, 0, 0.0) @ world.pose(name))
     step(world, resting, 240)
     assert not resting.names
 

@@ -40,7 +40,9 @@ def test_every_rest_is_stable(name: str, rest: str):
 def test_eight_objects_settle_without_touching():
     """In a scene of all objects nothing touches anything but the table."""
     with World.build(parse_scene("all", seed=2, objects=OBJECTS), OBJECTS) as world:
-        touched = {contact.other for name in world.kinds for contact in world.engine.contacts(name)}
+        touched = {
+            contact.other for name in world.kinds for contact in world.engine.contacts.find(name)
+        }
 
         assert len(world.kinds) == 8
         assert touched == {"table"}
@@ -71,7 +73,7 @@ def test_clearance_is_the_height_above_the_table():
     """An object lifted by 15 cm is 15 cm above the table."""
     with World.build(parse_scene("objects:shoe", seed=0, objects=OBJECTS), OBJECTS) as world:
         before = world.clearance("shoe")
-        world.engine.place("shoe", poses.translation(0, 0, 0.15) @ world.pose("shoe"))
+        world.engine.bodies.place("shoe", poses.translation(0, 0, 0.15) @ world.pose("shoe"))
 
         assert world.clearance("shoe") - before == pytest.approx(0.15, abs=1e-6)
 
@@ -79,7 +81,7 @@ def test_clearance_is_the_height_above_the_table():
 def test_empty_scene_is_a_bare_table():
     """A scene of nothing has a table and a floor."""
     with World.build(Scene((), 0), OBJECTS) as world:
-        assert world.engine.bodies == ("floor", "table")
+        assert world.engine.bodies.names == ("floor", "table")
         assert not world.kinds
 
 
@@ -89,7 +91,7 @@ def strike(world: World, height: float) -> None:
     face = np.array([0.008, 0.058, 0.0145])  # in the frame of the hammer
     x, y = world.pose("nail")[:2, 3]
     above = world.points("nail")[:, 2].max() + height
-    world.engine.place("hammer", poses.pose(turn, np.array([x, y, above]) - turn @ face))
+    world.engine.bodies.place("hammer", poses.pose(turn, np.array([x, y, above]) - turn @ face))
     world.step(round((np.sqrt(2 * height / 9.81) + 0.25) / TIME_STEP))
 
 

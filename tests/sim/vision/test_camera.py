@@ -23,7 +23,7 @@ coordinates = st.floats(-0.3, 0.3)
 def view() -> Iterator[CameraImage]:
     """A block seen by a camera."""
     with PhysicsEngine() as engine:
-        engine.load("block", BLOCK.urdf, fixed=True)
+        engine.bodies.load("block", BLOCK.urdf, fixed=True)
         yield CAMERA.look(engine)
 
 
@@ -96,7 +96,7 @@ def test_mask_of_what_is_not_there_is_empty(view: CameraImage):
 def test_window_shows_its_part_of_the_image():
     """The same pixels, and the same points in the world behind them."""
     with PhysicsEngine() as engine:
-        engine.load("block", BLOCK.urdf, fixed=True)
+        engine.bodies.load("block", BLOCK.urdf, fixed=True)
         whole = CAMERA.look(engine)
         view = CAMERA.look(engine, window=Window(300, 200, 90, 70))
 

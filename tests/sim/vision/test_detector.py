@@ -95,7 +95,7 @@ def test_half_hidden_object_is_less_sure():
     with World.build(parse_scene("objects:glass", seed=0, objects=OBJECTS), OBJECTS) as world:
         vision = Vision(world.engine, world.kinds, world.models)
         (before,) = vision.search(["object:glass"])
-        world.engine.place("glass", poses.translation(0, 0, -0.12) @ world.pose("glass"))
+        world.engine.bodies.place("glass", poses.translation(0, 0, -0.12) @ world.pose("glass"))
         (after,) = vision.search(["object:glass"])
 
     assert before.confidence == SURE
@@ -107,7 +107,7 @@ def test_half_hidden_object_is_less_sure():
 def test_absent_object_is_not_seen():
     """An object that has left the table is not found."""
     with World.build(parse_scene("objects:mug", seed=0, objects=OBJECTS), OBJECTS) as world:
-        world.engine.place("mug", poses.translation(0, 0, -0.6))
+        world.engine.bodies.place("mug", poses.translation(0, 0, -0.6))
         vision = Vision(world.engine, world.kinds, world.models)
 
         assert vision.search(["object:mug"]) == ()

@@ -53,11 +53,11 @@ def seen_of(things: World, view: CameraImage) -> dict[tuple[str, str], int]:
 def test_things_are_seen_as_in_the_whole_image(world: World, posture: tuple[float, ...] | None):
     """No pixel of a thing is lost or added, but for one in a thousand at the rims."""
     arm = [joint.name for joint in find_robot("panda").arm.moving]
-    with world.engine.tentatively():
-        if posture:
-            world.engine.set_joints(NAME, arm, posture)
-        views = attentive(world)
-        whole = [view.camera.look(world.engine) for view in views]
+    waiting = world.engine.joints.positions(NAME, arm)
+    world.engine.joints.reset(NAME, arm, posture or waiting)
+    views = attentive(world)
+    whole = [view.camera.look(world.engine) for view in views]
+    world.engine.joints.reset(NAME, arm, waiting)
 
     for part, all_of_it in zip(views, whole, strict=True):
         expected, found = seen_of(world, all_of_it), seen_of(world, part)
