@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 from platformdirs import user_data_path
 
 from ..kb.knowledge_base import KnowledgeBase
-from ..ontology.action_sheet import load_actions
-from ..ontology.actions import Actions
+from ..ontology.actions import Actions, load_actions
 from ..ontology.objects import Household, load_household
 
 if TYPE_CHECKING:

@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the words mean: the data that every other package reads, and the errors they raise.
+"""The domain model: vocabulary, object types, action trees and settings, as data with readers.
 
-vocabulary  the classes and properties of the graph, and how a name becomes an IRI
-object      a kind of thing, with its parts and properties
-part        what an object is held or used by: a handle, a blade
-action      something the robot can do; an action tree says how
-qualifier   a word of confidence and its interval: "often" is [0.75, 1]
+vocabulary   namespaces, prefixes and IRIs of the RDF graph
+objects      object types with their parts, properties and materials; geometry has their shapes
+actions      action trees: the steps that achieve a goal
+confidence   degrees of confidence and their intervals: "often" is [0.75, 1]
+yaml_reader  YAML values with positions, for precise error messages
+errors       all exceptions of Hilt
+cache        the user's cache folder
 
->>> from hilt.ontology.objects import load_objects
+>>> from hilt.ontology import load_objects
 >>> sorted(load_objects()["knife"].parts)
 ['blade', 'handle']
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

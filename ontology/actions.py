@@ -1,23 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Action trees: how a goal is carried out, step by step (paper, sections 3.3 and 4.2, Figure 3).
+"""Action trees, and their reader: how a goal is carried out (paper, sections 3.3, 4.2, Figure 3).
 
-A tree's steps are walked in preorder. Each step is a primitive, which the robot's vision or motion
-performs, or another tree. A `Step` says which of the tree's arguments it hands down. Before its
-first step a tree may require something, and after a failure its branches say what else to try.
-Trees are data: `action_sheet` reads them from YAML, those of Hilt and those of its users.
+The steps of a tree are executed in preorder. Each step is a primitive, which vision or motion
+performs, or another tree; a `Step` says which of the tree's arguments it passes on. A tree may have
+preconditions, and branches that handle failures. Trees are data in YAML: `actions.yaml` holds those
+of Hilt, and a file in the same form adds primitives and trees, or replaces trees of the same name.
+`docs/actions.md` describes all keys.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
 from .errors import UnknownNameError
+from .yaml_reader import Field, read_yaml
 
-FIXED = "="  # in front of a step's argument that is a word of its own
+ACTIONS_FILE = Path(__file__).with_name("actions.yaml")
+MAX_REPEAT = 100
+MAX_AGAIN = 10
+SPEAKER = "speaker"
+
+_TREE_KEYS = frozenset({"defaults", "requires", "otherwise", "is_a"})
+_BRANCHES = ("next", "again", "steps")
+FIXED = "="  # prefix of a step's argument that is a literal word
 ANY_FAILURE = "any"
-FAILURES = frozenset(  # what a branch may follow: reasons of motion, and of the walk itself
+FAILURES = frozenset(  # what a branch may handle: failures of motion, and of the execution itself
     {
         "nothing_seen", "no_grasp", "too_wide", "blocked", "unreachable", "wrong_part", "missed",
         "slipped", "dropped", "bumped", "nothing_held", "nothing_to_strike", "not_driven",
@@ -29,12 +39,12 @@ CONDITIONS = ("sees", "holds")
 
 @dataclass(frozen=True)
 class Affords:
-    """An argument that is not a thing but what it must afford: the argument review's question.
+    """An argument given by what it must afford instead of by an object.
 
     Attributes:
-        functor: what must follow of it: "usedFor", "cutWith", ...
+        functor: the required conclusion about it: "usedFor", "cutWith", ...
         argument: an atom as text ("affordance:pounding"); None where the functor needs none.
-        of: the parameter whose thing is the argument instead: cutWith(X, what is to be cut).
+        of: the parameter whose object is the argument instead: cutWith(X, what is to be cut).
     """
 
     functor: str
@@ -44,7 +54,7 @@ class Affords:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a tree.
+    """A step of an action tree.
 
     Attributes:
         action: a primitive or a tree.
@@ -57,7 +67,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Loop:
-    """Steps that are repeated at most `times` times, until the robot senses `until`."""
+    """Steps repeated at most `times` times, until the robot senses `until`."""
 
     times: int
     until: str | None
@@ -66,11 +76,11 @@ class Loop:
 
 @dataclass(frozen=True)
 class Condition:
-    """What must hold before the first step.
+    """A precondition of an action tree.
 
     Attributes:
-        kind: "sees", it is in view; or "holds", it is in the hand.
-        parameter: the argument that is meant.
+        kind: "sees", the object is in view; or "holds", it is in the hand.
+        parameter: the argument it is about.
     """
 
     kind: str
@@ -79,13 +89,13 @@ class Condition:
 
 @dataclass(frozen=True)
 class Branch:
-    """What to do after a failure; exactly one of the last three.
+    """What to do after a failure: exactly one of the last three attributes is set.
 
     Attributes:
-        after: the failures it is for, some of `FAILURES` or "any".
-        next: the parameter for which the next best thing is to be tried.
-        again: how often to walk the steps again.
-        steps: what else to do; when they succeed, the tree does.
+        after: the failures it handles, some of `FAILURES` or "any".
+        next: the parameter for which the next best candidate is tried.
+        again: how often the steps are repeated.
+        steps: other steps; the tree succeeds when they do.
     """
 
     after: frozenset[str]
@@ -93,23 +103,23 @@ class Branch:
     again: int = 0
     steps: tuple[Step | Loop, ...] = ()
 
-    def follows(self, failure: str) -> bool:
-        """Whether it is meant for a failure."""
+    def handles(self, failure: str) -> bool:
+        """Whether the branch handles a failure."""
         return ANY_FAILURE in self.after or failure in self.after
 
 
 @dataclass(frozen=True)
 class ActionTree:
-    """How one goal is carried out.
+    """The steps that achieve one kind of goal.
 
     Attributes:
-        name: of the goal.
-        parameters: what the goal's predicate may carry, in order.
-        defaults: parameter -> what it is when nobody says it; "speaker" is who asked.
-        steps: walked in preorder.
-        requires: what must hold before.
-        otherwise: what to do after a failure, the first that fits.
-        is_a: the action that it is a kind of, whose rules it inherits.
+        name: the predicate of the goal.
+        parameters: the arguments of the predicate, in order.
+        defaults: parameter -> its value when it is not given; "speaker" is who asked.
+        steps: executed in preorder.
+        requires: the preconditions.
+        otherwise: branches for failures; the first that handles a failure is taken.
+        is_a: the more general action whose rules it inherits.
     """
 
     name: str
@@ -122,17 +132,16 @@ class ActionTree:
 
     @property
     def all_steps(self) -> Iterator[Step]:
-        """Its steps with those inside loops and branches, once each."""
-        yield from flat_steps(self.steps)
+        """All steps, including those inside loops and branches, once each."""
+        yield from iterate_steps(self.steps)
         for branch in self.otherwise:
-            yield from flat_steps(branch.steps)
+            yield from iterate_steps(branch.steps)
 
 
 @dataclass(frozen=True)
 class Actions:
-    """All primitives and trees the robot knows.
+    """The primitives and action trees of the robot.
 
-    >>> from hilt.ontology.action_sheet import load_actions
     >>> actions = load_actions()
     >>> [step.action for step in actions.tree("pass").steps]
     ['findObject', 'graspObject', 'moveTo', 'handOver']
@@ -144,7 +153,7 @@ class Actions:
     trees: Mapping[str, ActionTree] = field(default_factory=dict[str, ActionTree])
 
     def tree(self, name: str) -> ActionTree:
-        """The tree of a goal.
+        """Return the tree of a goal.
 
         Raises:
             UnknownNameError: there is no such tree.
@@ -166,7 +175,7 @@ class Actions:
 
     @property
     def kinds(self) -> Mapping[str, str]:
-        """Action -> the action that it is a kind of, where it is one."""
+        """Action -> the more general action, for the actions that have one."""
         return {name: tree.is_a for name, tree in self.trees.items() if tree.is_a}
 
     def _paths(self, name: str, path: str) -> Iterator[str]:
@@ -175,10 +184,180 @@ class Actions:
             yield from self._paths(step.action, f"{path}/{step.action}")
 
 
-def flat_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
-    """Steps with those inside loops, once each."""
+def iterate_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
+    """Yield the steps, including those inside loops, once each."""
     for step in steps:
         if isinstance(step, Loop):
             yield from step.steps
         else:
             yield step
+
+
+def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) -> Actions:
+    """Read and check action trees.
+
+    Args:
+        path: the file.
+        added_to: existing actions, which its trees may use and which are kept.
+
+    Raises:
+        DataError: the file is invalid; gives the position and what was expected.
+    """
+    known = added_to or Actions({})
+    top = read_yaml(path).entries(required=["trees"], optional=["primitives", "failures"])
+    added = top["primitives"].entries() if "primitives" in top else {}
+    primitives = {**known.primitives, **{name: spec.texts() for name, spec in added.items()}}
+    specs = top["trees"].entries()
+    failures = {*FAILURES, *(top["failures"].texts() if "failures" in top else ())}
+    signatures = {**primitives, **{name: each.parameters for name, each in known.trees.items()}}
+    signatures |= {name: _parameters(spec) for name, spec in specs.items()}
+    read = {
+        name: _TreeReader(name, spec, signatures, failures).read() for name, spec in specs.items()
+    }
+    trees = {**known.trees, **read}
+    for name, spec in specs.items():
+        _reject_cycles(name, spec, trees)
+    return Actions(primitives, trees)
+
+
+def _parameters(spec: Field) -> tuple[str, ...]:
+    return spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)["parameters"].texts()
+
+
+class _TreeReader:
+    """Reads one tree, checked against the actions that its steps may name."""
+
+    def __init__(
+        self,
+        name: str,
+        spec: Field,
+        signatures: Mapping[str, tuple[str, ...]],
+        failures: Collection[str],
+    ) -> None:
+        self.name, self.keys = name, spec.entries()
+        self.signatures, self.failures = signatures, failures
+        self.parameters = signatures[name]
+
+    def read(self) -> ActionTree:
+        """Return the tree."""
+        keys = self.keys
+        defaults = keys["defaults"].entries(optional=self.parameters) if "defaults" in keys else {}
+        return ActionTree(
+            self.name,
+            self.parameters,
+            {parameter: self._default(value) for parameter, value in defaults.items()},
+            self._steps(keys["steps"]),
+            tuple(self._condition(item) for item in _items(keys, "requires")),
+            tuple(self._branch(item) for item in _items(keys, "otherwise")),
+            self._action(keys["is_a"]) if "is_a" in keys else None,
+        )
+
+    def _default(self, value: Field) -> str | Affords:
+        if isinstance(value.value, str):
+            return value.text(choices={SPEAKER})
+        keys = value.entries(optional={"usedFor", "affords", "of"})
+        if "usedFor" in keys:
+            value.entries(required={"usedFor"}, optional=())
+            return Affords("usedFor", f"affordance:{keys['usedFor'].text()}")
+        value.entries(required={"affords"}, optional={"of"})
+        of = self._parameter(keys["of"]) if "of" in keys else None
+        return Affords(keys["affords"].text(), of=of)
+
+    def _condition(self, item: Field) -> Condition:
+        kind, parameter = _single_entry(item, "condition")
+        if kind not in CONDITIONS:
+            raise parameter.fail(str(UnknownNameError("condition", kind, CONDITIONS)))
+        return Condition(kind, self._parameter(parameter))
+
+    def _branch(self, item: Field) -> Branch:
+        keys = item.entries(required={"after"}, optional=_BRANCHES)
+        given = [key for key in _BRANCHES if key in keys]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise item.fail(f"expected one of {', '.join(_BRANCHES)}, found {found}.")
+        return Branch(
+            self._failures(keys["after"]),
+            self._parameter(keys["next"]) if "next" in keys else None,
+            keys["again"].integer(low=1, high=MAX_AGAIN) if "again" in keys else 0,
+            self._steps(keys["steps"]) if "steps" in keys else (),
+        )
+
+    def _failures(self, field: Field) -> frozenset[str]:
+        if field.value == ANY_FAILURE:
+            return frozenset({ANY_FAILURE})
+        return frozenset(field.texts(choices=self.failures))
+
+    def _steps(self, field: Field) -> tuple[Step | Loop, ...]:
+        return tuple(self._step(item) for item in field.items())
+
+    def _step(self, item: Field) -> Step | Loop:
+        keys = item.entries()
+        if "repeat" not in keys:
+            return self._plain_step(item)
+        item.entries(required={"repeat", "steps"}, optional={"until"})
+        return Loop(
+            keys["repeat"].integer(low=1, high=MAX_REPEAT),
+            keys["until"].text() if "until" in keys else None,
+            tuple(self._plain_step(each) for each in keys["steps"].items()),
+        )
+
+    def _plain_step(self, item: Field) -> Step:
+        action, argument = _single_entry(item, "action")
+        if action not in self.signatures:
+            raise item.fail(str(UnknownNameError("action", action, self.signatures)))
+        if argument.value is None:
+            return Step(action, {})
+        wanted = self.signatures[action]
+        if not wanted:
+            raise argument.fail(f'"{action}" takes no argument.')
+        if isinstance(argument.value, dict):
+            given = argument.entries(optional=wanted)
+            return Step(action, {name: self._step_argument(value) for name, value in given.items()})
+        return Step(action, {wanted[0]: self._step_argument(argument)})
+
+    def _step_argument(self, argument: Field) -> str:
+        word = argument.text()
+        return word if word.startswith(FIXED) else self._parameter(argument)
+
+    def _parameter(self, field: Field) -> str:
+        if field.text() not in self.parameters:
+            raise field.fail(str(UnknownNameError("parameter", field.value, self.parameters)))
+        return field.text()
+
+    def _action(self, field: Field) -> str:
+        if field.text() not in self.signatures or field.value == self.name:
+            others = set(self.signatures) - {self.name}
+            raise field.fail(str(UnknownNameError("other action", field.value, others)))
+        return field.text()
+
+
+def _single_entry(item: Field, what: str) -> tuple[str, Field]:
+    keys = item.entries()
+    if len(keys) != 1:
+        raise item.fail(f"expected one {what} with its argument, found {len(keys)} keys.")
+    return next(iter(keys.items()))
+
+
+def _items(keys: Mapping[str, Field], key: str) -> tuple[Field, ...]:
+    return keys[key].items() if key in keys else ()
+
+
+def _reject_cycles(name: str, spec: Field, trees: Mapping[str, ActionTree]) -> None:
+    """Reject a tree that contains itself, directly or through others, or is a kind of itself."""
+    if name in _reached(name, lambda tree: [step.action for step in tree.all_steps], trees):
+        raise spec.fail(f'the tree "{name}" contains itself.')
+    if name in _reached(name, lambda tree: [tree.is_a] if tree.is_a else [], trees):
+        raise spec.fail(f'the tree "{name}" would be a kind of itself.')
+
+
+def _reached(
+    name: str, following: Callable[[ActionTree], list[str]], trees: Mapping[str, ActionTree]
+) -> set[str]:
+    seen: set[str] = set()
+    waiting = following(trees[name])
+    while waiting:
+        action = waiting.pop()
+        if action in trees and action not in seen:
+            seen.add(action)
+            waiting += following(trees[action])
+    return seen

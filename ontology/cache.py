@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The folder where what is slow to make is kept, named by its content. It may be deleted.
+"""The user's cache folder: files named by their content that are slow to compute.
 
-It is `$HILT_CACHE`, else `hilt` in the user's cache directory. A file is written beside its place
-and then renamed, so that two processes never see half of one another's.
+It is `$HILT_CACHE`, or else `hilt` in the cache directory of the user. It may be deleted.
 """
 
 from __future__ import annotations
@@ -14,31 +13,32 @@ from pathlib import Path
 
 
 def cache_folder() -> Path:
-    """Where Hilt keeps what it can make again."""
+    """Return the folder of the cache."""
     given = os.environ.get("HILT_CACHE")
     if given:
         return Path(given).expanduser()
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "hilt"
+    from platformdirs import user_cache_path
+
+    return user_cache_path("hilt", appauthor=False)
 
 
 def content_key(*contents: bytes) -> str:
-    """A short name for these contents, the same whenever they are the same."""
+    """Return a short name for these contents: a digest that is equal for equal contents."""
     digest = hashlib.sha256()
     for content in contents:
         digest.update(len(content).to_bytes(8, "big") + content)
     return digest.hexdigest()[:20]
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a file of the cache, so that nobody ever sees half of it.
+def write_atomically(path: Path, text: str) -> None:
+    """Write a text file under a temporary name and rename it, so that no reader sees half of it.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(
         "w", dir=path.parent, delete=False, encoding="utf-8"
-    ) as beside:
-        beside.write(text)
-    Path(beside.name).replace(path)
+    ) as temporary:
+        temporary.write(text)
+    Path(temporary.name).replace(path)

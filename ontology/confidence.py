@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Degrees of confidence: what "often" and "sometimes" are worth as intervals.
+"""Degrees of confidence, such as `high` or `mediumLow`, and their intervals.
 
-The words themselves belong to a language; the degrees they express, named as in the paper's
-predicate forms (`high`, `mediumLow`, ...), belong to the domain. Paper, sections 3.2 and 4.1.
+The words that express a degree ("often", "sometimes") belong to a language; the degrees are named
+as in the predicate forms of the paper (sections 3.2 and 4.1).
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ QUALIFIERS_FILE = Path(__file__).parent / "qualifiers.yaml"
 
 @dataclass(frozen=True)
 class Degrees:
-    """The degrees there are.
+    """The degrees of confidence.
 
     Attributes:
-        default: the degree of a rule that is told without a qualifier.
+        default: the degree of a rule that is stated without a qualifier.
         intervals: (lower, upper) in [0, 1] for each degree.
     """
 
@@ -30,7 +30,7 @@ class Degrees:
     intervals: Mapping[str, tuple[float, float]]
 
     def nearest(self, interval: tuple[float, float]) -> str:
-        """The degree whose interval lies closest to this one."""
+        """Return the degree whose interval is closest to the given one."""
         lower, upper = interval
 
         def distance(degree: str) -> float:
@@ -41,10 +41,10 @@ class Degrees:
 
 
 def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:
-    """Read the degrees from YAML.
+    """Read the degrees from a YAML file.
 
     Raises:
-        DataError: the file is not as expected; says where.
+        DataError: the file is invalid; gives the position.
     """
     entries = read_yaml(path).entries(required=("default", "degrees"), optional=())
     intervals = {

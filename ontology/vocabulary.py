@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The names of the graph: namespaces, prefixes, and how a word becomes an IRI.
+"""The RDF vocabulary: namespaces, prefixes, and IRIs for names.
 
-`vocabulary.ttl` beside this file says what each class and property means; `shapes.ttl` says how
-their instances look. Terms of the vocabulary are `hilt:...` (`term("lower")`). Individuals live
-under one path a kind: `object:knife`, `part:blade`, `rule:3f9c...` (`iri("part", "blade")`).
+`vocabulary.ttl` beside this file defines each class and property; `shapes.ttl` constrains their
+instances. Terms of the vocabulary are `hilt:...` (`term("lower")`). Individuals have
+one path for each kind: `object:knife`, `part:blade`, `rule:3f9c...` (`iri("part", "blade")`).
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ SHAPES_FILE = Path(__file__).with_name("shapes.ttl")
 HILT = "https://w3id.org/hilt#"
 INDIVIDUALS = "https://w3id.org/hilt/"
 
-# What an atom of a rule can be.
+# Kinds of atoms in rules.
 ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance")
-# What else there is in the graph.
+# Kinds of records in the graph.
 RECORD_KINDS = ("node", "functor", "rule", "utterance", "speaker", "episode", "step", "word")
 KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")
 
-# The named graphs of a base. `base` is about the base itself: format version, last number.
+# The named graphs of a knowledge base; `base` holds its format version and sequence number.
 GRAPH_NAMES = ("base", "domain", "beliefs", "history", "lexicon", "episodes")
 
 _FOREIGN = {
@@ -51,7 +51,7 @@ _UNSAFE = re.compile(r"[^\w.-]|_")
 
 
 class Iri(str):
-    """An IRI. It is a text to print, but never equal to one: a literal is another thing.
+    """An IRI: a `str` that never equals a plain `str`, which stands for a literal.
 
     >>> Iri("urn:x") == "urn:x"
     False
@@ -71,7 +71,7 @@ class Iri(str):
 
 
 def iri(kind: str, name: str) -> Iri:
-    """The IRI of an individual; a space becomes `_`, what an IRI cannot hold is escaped.
+    """Return the IRI of an individual; a space becomes `_`, other invalid characters are escaped.
 
     >>> print(iri("object", "wine glass"))
     https://w3id.org/hilt/object/wine_glass
@@ -83,18 +83,18 @@ def iri(kind: str, name: str) -> Iri:
 
 
 def term(name: str) -> Iri:
-    """The IRI of a class or property of the vocabulary."""
+    """Return the IRI of a class or property of Hilt's vocabulary."""
     return Iri(HILT + name)
 
 
 def external(prefixed: str) -> Iri:
-    """The IRI of a prefixed name such as "prov:wasDerivedFrom"."""
+    """Return the IRI of a prefixed name such as "prov:wasDerivedFrom"."""
     prefix, _, local = prefixed.partition(":")
     return Iri(PREFIXES[prefix] + local)
 
 
 def prefixed(full: Iri) -> str:
-    """An IRI as a person writes it, with its prefix; itself when none fits.
+    """Return an IRI in prefixed form, or unchanged if no prefix fits.
 
     >>> prefixed(iri("object", "wine glass"))
     'object:wine_glass'
@@ -105,7 +105,7 @@ def prefixed(full: Iri) -> str:
 
 
 def shortened(node: str) -> str:
-    """An IRI with its prefix, for people.
+    """Return an IRI in prefixed form, or in angle brackets if no prefix fits.
 
     >>> shortened(iri("object", "knife"))
     'object:knife'
@@ -118,7 +118,7 @@ def shortened(node: str) -> str:
 
 @lru_cache(maxsize=2**16)
 def split(individual: Iri) -> tuple[str, str]:
-    """The kind and name that `iri` made an IRI from; ("", the IRI) when it is none of ours.
+    """Return the kind and name of an individual of Hilt, or ("", IRI) for other IRIs.
 
     >>> split(iri("object", "wine glass"))
     ('object', 'wine glass')

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YAML data read with its positions, so that every mistake is told with file, line and column.
+"""Reader for YAML that keeps positions, so that errors name file, line and column.
 
-`read_yaml` gives a `Field`: one value of the file that knows where it stands. A loader asks it
-for what it expects (`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and
-either gets a plain Python value or a `DataError` that says what was expected and what was found.
+`read_yaml` returns a `Field`: a value with its position. A loader requests the expected type
+(`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and gets a plain Python
+value or a `DataError` that states what was expected and what was found.
 
-Only plain data is read: no tags, no aliases (a small file could unfold into gigabytes), no
-duplicate keys, and no file over `MAX_BYTES`.
+Rejected are tags, aliases (a small file could expand to gigabytes), duplicate keys, and files
+larger than `MAX_BYTES`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MAX_DEPTH = 64
 
 @dataclass(frozen=True)
 class Field:
-    """One value of a YAML file, and where it stands.
+    """A value of a YAML file with its position.
 
     Attributes:
         value: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping
@@ -43,13 +43,13 @@ class Field:
     text_line: str = dataclasses.field(default="", compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:
-        """The error that says what is wrong with this value."""
+        """Return an error about this value, with its position."""
         return DataError(
             problem, source=self.source, line=self.line, column=self.column, text=self.text_line
         )
 
     def text(self, *, choices: Collection[str] = ()) -> str:
-        """This value as a non-empty text, one of `choices` when there are any."""
+        """Return this value as a non-empty text; it must be one of `choices` if given."""
         if not isinstance(self.value, str) or not self.value:
             raise self.fail(f"expected a text, found {self.shown()}.")
         if choices and self.value not in choices:
@@ -60,7 +60,7 @@ class Field:
         return self.value
 
     def number(self, *, low: float = -1e9, high: float = 1e9) -> float:
-        """This value as a number in [low, high]."""
+        """Return this value as a number in [low, high]."""
         if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
             raise self.fail(f"expected a number in [{low:g}, {high:g}], found {self.shown()}.")
         if not low <= self.value <= high:
@@ -70,54 +70,54 @@ class Field:
     def numbers(
         self, *, count: int | None = None, low: float = -1e9, high: float = 1e9
     ) -> tuple[float, ...]:
-        """This value as a list of numbers in [low, high], `count` of them when it is given."""
+        """Return this value as a list of (`count`) numbers in [low, high]."""
         values = tuple(item.number(low=low, high=high) for item in self.items())
         if count is not None and len(values) != count:
             raise self.fail(f"expected {count} numbers, found {len(values)}.")
         return values
 
     def integer(self, *, low: int = -(10**9), high: int = 10**9) -> int:
-        """This value as a whole number in [low, high]."""
+        """Return this value as an integer in [low, high]."""
         if isinstance(self.value, bool) or not isinstance(self.value, int):
             raise self.fail(f"expected a whole number, found {self.shown()}.")
         return int(self.number(low=low, high=high))
 
     def truth(self) -> bool:
-        """This value as `true` or `false`."""
+        """Return this value as a Boolean."""
         if not isinstance(self.value, bool):
             raise self.fail(f"expected true or false, found {self.shown()}.")
         return self.value
 
     def items(self) -> tuple[Field, ...]:
-        """The fields of a list."""
+        """Return the items of a list."""
         if not isinstance(self.value, tuple):
             raise self.fail(f"expected a list, found {self.shown()}.")
         return self.value
 
     def texts(self, *, choices: Collection[str] = ()) -> tuple[str, ...]:
-        """The texts of a list."""
+        """Return this value as a list of texts."""
         return tuple(item.text(choices=choices) for item in self.items())
 
     def entries(
         self, *, required: Collection[str] = (), optional: Collection[str] | None = None
     ) -> dict[str, Field]:
-        """The fields of a mapping, in the order of the file.
+        """Return the entries of a mapping, in the order of the file.
 
         Args:
-            required: keys that must be there.
-            optional: keys that may be there besides; None allows any key.
+            required: keys that must exist.
+            optional: further keys that may exist; None allows any key.
         """
         if not isinstance(self.value, dict):
             raise self.fail(f"expected a mapping, found {self.shown()}.")
         found: dict[str, Field] = self.value
         if optional is not None:
-            self._refuse_unknown(found, {*required, *optional})
+            self._reject_unknown(found, {*required, *optional})
         for key in required:
             if key not in found:
                 raise self.fail(f'the key "{key}" is missing; found {", ".join(found) or "none"}.')
         return found
 
-    def _refuse_unknown(self, found: dict[str, Field], known: Collection[str]) -> None:
+    def _reject_unknown(self, found: dict[str, Field], known: Collection[str]) -> None:
         for key, field in found.items():
             if key not in known:
                 raise field.fail(
@@ -126,7 +126,7 @@ class Field:
                 )
 
     def plain(self) -> Any:
-        """This value and all below it without positions."""
+        """Return this value as plain Python data, without positions."""
         if isinstance(self.value, tuple):
             return [item.plain() for item in self.value]
         if isinstance(self.value, dict):
@@ -134,7 +134,7 @@ class Field:
         return self.value
 
     def shown(self) -> str:
-        """This value as an error message names it."""
+        """Return the description of this value for an error message."""
         if isinstance(self.value, dict):
             return "a mapping"
         if isinstance(self.value, tuple):
@@ -145,17 +145,17 @@ class Field:
 
 
 def _suggestion(name: str, known: Collection[str]) -> str:
-    from difflib import get_close_matches  # only where something is wrong already
+    from difflib import get_close_matches  # imported only when an error is reported
 
     close = get_close_matches(name, list(known), n=1)
     return f' (did you mean "{close[0]}"?)' if close else ""
 
 
 def read_yaml(path: Path) -> Field:
-    """Read one YAML file.
+    """Read a YAML file.
 
     Raises:
-        DataError: the file cannot be read, is not UTF-8, is no YAML, or uses what is not allowed.
+        DataError: the file cannot be read, is not UTF-8 or YAML, or uses a rejected feature.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -171,12 +171,12 @@ def read_yaml(path: Path) -> Field:
 
 
 def parse_yaml(text: str, *, source: str = "<text>") -> Field:
-    """Read YAML from a text; as `read_yaml` does from a file."""
-    import yaml  # here, so that what only names a `Field` does not pay for it
+    """Read YAML from a text, as `read_yaml` does from a file."""
+    import yaml  # imported here to save start-up time
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
     try:
-        return _Reader(loader, source, text.splitlines()).document()
+        return _FieldBuilder(loader, source, text.splitlines()).document()
     except yaml.MarkedYAMLError as error:
         raise _syntax_error(error, text, source) from error
     except yaml.YAMLError as error:
@@ -203,11 +203,11 @@ _PLAIN = frozenset({"str", "int", "float", "bool", "null", "seq", "map"})
 _END = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 
-class _Reader:
-    """Makes fields of the events of one text, in one pass.
+class _FieldBuilder:
+    """Builds fields from the parser events of a text in one pass.
 
     Args:
-        loader: what tells the events, and makes numbers of texts.
+        loader: the YAML loader, which yields events and converts scalars.
         source: the name of the text.
         lines: the lines of the text.
     """
@@ -219,7 +219,7 @@ class _Reader:
         self._depth = 0
 
     def document(self) -> Field:
-        """The one document of the text."""
+        """Return the only document of the text."""
         self._next()
         event = self._next()
         if type(event).__name__ == "StreamEndEvent":
@@ -228,7 +228,7 @@ class _Reader:
         self._next()
         event = self._next()
         if type(event).__name__ != "StreamEndEvent":
-            raise self._at(event, None).fail("expected one document, found another one.")
+            raise self._at(event, None).fail("expected one document, found a second one.")
         return field
 
     def _field(self, event: Any) -> Field:
@@ -242,7 +242,7 @@ class _Reader:
             raise self._at(event, None).fail("nested too deeply.")
         is_list = kind == "SequenceStartEvent"
         if event.tag is not None and event.tag != f"{_TAG}{'seq' if is_list else 'map'}":
-            raise self._refused(event, event.tag)
+            raise self._tag_error(event, event.tag)
         field = self._at(event, self._items() if is_list else self._entries())
         self._depth -= 1
         return field
@@ -258,26 +258,26 @@ class _Reader:
         while type(event := self._next()).__name__ not in _END:
             key = self._field(event)
             if key.text() in entries:
-                raise key.fail(f'the key "{key.value}" stands here twice.')
+                raise key.fail(f'the key "{key.value}" is given twice.')
             entries[key.value] = self._field(self._next())
         return entries
 
     def _scalar(self, event: Any) -> Field:
-        # Most values are texts in quotes, which are what they are.
+        # Fast path: most values are quoted texts.
         if event.tag in {None, "!"} and not event.implicit[0]:
             return self._at(event, event.value)
         tag = self._tag(event)
         if tag == _TEXT:
             return self._at(event, event.value)
         if tag.removeprefix(_TAG) not in _PLAIN:
-            raise self._refused(event, tag)
+            raise self._tag_error(event, tag)
         from yaml.nodes import ScalarNode
 
         node = ScalarNode(tag, event.value, event.start_mark, event.end_mark)
         return self._at(event, self._loader.construct_object(node))
 
     def _tag(self, event: Any) -> str:
-        """The type of a value, which shows in its text where it is not given."""
+        """Return the type of a scalar, resolved from its text if there is no tag."""
         if event.tag is not None:
             return event.tag
         found = self._tags.get(event.value)
@@ -294,7 +294,7 @@ class _Reader:
         text = self._lines[line] if line < len(self._lines) else ""
         return Field(value, self._source, line + 1, mark.column + 1, text)
 
-    def _refused(self, event: Any, tag: str) -> DataError:
+    def _tag_error(self, event: Any, tag: str) -> DataError:
         return self._at(event, None).fail(
             f'the type "{tag}" is not allowed; write a text in quotes, a number, true or false, a '
             "list or a mapping."

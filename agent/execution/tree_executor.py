@@ -180,7 +180,7 @@ class Walk:
             is_possible = bool(branch.steps) or tries[index] > 0
             if branch.next:
                 is_possible = bool(self._others(arguments[branch.next]))
-            if is_possible and branch.follows(failure.cause):
+            if is_possible and branch.handles(failure.cause):
                 return index
         return None
 

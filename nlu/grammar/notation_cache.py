@@ -15,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...ontology.cache import cache_folder, content_key, write_whole
+from ...ontology.cache import cache_folder, content_key, write_atomically
 from .categories import AtomicCategory, Category, Functor
 from .terms import Apply, Bound, Constant, Lambda, Term
 from .types import Basic, FunctionType, Type
@@ -61,7 +61,7 @@ class NotationCache:
             used = {f"{start} {text}": _to_plain(v) for (start, text), v in self._used.items()}
             body = json.dumps(used, ensure_ascii=False)
             with suppress(OSError):
-                write_whole(self._path, f"{self._head(body)}\n{body}")
+                write_atomically(self._path, f"{self._head(body)}\n{body}")
             self._is_new = False
 
     @cached_property

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from ...ontology.cache import cache_folder, content_key, write_whole
+from ...ontology.cache import cache_folder, content_key, write_atomically
 from ...ontology.errors import SimulationError
 
 __all__ = ["cache_folder", "content_key", "keep_file"]
@@ -23,7 +23,7 @@ def keep_file(name: str, make: Callable[[], str]) -> Path:
         return path
     text = make()
     try:
-        write_whole(path, text)
+        write_atomically(path, text)
     except OSError as error:
         raise SimulationError(
             f"The cache {path.parent} cannot be written: {error.strerror}. "

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.ontology.action_sheet import load_actions
-from hilt.ontology.actions import Actions, Affords, Condition, Loop, Step
+from hilt.ontology.actions import Actions, Affords, Condition, Loop, Step, load_actions
 from hilt.ontology.errors import DataError, UnknownNameError
 
 HEAD = "primitives:\n  findObject: [object]\n  raise: []\ntrees:\n"
@@ -113,7 +112,7 @@ def test_file_of_ones_own_adds_to_those_of_hilt(tmp_path: Path):
     assert season.requires == (Condition("sees", "patient"), Condition("holds", "tool"))
     assert season.defaults["tool"] == Affords("seasonWith", of="patient")
     assert [branch.again for branch in season.otherwise] == [2, 0, 0]
-    assert season.otherwise[2].follows("anything at all")
+    assert season.otherwise[2].handles("anything at all")
     assert actions.kinds == {"season": "use"}
     assert {"season/pickUp/graspObject", "season/pointTo/pointAt"} <= set(actions.nodes)
     assert actions.tree("pass") == load_actions().tree("pass")

@@ -30,7 +30,7 @@ def test_plain_data_reads_back_as_written(value: object):
     ("text", "message"),
     [
         ("", "<text>: the file is empty."),
-        ("a: 1\na: 2", '<text>:2:1: the key "a" stands here twice.'),
+        ("a: 1\na: 2", '<text>:2:1: the key "a" is given twice.'),
         ("a: &x [1]\nb: *x", "<text>:2:4: aliases are not allowed."),
         ("a: [1", "<text>:2:1: is not YAML: did not find expected ',' or ']'."),
         ("a: !!python/name:os.system x", '<text>:1:4: the type "tag:yaml.org,2002:python/name'),

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
-from ....ontology.action_sheet import load_actions
+from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
 from ....sim.scene.scene import scene_of
 from ...agent import Agent

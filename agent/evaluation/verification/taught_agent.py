@@ -20,7 +20,7 @@ from ....inference.types import Candidate, Inference, Target
 from ....kb.knowledge_base import KnowledgeBase
 from ....kb.rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT
 from ....kb.rule import DEFAULT_SPEAKER, Rule
-from ....ontology.action_sheet import load_actions
+from ....ontology.actions import load_actions
 from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
 from ...execution.goal_manager import GoalManager, Request

@@ -25,7 +25,7 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule
 from hilt.kb.stores.base import open_store
 from hilt.kb.validation import lawful
-from hilt.ontology.action_sheet import load_actions
+from hilt.ontology.actions import load_actions
 from hilt.ontology.errors import DataError, ValidationError
 from hilt.ontology.objects import load_objects
 from hilt.ontology.vocabulary import PREFIXES

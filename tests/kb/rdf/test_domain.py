@@ -10,7 +10,7 @@ import pytest
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.domain import DOMAIN
 from hilt.kb.validation import shapes
-from hilt.ontology.action_sheet import load_actions
+from hilt.ontology.actions import load_actions
 from hilt.ontology.objects import load_household, load_objects
 from hilt.ontology.vocabulary import term
 

@@ -27,7 +27,7 @@ from hilt.kb.stores.base import Store, open_store
 from hilt.kb.stores.remote import BATCH, open_remote
 from hilt.kb.validation import lawful
 from hilt.nlu.language import Language
-from hilt.ontology.action_sheet import load_actions
+from hilt.ontology.actions import load_actions
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.objects import load_objects
 from hilt.ontology.vocabulary import GRAPH_NAMES, Iri, iri
