@@ -92,7 +92,7 @@ class Embodiment:
             seed=self.scene.seed,
             gui=self.gui,
             robot=self.robot,
-            eyes=self.eyes,
+            vision=self.eyes,
             noise=self.errors(),
         )
 

@@ -52,7 +52,7 @@ class Film:
     def __enter__(self) -> Film:
         self._recorder.__enter__()
         self._goals.watchers.append(self._at)
-        self._body.onlooker = self._planned
+        self._body.pick_and_place.on_plan = self._planned
         return self
 
     def __exit__(
@@ -61,7 +61,7 @@ class Film:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._body.onlooker = None
+        self._body.pick_and_place.on_plan = None
         self._goals.watchers.remove(self._at)
         self._recorder.__exit__(kind, error, trace)
 

@@ -1,79 +1,78 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Things that lie still: the engine need not reckon with them until something moves them.
+"""Sleeping: the engine does not compute objects that lie still until something moves them.
 
-Most of the time of a full table would go into things that do nothing: each is pressed on the table
-by a dozen contacts, and the engine solves all things together whose bounding boxes overlap, a long
-chain on a full table. So what lies still sleeps, and contacts between two such things, which cannot
-change, are left out. Whatever has moved is awake, and felt by all others, from that moment on.
+Most of the time of a full table would go into objects that do nothing: each is pressed on the table
+by a dozen contacts, and the engine solves all objects together whose bounding boxes overlap, a long
+chain on a full table. So objects that lie still sleep, and contacts between two of them, which
+cannot change, are left out. An object that has moved is awake, and touches all others again, from
+that moment on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
-from ..physics.engine import PhysicsEngine
 from ..poses import Array
+from .world import World
 
-LOOK_EVERY = 12  # steps between two looks: a twentieth of a second
-MOVED = 5e-4  # [m], a thing that lies still moves less
+CHECK_INTERVAL = 12  # steps between two checks: a twentieth of a second
+MOVED = 5e-4  # [m], an object that lies still moves less
 
 
-class Resting:
-    """The things of a table that lie still at the moment.
+class SleepManager:
+    """Puts the loose objects of a world to sleep, and wakes those that are moved.
 
     Args:
-        engine: where they are.
-        loose: the names of all things that lie on the table, still by now.
+        world: whose objects; they lie still by now.
     """
 
-    def __init__(self, engine: PhysicsEngine, loose: Iterable[str]) -> None:
-        self._engine = engine
-        self._moving: dict[str, Array] = {}
-        self._places: dict[str, Array] = {}
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._awake: dict[str, Array] = {}  # where each object was at the last check (3,)
+        self._asleep: dict[str, Array] = {}
         self._steps = 0
-        for name in loose:
-            self._rest(name)
+        for name in world.loose:
+            self._put_to_sleep(name)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """What lies still."""
-        return tuple(self._places)
+    def asleep(self) -> tuple[str, ...]:
+        """The names of the objects that sleep."""
+        return tuple(self._asleep)
 
-    def settle(self, *, but: str) -> None:
-        """Take what has come to lie still as resting again.
+    def step(self, count: int) -> None:
+        """Let `count` steps pass in the world, and wake what is moved."""
+        for _ in range(count):
+            self._world.step()
+            self._steps = (self._steps + 1) % CHECK_INTERVAL
+            if self._steps == 0:
+                self._check()
 
-        Args:
-            but: what is going to be moved.
-        """
-        for name, before in list(self._moving.items()):
-            if name != but and np.abs(self._place(name) - before).max() < MOVED:
-                del self._moving[name]
-                self._rest(name)
+    def sleep_again(self, *, but: str) -> None:
+        """Put objects back to sleep that have come to lie still, but for one that will be moved."""
+        for name, before in list(self._awake.items()):
+            if name != but and np.abs(self._position(name) - before).max() < MOVED:
+                del self._awake[name]
+                self._put_to_sleep(name)
 
-    def watch(self, steps: int) -> None:
-        """Wake what has been moved; call it as time passes, with the number of steps."""
-        self._steps += steps
-        if self._steps < LOOK_EVERY:
-            return
-        self._steps = 0
-        for name, before in list(self._places.items()):
-            if np.abs(self._place(name) - before).max() > MOVED:
+    def _check(self) -> None:
+        for name, before in list(self._asleep.items()):
+            if np.abs(self._position(name) - before).max() > MOVED:
                 self._wake(name)
-        self._moving = {name: self._place(name) for name in self._moving}
+        self._awake = {name: self._position(name) for name in self._awake}
 
-    def _rest(self, name: str) -> None:
-        for other in self._places:
-            self._engine.contacts.enable(name, other, enabled=False)
-        self._engine.contacts.enable_sleeping(name)
-        self._places[name] = self._place(name)
+    def _put_to_sleep(self, name: str) -> None:
+        contacts = self._world.engine.contacts
+        for other in self._asleep:
+            contacts.enable(name, other, enabled=False)
+        contacts.enable_sleeping(name)
+        self._asleep[name] = self._position(name)
 
     def _wake(self, name: str) -> None:
-        self._moving[name] = self._places.pop(name)
-        self._engine.contacts.disable_sleeping(name)
-        for other in self._places:
-            self._engine.contacts.enable(name, other, enabled=True)
+        contacts = self._world.engine.contacts
+        self._awake[name] = self._asleep.pop(name)
+        contacts.disable_sleeping(name)
+        for other in self._asleep:
+            contacts.enable(name, other, enabled=True)
 
-    def _place(self, name: str) -> Array:
-        return self._engine.bodies.pose(name)[:3, 3]
+    def _position(self, name: str) -> Array:
+        return self._world.engine.bodies.pose(name)[:3, 3]

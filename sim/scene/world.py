@@ -188,6 +188,12 @@ class World:
         """The name of what an object stands in; None for what lies loose."""
         return self._supports.get(name)
 
+    @property
+    def loose(self) -> tuple[str, ...]:
+        """The objects that stand in no other one, and that nothing stands in."""
+        taken = {*self._supports, *self._supports.values()}
+        return tuple(name for name in self.kinds if name not in taken)
+
     def points(self, name: str) -> Array:
         """Corners of an object's hull where it is now (n, 3), in the world [m]."""
         return poses.transform(self.pose(name), self.models[self.kinds[name].name].points)

@@ -12,8 +12,7 @@ import pytest
 from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
 from hilt.sim import poses
-from hilt.sim.body import Body
-from hilt.sim.manipulation.pick_and_place import MEETING
+from hilt.sim.body import MEETING, Body
 from hilt.sim.manipulation.report import REASONS
 from hilt.sim.robot.models import find_robot
 from hilt.sim.scene.scene import Placement, Scene, parse_scene

@@ -9,7 +9,7 @@ from PIL import Image
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.execution.outcome import ExecutionResult
-from hilt.sim.manipulation.pick_and_place import MEETING
+from hilt.sim.body import MEETING
 
 pytestmark = pytest.mark.sim
 

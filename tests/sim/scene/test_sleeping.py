@@ -11,7 +11,7 @@ import pytest
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.scene.scene import parse_scene
-from hilt.sim.scene.sleeping import LOOK_EVERY, Resting
+from hilt.sim.scene.sleeping import CHECK_INTERVAL, SleepManager
 from hilt.sim.scene.world import World
 
 pytestmark = pytest.mark.sim
@@ -25,50 +25,43 @@ def world() -> Iterator[World]:
         yield made
 
 
-def step(world: World, resting: Resting, count: int) -> None:
-    """Let time pass, and let what rests be watched."""
-    for _ in range(count):
-        world.step()
-        resting.watch(1)
-
-
-def test_still_things_stay_where_they_are(world: World):
-    """What rests has not moved by 2 mm or 0.1 degrees after a second."""
+def test_sleeping_objects_stay_where_they_are(world: World):
+    """A sleeping object has not moved by 2 mm or 0.1 degrees after a second."""
     before = {name: world.pose(name) for name in world.kinds}
 
-    resting = Resting(world.engine, world.kinds)
-    step(world, resting, 240)
+    sleeping = SleepManager(world)
+    sleeping.step(240)
 
-    assert set(resting.names) == {"knife", "mug"}
+    assert set(sleeping.asleep) == {"knife", "mug"}
     for name, pose in before.items():
         assert world.pose(name) == pytest.approx(pose, abs=2e-3)
 
 
-def test_moved_thing_wakes_and_is_felt_by_those_that_rest(world: World):
-    """A knife that falls on a resting mug touches it."""
-    resting = Resting(world.engine, world.kinds)
+def test_moved_object_wakes_and_touches_sleeping_ones(world: World):
+    """A knife that falls on a sleeping mug touches it."""
+    sleeping = SleepManager(world)
     above = poses.translation(0, 0, 0.12) @ world.pose("knife")
     above[:2, 3] = world.points("mug")[:, :2].mean(axis=0)
 
     world.engine.bodies.place("knife", above)
     touched: set[str] = set()
     for _ in range(10):
-        step(world, resting, LOOK_EVERY)
+        sleeping.step(CHECK_INTERVAL)
         touched |= {contact.other for contact in world.engine.contacts.find("knife", other="mug")}
 
-    assert "knife" not in resting.names
+    assert "knife" not in sleeping.asleep
     assert touched == {"mug"}
 
 
-def test_settled_thing_rests_again(world: World):
-    """What was moved and lies still rests again, but for what is going to be moved."""
-    resting = Resting(world.engine, world.kinds)
+def test_settled_object_sleeps_again(world: World):
+    """Objects that were moved and lie still sleep again, but for the one that will be moved."""
+    sleeping = SleepManager(world)
     for name in world.kinds:
         world.engine.bodies.place(name, poses.translation(0.01, 0, 0.0) @ world.pose(name))
-    step(world, resting, 240)
-    assert not resting.names
+    sleeping.step(240)
+    assert not sleeping.asleep
 
-    resting.settle(but="mug")
+    sleeping.sleep_again(but="mug")
 
-    assert resting.names == ("knife",)
+    assert sleeping.asleep == ("knife",)
     assert np.isfinite(world.pose("knife")).all()
