@@ -93,7 +93,7 @@ def words_of(actions: Actions, language: Language) -> list[NewWord]:
     An action on a patient is done with a tool: "stir" comes with "used for stirring". Only a name
     that is one lower-case word can be said.
     """
-    known = {*GOALS, *language.listener.interpreter.tool_acts, *language.listener.interpreter.acts}
+    known = {*GOALS, *language.acts, *language.tool_acts}
     words: list[NewWord] = []
     for name, tree in actions.trees.items():
         if name in known or not name.islower() or not name.isalpha():

@@ -56,7 +56,7 @@ _ACTS: Mapping[str, str] = {"give": "<giving>", "patient": "<tool_act>"}
 
 def grammar_of(language: Language) -> str:
     """The grammar of a language, with the words that it knows now."""
-    sections = language.expression.sentences
+    sections = language.realizer.sentences
     kinds = ("rule", "command", "question", "reply")
     lines = [HEADER, f"public <utterance> = {_either(f'<{kind}>' for kind in kinds)};"]
     rules = [sections["rules"][key] for key in ("functional", "action")]
@@ -66,9 +66,11 @@ def grammar_of(language: Language) -> str:
         _rule("question", map(_filled, sections["questions"].values())),
         _rule("reply", map(_filled, (*sections["replies"].values(), _last(sections["rules"])))),
         _rule("target", _targets(sections["targets"])),
-        _rule("often", sorted(word for each in language.book.qualifiers.values() for word in each)),
-        _rule("act", sorted({*language.speech.acts.values()} - {*_tools(language)})),
-        _rule("giving", [language.speech.act(language.expression.giving)]),
+        _rule(
+            "often", sorted(word for each in language.builder.qualifiers.values() for word in each)
+        ),
+        _rule("act", sorted({*language.answers.acts.values()} - {*_tools(language)})),
+        _rule("giving", [language.answers.act(language.realizer.giving)]),
         _rule("tool_act", sorted(_tools(language))),
         _rule("article", sorted({"a", "an", "the"} & language.known_words)),
     ]
@@ -94,7 +96,7 @@ def _last(rules: Mapping[str, str]) -> str:
 
 
 def _tools(language: Language) -> Iterator[str]:
-    return (language.speech.act(name) for name in language.book.tool_acts())
+    return (language.answers.act(name) for name in language.builder.tool_acts())
 
 
 def _filled(template: str) -> str:

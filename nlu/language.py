@@ -19,14 +19,14 @@ from ..ontology.confidence import Degrees, load_degrees
 from ..ontology.errors import UnknownNameError
 from ..ontology.yaml_reader import read_yaml
 from .building import building, without_collecting
-from .generation.realizer import Expression, load_expression
-from .generation.templates import Slot, Speech, load_speech
+from .generation.realizer import Realizer, load_realizer
+from .generation.templates import AnswerTemplates, Slot, load_answers
 from .grammar.combinators import Combinator
 from .grammar.grammar import load_grammar
 from .grammar.notation import save_cache
 from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.lexicon import Lexicon
-from .lexicon.loader import WordBook
+from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import tokenize
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .parsing.framing import load_frames
@@ -66,9 +66,9 @@ class Language:
 
     name: str
     listener: Listener
-    speech: Speech
-    expression: Expression
-    book: WordBook
+    answers: AnswerTemplates
+    realizer: Realizer
+    builder: LexiconBuilder
     inflection: Inflection
     degrees: Degrees
     learned: tuple[NewWord, ...] = ()
@@ -98,35 +98,35 @@ class Language:
         grammar = load_grammar(folder / "grammar.yaml", degrees=degrees.intervals)
         inflection = load_inflection(folder / "inflection.yaml")
         combinator = Combinator(grammar.unary)
-        book = WordBook(grammar, inflection, combinator)
+        builder = LexiconBuilder(grammar, inflection, combinator)
         for name in _WORD_FILES:
-            book.read(folder / name)
+            builder.read(folder / name)
         if extra_lexicon is not None:
-            book.read(extra_lexicon)
+            builder.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
-        lexicon = Lexicon(book.vocabulary(names), book.lexicon)
-        interpreter = Interpreter(degrees.intervals, book.tool_acts(), frozenset(names.contexts))
+        lexicon = Lexicon(builder.vocabulary(names), builder.lexicon)
+        interpreter = Interpreter(degrees.intervals, builder.tool_acts(), frozenset(names.contexts))
         listener = Listener(
             grammar,
             lexicon,
             combinator,
             interpreter,
             load_pragmatics(),
-            _examples(folder / "examples.yaml", book.contractions),
+            _examples(folder / "examples.yaml", builder.contractions),
             load_frames(folder / "frames.yaml", grammar),
         )
-        speech = load_speech(
-            folder / "answers.yaml", inflection, book.act_names(), book.tool_phrases()
+        answers = load_answers(
+            folder / "answers.yaml", inflection, builder.act_names(), builder.tool_phrases()
         )
-        words = {degrees.intervals[name]: each[0] for name, each in book.qualifiers.items()}
-        expression = load_expression(
+        words = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
+        realizer = load_realizer(
             folder / "sentences.yaml",
-            speech,
+            answers,
             {**words, degrees.intervals[degrees.default]: ""},
-            book.tool_acts(),
+            builder.tool_acts(),
         )
         save_cache()
-        return cls(language, listener, speech, expression, book, inflection, degrees)
+        return cls(language, listener, answers, realizer, builder, inflection, degrees)
 
     def __repr__(self) -> str:
         return f"<Language {self.name}, {len(self.learned)} words learned>"
@@ -136,8 +136,10 @@ class Language:
         added = tuple(word for word in dict.fromkeys(words) if word not in self.learned)
         if not added:
             return self
-        senses = [sense for word in added for sense in self.book.named(word.role, word.word)]
-        uses = {self.book.bare(word.word): word.word for word in added if word.role == "affordance"}
+        senses = [sense for word in added for sense in self.builder.named(word.role, word.word)]
+        uses = {
+            self.builder.bare(word.word): word.word for word in added if word.role == "affordance"
+        }
         interpreter = self.listener.interpreter.knowing(added)
         listener = replace(
             self.listener,
@@ -169,7 +171,7 @@ class Language:
                 be sure what is wanted is asked about.
         """
         situation = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
-        tokens = tokenize(text, self.book.contractions)
+        tokens = tokenize(text, self.builder.contractions)
         problem = self.hearing.problem(text, tokens)
         if problem is not None:
             return without_reading(tokens, situation, problem)
@@ -182,16 +184,35 @@ class Language:
     @cached_property
     def hearing(self) -> Hearing:
         """What takes one utterance, or one move of it, in."""
-        return Hearing(self.listener, self.book, self.inflection, self.speech, self.expression)
+        return Hearing(self.listener, self.builder, self.inflection, self.answers, self.realizer)
+
+    @property
+    def lexicon(self) -> Lexicon:
+        """The entries of all words, those of learned words first."""
+        return self.listener.lexicon
+
+    @property
+    def tool_acts(self) -> Mapping[str, str]:
+        """The acts done with a tool, each with the affordance that the tool must have."""
+        return self.listener.interpreter.tool_acts
+
+    @property
+    def acts(self) -> frozenset[str]:
+        """The acts on an object that the vocabulary has or that were learned."""
+        return self.listener.interpreter.acts
 
     @property
     def known_words(self) -> frozenset[str]:
         """Every single word that the lexicon has."""
-        return self.hearing.familiar.words
+        return self.hearing.known_words.words
 
     def say(self, key: str, **slots: Slot) -> str:
         """An answer of `answers.yaml`, with its slots filled."""
-        return self.speech.say(key, **slots)
+        return self.answers.say(key, **slots)
+
+    def slots(self, key: str) -> tuple[str, ...]:
+        """The names of the slots of an answer."""
+        return self.answers.slots(key)
 
     def generate(self, meaning: Meaning) -> str:
         """A sentence that means it: understood again, it gives the same meaning.
@@ -199,11 +220,11 @@ class Language:
         Raises:
             UnknownNameError: the language has no sentence for a meaning of this shape.
         """
-        return self.expression.sentence(meaning)
+        return self.realizer.realize(meaning)
 
     def phrase(self, rule: Rule) -> str:
         """A rule in words: "to pass a knife, grab it by the blade"."""
-        return self.speech.rule(rule)
+        return self.answers.rule_phrase(rule)
 
 
 def _folder(language: str) -> Path:

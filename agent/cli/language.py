@@ -71,8 +71,8 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check a lexicon file: every category declared, every term of the type it needs."""
-    before = sum(1 for _ in _session(None).language.listener.lexicon.senses())
-    entries = sum(1 for _ in _session(file).language.listener.lexicon.senses()) - before
+    before = sum(1 for _ in _session(None).language.lexicon.senses())
+    entries = sum(1 for _ in _session(file).language.lexicon.senses()) - before
     found = {"file": str(file), "entries": entries}
     show(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
 
@@ -89,7 +89,7 @@ def list_entries(
 
     entries = sorted(
         (entry.says, str(entry.category), str(entry.term))
-        for sense in _session(lexicon).language.listener.lexicon.senses()
+        for sense in _session(lexicon).language.lexicon.senses()
         if word is None or word in words_of(sense.says)
         for entry in [sense.entry()]
     )

@@ -226,7 +226,7 @@ class Dialogue:
 
     def _weighed(self, what: str, rule: Rule) -> str:
         support = rule.support
-        return self.language.speech.weighed(what, (support.lower, support.upper), rule.speaker)
+        return self.language.answers.with_source(what, (support.lower, support.upper), rule.speaker)
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
         if said.rule is None and self._just_acted:  # "never mind" means the deed
@@ -262,8 +262,7 @@ class Dialogue:
             words = turn.understood.unknown
             key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
             return self._answered(turn, SpokenAnswer(key, {"words": words}, "asked"))
-        acts = self.language.listener.interpreter.tool_acts
-        request = request_of(said, turn.speaker, acts)
+        request = request_of(said, turn.speaker, self.language.tool_acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
 
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
@@ -367,7 +366,7 @@ class Dialogue:
 
     def _say(self, answered: SpokenAnswer) -> str:
         """An answer in words, filled with those of its slots that the language asks for."""
-        wanted = self.language.speech.answers[answered.key].slots
+        wanted = self.language.slots(answered.key)
         slots = {name: answered.slots[name] for name in wanted}
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken

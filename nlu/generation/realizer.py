@@ -29,7 +29,7 @@ from ..semantics.meaning import (
     Statement,
     ToolCommand,
 )
-from .templates import Speech
+from .templates import AnswerTemplates
 
 SECTIONS = ("rules", "targets", "commands", "questions", "replies")
 
@@ -37,24 +37,24 @@ _SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 
 
 @dataclass(frozen=True)
-class Expression:
+class Realizer:
     """How one language puts meanings into sentences.
 
     Attributes:
         sentences: by section, and by the shape of the meaning.
-        speech: how things and acts are called.
+        answers: how things and acts are called.
         words: the usual word for each confidence; none for the one that needs no word.
         uses: the affordance that each act with a tool needs.
         giving: the act that is done for somebody.
     """
 
     sentences: Mapping[str, Mapping[str, str]]
-    speech: Speech
+    answers: AnswerTemplates
     words: Mapping[Confidence, str]
     uses: Mapping[str, str]
     giving: str = "pass"
 
-    def sentence(self, meaning: Meaning) -> str:
+    def realize(self, meaning: Meaning) -> str:
         """A sentence that means it; without a capital, and without a full stop at its end.
 
         Raises:
@@ -96,14 +96,14 @@ class Expression:
         return self.words[confidence]
 
     def _thing(self, rule: Rule) -> str:
-        return self.speech.thing(rule.object, rule.props)
+        return self.answers.noun_phrase(rule.object, rule.props)
 
     def _act(self, name: str) -> str:
         """What is done with the object itself: "cut with" for `cut`."""
-        return self.speech.tool_acts.get(name) or self.speech.act(name)
+        return self.answers.tool_acts.get(name) or self.answers.act(name)
 
     def _command(self, command: Command | ToolCommand) -> str:
-        slots = {"act": self.speech.act(command.goal)}
+        slots = {"act": self.answers.act(command.goal)}
         if isinstance(command, ToolCommand):
             shape = ["patient"]
             slots["patient"] = command.patient
@@ -148,17 +148,17 @@ class Expression:
     def _slot(self, value: str, form: str | None) -> str:
         if form == "act":
             return self._act(value)
-        return self.speech.fill(f"{{slot:{form}}}" if form else "{slot}", {"slot": value})
+        return self.answers.fill(f"{{slot:{form}}}" if form else "{slot}", {"slot": value})
 
 
-def load_expression(
-    path: Path, speech: Speech, words: Mapping[Confidence, str], uses: Mapping[str, str]
-) -> Expression:
+def load_realizer(
+    path: Path, answers: AnswerTemplates, words: Mapping[Confidence, str], uses: Mapping[str, str]
+) -> Realizer:
     """Read the sentences of a language.
 
     Args:
         path: the YAML file.
-        speech: how things and acts are called.
+        answers: how things and acts are called.
         words: the usual word for each confidence.
         uses: the affordance that each act with a tool needs.
 
@@ -167,7 +167,7 @@ def load_expression(
     """
     sections = read_yaml(path).entries(required=SECTIONS, optional=())
     sentences = {name: _texts(field) for name, field in sections.items()}
-    return Expression(MappingProxyType(sentences), speech, words, uses)
+    return Realizer(MappingProxyType(sentences), answers, words, uses)
 
 
 def _texts(field: Field) -> Mapping[str, str]:

@@ -73,7 +73,7 @@ class Phrases:
 
 
 @dataclass(frozen=True)
-class Speech:
+class AnswerTemplates:
     """The voice of one language.
 
     Attributes:
@@ -96,17 +96,25 @@ class Speech:
         Raises:
             UnknownNameError: there is no such answer, or a slot is missing or one too many.
         """
-        if key not in self.answers:
-            raise UnknownNameError("answer", key, self.answers)
-        answer = self.answers[key]
-        for name in {*answer.slots} ^ {*slots}:
-            raise UnknownNameError(f'slot of the answer "{key}"', name, answer.slots)
-        text = self.fill(answer.say, slots)
+        wanted = self.slots(key)
+        for name in {*wanted} ^ {*slots}:
+            raise UnknownNameError(f'slot of the answer "{key}"', name, wanted)
+        text = self.fill(self.answers[key].say, slots)
         return text[:1].upper() + text[1:]
 
-    def rule(self, rule: Rule) -> str:
+    def slots(self, key: str) -> tuple[str, ...]:
+        """The names of the slots of an answer.
+
+        Raises:
+            UnknownNameError: there is no such answer.
+        """
+        if key not in self.answers:
+            raise UnknownNameError("answer", key, self.answers)
+        return self.answers[key].slots
+
+    def rule_phrase(self, rule: Rule) -> str:
         """A rule in words: "to pass a knife, grab it by the blade"."""
-        said, thing = self.phrases, self.thing(rule.object, rule.props)
+        said, thing = self.phrases, self.noun_phrase(rule.object, rule.props)
         at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
         if isinstance(rule, FunctionalRule):
             text = (said.negative, said.seldom, said.functional)[at]
@@ -115,12 +123,12 @@ class Speech:
         act = self.tool_acts.get(rule.context) or self.act(rule.context)
         return self.fill(text, {"object": thing, "act": act, "part": rule.part})
 
-    def weighed(self, what: str, confidence: tuple[float, float], speaker: str) -> str:
+    def with_source(self, what: str, confidence: tuple[float, float], speaker: str) -> str:
         """Some words with how sure they are, and from whom: "cutting (0.95, from Sam)"."""
         slots: dict[str, Slot] = {"what": what, "confidence": confidence, "speaker": speaker}
         return self.fill(self.phrases.weighed, slots)
 
-    def thing(self, name: str, props: Sequence[str] = ()) -> str:
+    def noun_phrase(self, name: str, props: Sequence[str] = ()) -> str:
         """A kind of object with its properties, with the indefinite article."""
         if name != ANY_OBJECT:
             return self.inflection.with_article(" ".join([*props, name]))
@@ -132,7 +140,7 @@ class Speech:
         """What an act is called: "pick up" for `pickUp`."""
         return self.acts.get(name, name)
 
-    def listed(self, items: Sequence[str]) -> str:
+    def join(self, items: Sequence[str]) -> str:
         """Several items: "a knife, a mug and a shoe"."""
         if len(items) < 2:
             return "".join(items)
@@ -159,13 +167,13 @@ class Speech:
             return _level(value)
         if form in _LISTED:
             items = (value,) if isinstance(value, (str, int, float)) else value
-            return self.listed([forms[form](str(each)) for each in items])
+            return self.join([forms[form](str(each)) for each in items])
         return forms[form](str(value)) if form else str(value)
 
 
-def load_speech(
+def load_answers(
     path: Path, inflection: Inflection, acts: Mapping[str, str], tool_acts: Mapping[str, str]
-) -> Speech:
+) -> AnswerTemplates:
     """Read the answers of a language.
 
     Raises:
@@ -175,7 +183,7 @@ def load_speech(
     names = tuple(Phrases.__dataclass_fields__)
     texts = entries["phrases"].entries(required=names, optional=())
     answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
-    return Speech(
+    return AnswerTemplates(
         MappingProxyType(answers),
         Phrases(**{name: texts[name].text() for name in names}),
         inflection,

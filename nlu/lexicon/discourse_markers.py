@@ -20,7 +20,7 @@ Phrase = tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Asides:
+class DiscourseMarkers:
     """The phrases that may be set aside.
 
     Attributes:
@@ -48,7 +48,7 @@ class Asides:
     doubts: frozenset[Phrase] = frozenset()
     stand_ins: frozenset[Phrase] = frozenset()
 
-    def reading(self, kind: str, field: Field) -> Asides:
+    def with_phrases(self, kind: str, field: Field) -> DiscourseMarkers:
         """These asides, and further ones of a kind.
 
         Raises:
@@ -62,7 +62,7 @@ class Asides:
         phrases = {words for each in field.items() for words in spellings(each)}
         return replace(self, **{kind: getattr(self, kind) | phrases})
 
-    def parted(self, tokens: Tokens) -> Tokens:
+    def mark_boundaries(self, tokens: Tokens) -> Tokens:
         """The utterance with a mark after what is a sentence of its own where a pause follows."""
         words = tokens.words
         ends = {p for p in tokens.pauses if any(words[:p][-len(e) :] == e for e in self.ending)}
@@ -76,7 +76,7 @@ class Asides:
             items.append(token)
         return replace(tokens, items=tuple(items), pauses=tuple(pauses)) if ends else tokens
 
-    def untagged(self, tokens: Tokens) -> Tokens:
+    def remove_tag(self, tokens: Tokens) -> Tokens:
         """The utterance without the tag at its end: "..., isn't it?", "..., okay?"."""
         place = self._tag(tokens, self.asking | self.telling)
         if place is None:
@@ -92,7 +92,7 @@ class Asides:
                 return tokens.part(end, len(words))
         return None
 
-    def requested(self, tokens: Tokens) -> Tokens | None:
+    def request_before_tag(self, tokens: Tokens) -> Tokens | None:
         """The utterance without a tag that may only urge: "..., will you?"; None without one."""
         place = self._tag(tokens, self.telling)
         if place is None:
@@ -106,7 +106,7 @@ class Asides:
         places = sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}) if tokens.asks else ()
         return next((place for place in places if tokens.words[place:] in tags), None)
 
-    def removed(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
+    def remove_markers(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
         """The utterance without all that adds nothing.
 
         Args:
@@ -182,7 +182,7 @@ def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
     return next((n for n in range(longest, 0, -1) if words[start : start + n] in phrases), 0)
 
 
-def fronted(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
+def move_to_front(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
     """The utterance with its one phrase of a kind at its beginning; None when it is there already.
 
     English lets an adverb stand almost anywhere: "a shoe you can sometimes pound with".

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon
-from .loader import WordBook
+from .loader import LexiconBuilder
 from .tokenizer import Token, Tokens
 from .unknown_words import NOUNS, compounds, guesses
 
@@ -22,7 +22,7 @@ _KNOWN_COST = 1.0  # a word of a turn of phrase hardly ever names something, too
 
 
 @dataclass(frozen=True, repr=False)
-class Familiar:
+class KnownWords:
     """The words that are known.
 
     Attributes:
@@ -34,7 +34,7 @@ class Familiar:
 
     lexicon: Lexicon
     framed: frozenset[str]
-    book: WordBook
+    builder: LexiconBuilder
     inflection: Inflection
 
     @cached_property
@@ -58,7 +58,7 @@ class Familiar:
         """All that new words may be, and names of two words, by their places."""
         found = {
             place: guesses(
-                token, self.book, self.inflection, cost=0.0 if token in unknown else _KNOWN_COST
+                token, self.builder, self.inflection, cost=0.0 if token in unknown else _KNOWN_COST
             )
             for place, token in enumerate(tokens.items)
             if token in unknown or token.word in self._unnamed
@@ -66,23 +66,23 @@ class Familiar:
         for place, pair in enumerate(pairwise(tokens.items)):
             is_cut = place + 1 in tokens.pauses
             first, second = (token.word for token in pair)
-            if not is_cut and first not in self.book.closed and self._may_end_a_name(second):
-                names = compounds(first, second, self.book, self.inflection, self.lexicon)
+            if not is_cut and first not in self.builder.closed and self._may_end_a_name(second):
+                names = compounds(first, second, self.builder, self.inflection, self.lexicon)
                 if names:
                     found[place] = [*found.get(place, ()), *names]
         return found
 
     def _has(self, word: str) -> bool:
-        return word in self.lexicon or word in self.book.closed or word in self.framed
+        return word in self.lexicon or word in self.builder.closed or word in self.framed
 
     @cached_property
     def _unnamed(self) -> frozenset[str]:
         """Words of turns of phrase that name nothing yet, and may be taught as names."""
-        return self.book.names_too - self.named
+        return self.builder.names_too - self.named
 
     def may_be_a_thing(self, word: str) -> bool:
         """Whether a word names, or may name, a thing."""
-        names = self._things | self.book.names_too | self.book.denied
+        names = self._things | self.builder.names_too | self.builder.denied
         return word in names or not self._has(word)
 
     @cached_property
@@ -93,5 +93,5 @@ class Familiar:
 
     def _may_end_a_name(self, word: str) -> bool:
         """Whether a word may end the name of a thing: "territory", which adds nothing, does not."""
-        is_named = word in self.lexicon or word in self.book.names_too
-        return word not in self.book.closed and (is_named or word not in self.framed)
+        is_named = word in self.lexicon or word in self.builder.names_too
+        return word not in self.builder.closed and (is_named or word not in self.framed)

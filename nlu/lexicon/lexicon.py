@@ -73,7 +73,7 @@ class Sense(Protocol):
 
 
 @dataclass(frozen=True)
-class Sorted:
+class EntryIndex:
     """The entries of some words, as a chart needs them.
 
     Attributes:
@@ -87,7 +87,7 @@ class Sorted:
     heads: Mapping[Sign, Sequence[Entry]]
 
 
-def _sorted(entries: Sequence[Entry], combinator: Combinator) -> Sorted:
+def _sorted(entries: Sequence[Entry], combinator: Combinator) -> EntryIndex:
     plain: dict[Sign, list[Entry]] = defaultdict(list)
     heads: dict[Sign, list[Entry]] = defaultdict(list)
     words: list[Entry] = []
@@ -99,10 +99,10 @@ def _sorted(entries: Sequence[Entry], combinator: Combinator) -> Sorted:
             heads[min(turn.needs)].append(entry)
         else:
             plain[entry.sign].append(entry)
-    return Sorted(dict(plain), tuple(words), dict(heads))
+    return EntryIndex(dict(plain), tuple(words), dict(heads))
 
 
-class Node:
+class LexiconNode:
     """What was heard of the words of a lexicon so far: what it may be, and how it may go on.
 
     Args:
@@ -112,8 +112,8 @@ class Node:
 
     def __init__(self, steps: Sequence[tuple[str, Steps] | int], lexicon: Lexicon) -> None:
         self._steps, self._lexicon = steps, lexicon
-        self._after: dict[str, Node] = {}
-        self._sorted: Sorted | None = None
+        self._after: dict[str, LexiconNode] = {}
+        self._sorted: EntryIndex | None = None
 
     @cached_property
     def entries(self) -> Sequence[Entry]:
@@ -124,14 +124,14 @@ class Node:
                 found.setdefault((entry.sign, entry.term), entry)
         return tuple(found.values())
 
-    def after(self, word: str) -> Node | None:
+    def after(self, word: str) -> LexiconNode | None:
         """The node that a word leads to."""
         found = self._after.get(word)
         if found is None and word in self._below:
             found = self._after[word] = self._lexicon.node(self._below[word])
         return found
 
-    def sorted(self, combinator: Combinator) -> Sorted:
+    def sorted(self, combinator: Combinator) -> EntryIndex:
         """The entries, sorted once."""
         if self._sorted is None:
             self._sorted = _sorted(self.entries, combinator)
@@ -162,7 +162,7 @@ class Lexicon:
         self._said: dict[str, list[Sense]] = {}
         self._numbers: list[list[Sense]] = []
         self._steps: list[tuple[str, Steps] | int] = []
-        self._nodes: dict[tuple[int, ...], Node] = {}
+        self._nodes: dict[tuple[int, ...], LexiconNode] = {}
         self.add_all(senses)
 
     def add(self, sense: Sense) -> None:
@@ -215,7 +215,7 @@ class Lexicon:
                 found[str(sense.category)].add(sense.says)
         return {category: frozenset(words) for category, words in found.items()}
 
-    def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, Node]]:
+    def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""
         node = self._root.after(tokens[start])
         end = start + 1
@@ -227,13 +227,13 @@ class Lexicon:
         if self._base is not None:
             yield from self._base.nodes(tokens, start)
 
-    def node(self, steps: Sequence[tuple[str, Steps] | int]) -> Node:
+    def node(self, steps: Sequence[tuple[str, Steps] | int]) -> LexiconNode:
         """The node of some places, the same one for the same places."""
         places = {id(step): step for step in steps}
         key = tuple(places)
         found = self._nodes.get(key)
         if found is None:
-            found = self._nodes[key] = Node(tuple(places.values()), self)
+            found = self._nodes[key] = LexiconNode(tuple(places.values()), self)
         return found
 
     def entries_at(self, number: int) -> Iterator[Entry]:
@@ -241,8 +241,8 @@ class Lexicon:
         return (sense.entry() for sense in self._numbers[number])
 
     @cached_property
-    def _root(self) -> Node:
-        return Node(self._steps, self)
+    def _root(self) -> LexiconNode:
+        return LexiconNode(self._steps, self)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reader of the word files of a language, and maker of entries for the names of a vocabulary.
 
-`WordBook` is what the file says, checked: contractions, templates, the entries of all words, and
+`LexiconBuilder` is what the file says, checked: contractions, templates, the entries of all words, and
 the templates that a new noun, part, use or act gets. One line of the file may stand for hundreds
 of entries, the frames and inflections of a verb: all lines are checked when they are read, and what
 follows from them is worked out when it is heard.
@@ -24,10 +24,10 @@ from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
 from ..grammar.patterns import variants, words_in
 from ..grammar.terms import Constant, evaluate
-from .discourse_markers import Asides
+from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
 from .lexicon import Entry, EntryTemplate, Lexicon, Template
-from .senses import Filled, Headed
+from .senses import ConstructionSense, TemplateSense
 from .tokenizer import Tokens
 from .vocabulary import ROLES, Vocabulary
 
@@ -58,7 +58,7 @@ class Verb:
     means: str | None
 
 
-class WordBook:
+class LexiconBuilder:
     """The words of a language, and how entries are made for new ones.
 
     Args:
@@ -75,7 +75,7 @@ class WordBook:
         self.verbs: list[Verb] = []
         self.qualifiers: dict[str, tuple[str, ...]] = {}
         self.nouns: dict[str, tuple[str, ...]] = {}
-        self.asides = Asides()
+        self.discourse_markers = DiscourseMarkers()
         self.endings: dict[str, str] = {}
         self.names_too: frozenset[str] = frozenset()
         self.denying: frozenset[str] = frozenset()
@@ -113,32 +113,36 @@ class WordBook:
         for field in _items(parts, "constructions"):
             self._read_construction(field)
         for kind, field in _entries(parts, "asides"):
-            self.asides = self.asides.reading(kind, field)
+            self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
-    def lengthened(self, tokens: Tokens) -> Tokens:
+    def expand_endings(self, tokens: Tokens) -> Tokens:
         """An utterance with its endings that may be short for a word written out: "a shoe's"."""
         items = tuple(replace(t, word=self.endings.get(t.word, t.word)) for t in tokens.items)
         return replace(tokens, items=items)
 
-    def verb_forms(self, verb: Verb, *, role: str = "", cost: float = 0.0) -> Iterator[Filled]:
+    def verb_forms(
+        self, verb: Verb, *, role: str = "", cost: float = 0.0
+    ) -> Iterator[TemplateSense]:
         """What a verb is: all frames of its templates in all inflections."""
         gerund = self._inflection.form(verb.verb, "ing")
         names = {"ACT": verb.means or _constant(verb.verb), "USE": _constant(gerund)}
         for name in verb.templates:
             yield from self._filled(self.templates[name], verb.verb, names, role=role, cost=cost)
 
-    def noun(self, kind: str, name: str, *, role: str = "", cost: float = 0.0) -> Iterator[Filled]:
+    def noun(
+        self, kind: str, name: str, *, role: str = "", cost: float = 0.0
+    ) -> Iterator[TemplateSense]:
         """What a noun, part, property or person is, by the name of its template."""
         template = self.templates[kind]
         yield from self._filled(template, name, {"THIS": _constant(name)}, role=role, cost=cost)
 
-    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[Filled]:
+    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[TemplateSense]:
         """What all names of a vocabulary are."""
         for role in ROLES:
             for name in vocabulary.names(role):
                 yield from self.named(role, name)
 
-    def named(self, role: str, name: str) -> Iterator[Filled]:
+    def named(self, role: str, name: str) -> Iterator[TemplateSense]:
         """What one name is in a role, one of `ROLES`."""
         if role in NOUN_TEMPLATES:
             return self.noun(NOUN_TEMPLATES[role], name)
@@ -171,7 +175,7 @@ class WordBook:
         return {act: f"{self.act_names()[act]} {binder}" for act in self.tool_acts()}
 
     @cached_property
-    def degree_phrases(self) -> frozenset[tuple[str, ...]]:
+    def qualifier_phrases(self) -> frozenset[tuple[str, ...]]:
         """All words of confidence."""
         return frozenset(tuple(each.split()) for said in self.qualifiers.values() for each in said)
 
@@ -194,13 +198,13 @@ class WordBook:
         *,
         role: str = "",
         cost: float = 0.0,
-    ) -> Iterator[Filled]:
+    ) -> Iterator[TemplateSense]:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
         name = named.replace("_", " ")
         for form, frames in template.forms.items():
             says = self._inflection.form(word, form)
             for frame in frames:
-                yield Filled(says, frame, names, self._combinator, name, role, cost)
+                yield TemplateSense(says, frame, names, self._combinator, name, role, cost)
 
     def _template(self, name: str, field: Field) -> Template:
         parts = field.entries(required=("constants", "forms"), optional=())
@@ -282,7 +286,7 @@ class WordBook:
         head, category = construction.head, construction.category
         self._combinator.sign(category)
         if isinstance(head, Run):
-            self.turns.add(Headed(construction, cost, self._combinator, head.text))
+            self.turns.add(ConstructionSense(construction, cost, self._combinator, head.text))
         else:
             term = construction.functor()
             self._combinator.add(Unary(head.category, category, term, evaluate(term), cost))

@@ -14,7 +14,7 @@ from .lexicon import Entry, EntryTemplate
 
 
 @dataclass(frozen=True)
-class Filled:
+class TemplateSense:
     """What a word is by one line of a template.
 
     Attributes:
@@ -50,7 +50,7 @@ class Filled:
 
 
 @dataclass(frozen=True)
-class Headed:
+class ConstructionSense:
     """The first words of a construction, which take the rest.
 
     Attributes:

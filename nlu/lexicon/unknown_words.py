@@ -13,8 +13,8 @@ from functools import lru_cache
 
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon
-from .loader import Verb, WordBook
-from .senses import Filled
+from .loader import LexiconBuilder, Verb
+from .senses import TemplateSense
 from .tokenizer import Token
 from .vocabulary import NewWord
 
@@ -36,7 +36,7 @@ def is_word(token: Token) -> bool:
 
 
 @lru_cache(maxsize=1024)
-def nearest(word: str, known: frozenset[str]) -> str | None:
+def closest_word(word: str, known: frozenset[str]) -> str | None:
     """The known word that `word` is most likely a slip of, None when there is none."""
     if len(word) <= MIN_LETTERS:
         return None
@@ -45,14 +45,14 @@ def nearest(word: str, known: frozenset[str]) -> str | None:
     for other in sorted(known):
         if len(other) <= MIN_LETTERS or abs(len(other) - len(word)) > allowed:
             continue
-        found = slips(word, other, allowed)
+        found = edit_distance(word, other, allowed)
         if found <= allowed:
             best, allowed = other, found - 1
     return best
 
 
 @lru_cache(maxsize=1024)
-def misspelt(word: str, known: frozenset[str]) -> str | None:
+def misspelled_word(word: str, known: frozenset[str]) -> str | None:
     """The word of grammar that `word` is one letter away from, by one too many, too few or swapped.
 
     A word with one letter changed, or another first one, is too often another word: "fork" is no
@@ -60,10 +60,10 @@ def misspelt(word: str, known: frozenset[str]) -> str | None:
     """
     letters = sorted(word)
     near = (each for each in known if len(each) != len(word) or sorted(each) == letters)
-    return nearest(word, frozenset(each for each in near if each[0] == word[0]))
+    return closest_word(word, frozenset(each for each in near if each[0] == word[0]))
 
 
-def names_like(role: str, lexicon: Lexicon) -> frozenset[str]:
+def names_for_role(role: str, lexicon: Lexicon) -> frozenset[str]:
     """The words, in all forms, that name what a role may be taken for."""
     return frozenset[str]().union(*(lexicon.names.get(kind, ()) for kind in _LIKE[role]))
 
@@ -78,7 +78,7 @@ _LIKE = {
 }
 
 
-def slips(one: str, other: str, limit: int) -> int:
+def edit_distance(one: str, other: str, limit: int) -> int:
     """How many letters are added, lost, changed or swapped; more than `limit` is `limit + 1`."""
     before: list[int] = []
     row = list(range(len(other) + 1))
@@ -94,7 +94,7 @@ def slips(one: str, other: str, limit: int) -> int:
 
 
 def guesses(
-    token: Token, book: WordBook, inflection: Inflection, *, cost: float = 0.0
+    token: Token, builder: LexiconBuilder, inflection: Inflection, *, cost: float = 0.0
 ) -> list[Entry]:
     """All that an unknown word may be, each entry marked with its role and dictionary form.
 
@@ -105,27 +105,27 @@ def guesses(
         cost: how unlikely it is that it names anything at all.
     """
     word = token.word
-    found: list[Filled] = []
+    found: list[TemplateSense] = []
     singulars = inflection.origins(word, "plural")
     for role in ("object", "part"):
-        found += book.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
+        found += builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
         for name in singulars[:1]:
-            found += book.noun(role, name, role=role)
+            found += builder.noun(role, name, role=role)
     if token.capital:
-        found += book.noun("person", word, role="person", cost=_PERSON_COST)
+        found += builder.noun("person", word, role="person", cost=_PERSON_COST)
     for bare in _bare_forms(word, inflection):
         verb = Verb(bare, ("new_act",), bare)
         looks_inflected = bare == word and inflection.origins(word, "ing")
         unlikely = _VERB_COST + (_SINGULAR_COST if looks_inflected else 0.0)
-        found += book.verb_forms(verb, role="context", cost=unlikely)
+        found += builder.verb_forms(verb, role="context", cost=unlikely)
         verb = Verb(bare, ("new_affordance",), None)
-        found += book.verb_forms(verb, role="affordance")
+        found += builder.verb_forms(verb, role="affordance")
     entries = (each.entry() for each in found if each.says == word)
     return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
 
 def compounds(
-    first: str, second: str, book: WordBook, inflection: Inflection, lexicon: Lexicon
+    first: str, second: str, builder: LexiconBuilder, inflection: Inflection, lexicon: Lexicon
 ) -> list[Entry]:
     """What two neighbours may be as one name: "bread knife", "frying pans".
 
@@ -140,7 +140,7 @@ def compounds(
         return []
     singular = next(iter(inflection.origins(second, "plural")), second)
     name = f"{first} {singular}"
-    found = book.noun("object", name, role="object", cost=_COMPOUND_COST)
+    found = builder.noun("object", name, role="object", cost=_COMPOUND_COST)
     return [each.entry() for each in found if each.says == f"{first} {second}"]
 
 

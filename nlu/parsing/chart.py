@@ -15,7 +15,7 @@ from ..grammar.categories import Category
 from ..grammar.combinators import Combination, Combinator, Sign
 from ..grammar.grammar import Unary
 from ..grammar.terms import Value, compose
-from ..lexicon.lexicon import Entry, Lexicon, Sorted
+from ..lexicon.lexicon import Entry, EntryIndex, Lexicon
 
 MAX_DERIVATIONS = 16
 
@@ -131,7 +131,7 @@ class Chart:
                 self._cells[start][end].setdefault(guess.sign, []).append(guess)
         self._add_turns(found)
 
-    def _add_turns(self, found: Sequence[tuple[_Cell, Sorted]]) -> None:
+    def _add_turns(self, found: Sequence[tuple[_Cell, EntryIndex]]) -> None:
         """Add the entries of constructions, but for those whose other words are not there.
 
         Nothing is lost: a category that seeks certain words never finds them, and words that

@@ -13,19 +13,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...ontology.errors import UnknownNameError
-from ..generation.realizer import Expression
-from ..generation.templates import Speech
-from ..lexicon.familiar import Familiar
+from ..generation.realizer import Realizer
+from ..generation.templates import AnswerTemplates
 from ..lexicon.inflection import Inflection
-from ..lexicon.loader import WordBook
+from ..lexicon.familiar import KnownWords
+from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import (
     MAX_NEW_WORDS,
+    closest_word,
+    edit_distance,
     is_word,
-    misspelt,
-    names_like,
-    nearest,
-    slips,
+    misspelled_word,
+    names_for_role,
 )
 from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import RefusedError
@@ -53,27 +53,27 @@ class Hearing:
         listener: what reads it.
         book: how entries are made for new words.
         inflection: forms of words.
-        speech: what asks back.
-        expression: what puts meanings into sentences.
+        answers: the sentences that Hilt says.
+        realizer: what puts meanings into sentences.
     """
 
     listener: Listener
-    book: WordBook
+    builder: LexiconBuilder
     inflection: Inflection
-    speech: Speech
-    expression: Expression
+    answers: AnswerTemplates
+    realizer: Realizer
 
     def problem(self, text: str, tokens: Tokens) -> Meaning | None:
         """Why a text is not even tried, None when it is."""
         if len(text) > MAX_CHARACTERS:
             return Misunderstanding(
-                self.speech.say("too_long", limit=f"{MAX_CHARACTERS} characters")
+                self.answers.say("too_long", limit=f"{MAX_CHARACTERS} characters")
             )
         if len(tokens.items) > MAX_TOKENS:
-            return Misunderstanding(self.speech.say("too_long", limit=f"{MAX_TOKENS} words"))
+            return Misunderstanding(self.answers.say("too_long", limit=f"{MAX_TOKENS} words"))
         if not tokens.items:
-            return Misunderstanding(self.speech.say("empty"), nearest=())
-        unknown = self.familiar.unknown(tokens)
+            return Misunderstanding(self.answers.say("empty"), nearest=())
+        unknown = self.known_words.unknown(tokens)
         strange = [token for token in unknown if not is_word(token)]
         if strange or len({token.word for token in unknown}) > MAX_NEW_WORDS:
             return self._not_known(tokens, strange or unknown)
@@ -95,10 +95,10 @@ class Hearing:
             insist: words that are new although they are close to known ones.
             in_frames: whether to go by the things named, in any order, and not by the grammar.
         """
-        unknown = self.familiar.unknown(tokens)
+        unknown = self.known_words.unknown(tokens)
         chart = self._chart(tokens, unknown, situation)
         readings, refusal = self.listener.readings(chart, tokens, situation, in_frames=in_frames)
-        if denies_a_thing(tokens, self.book.denying, self.familiar.may_be_a_thing):
+        if denies_a_thing(tokens, self.builder.denying, self.known_words.may_be_a_thing):
             readings = [each for each in readings if is_denial(each.meaning)]
         clear = [each for each in readings if self._may_bring(each, tokens, in_frames=in_frames)]
         chosen = decide(clear)
@@ -147,15 +147,15 @@ class Hearing:
         key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
         found = situation.charts.get(key)
         if found is None:
-            found = self.listener.chart(tokens, self.familiar.guesses(tokens, unknown))
+            found = self.listener.chart(tokens, self.known_words.guesses(tokens, unknown))
             situation.charts[key] = found
         return found
 
     @cached_property
-    def familiar(self) -> Familiar:
+    def known_words(self) -> KnownWords:
         """The words that are known."""
         listener = self.listener
-        return Familiar(listener.lexicon, listener.frames.words, self.book, self.inflection)
+        return KnownWords(listener.lexicon, listener.frames.words, self.builder, self.inflection)
 
     def topic(self, tokens: Tokens, situation: UtteranceContext) -> Form | None:
         """The thing that tokens only name, None when they do not."""
@@ -172,11 +172,15 @@ class Hearing:
         for word in words:
             if word.said in insist or word.said in framed:
                 continue
-            close = nearest(word.said, names_like(word.role, lexicon))
+            close = closest_word(word.said, names_for_role(word.role, lexicon))
             if close is not None:
                 return self._did_you_mean(word.said, close)
             for part in word.said.split(" ") if " " in word.said else ():
-                close = None if part in self.familiar.words else nearest(part, self.familiar.named)
+                close = (
+                    None
+                    if part in self.known_words.words
+                    else closest_word(part, self.known_words.named)
+                )
                 if close is not None:
                     return self._did_you_mean(part, close)
         return None
@@ -186,8 +190,8 @@ class Hearing:
         for token in unknown:
             if token.word in insist:
                 continue
-            close = nearest(token.word, self.familiar.named) or misspelt(
-                token.word, self.familiar.words
+            close = closest_word(token.word, self.known_words.named) or misspelled_word(
+                token.word, self.known_words.words
             )
             if close is not None:
                 return self._did_you_mean(token.word, close)
@@ -195,30 +199,30 @@ class Hearing:
 
     def _did_you_mean(self, word: str, close: str) -> AskBack:
         for singular in self.inflection.origins(close, "plural"):
-            if singular in self.familiar.named and slips(word, singular, 1) <= 1:
+            if singular in self.known_words.named and edit_distance(word, singular, 1) <= 1:
                 close = singular
-        return AskBack(self.speech.say("did_you_mean", word=word, suggestion=close), (close,))
+        return AskBack(self.answers.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _several(self, readings: Sequence[Reading]) -> AskBack:
         choices = tuple(self._choice(reading.meaning) for reading in readings)
-        return AskBack(self.speech.say("which_meaning", choices=choices), choices)
+        return AskBack(self.answers.say("which_meaning", choices=choices), choices)
 
     def _unclear(
         self, chart: Chart, tokens: Tokens, refusal: RefusedError | None
     ) -> Misunderstanding | AskBack:
         """What to answer when all words are known, but the whole has no meaning."""
         if refusal is not None:
-            said = self.speech.say(refusal.key, **refusal.slots)
+            said = self.answers.say(refusal.key, **refusal.slots)
             if refusal.asks:
                 return AskBack(said)
             return Misunderstanding(said, nearest=self.listener.nearest(tokens.words))
         where, expected = self.listener.failure(chart, tokens)
         if expected:
-            message = self.speech.say(
+            message = self.answers.say(
                 "not_understood_after", where=where, expected=" or ".join(expected)
             )
         else:
-            message = self.speech.say("not_understood", text=tokens.text)
+            message = self.answers.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self.listener.nearest(tokens.words))
 
     def _in_the_way(
@@ -231,18 +235,18 @@ class Hearing:
 
     def _choice(self, meaning: Meaning) -> str:
         if isinstance(meaning, Statement):
-            return self.speech.listed([self.speech.rule(rule) for rule in meaning.rules])
+            return self.answers.join([self.answers.rule_phrase(rule) for rule in meaning.rules])
         try:
-            return f'"{self.expression.sentence(meaning)}"'
+            return f'"{self.realizer.realize(meaning)}"'
         except UnknownNameError:
             return str(meaning.as_json())
 
     def _not_known(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
         words = list(dict.fromkeys(token.word for token in unknown))
         if len(words) == 1:
-            message = self.speech.say("unknown_word", word=words[0])
+            message = self.answers.say("unknown_word", word=words[0])
         else:
-            message = self.speech.say("unknown_words", words=words[:MAX_NEW_WORDS])
+            message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
         known = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self.listener.nearest(known))
 

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from typing import TypeGuard
 
-from ..lexicon.discourse_markers import fronted
+from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..semantics.meaning import AskBack, Command, Meaning, Misunderstanding, ToolCommand
 from ..semantics.predicates import Form
@@ -37,13 +37,13 @@ class Attempts:
 
     def understood(self, tokens: Tokens, situation: UtteranceContext) -> Understanding:
         """What it means, in the first way that gives it a meaning."""
-        asides = self._hearing.book.asides
-        tokens = asides.parted(tokens)
-        request = asides.requested(tokens)
+        markers = self._hearing.builder.discourse_markers
+        tokens = markers.mark_boundaries(tokens)
+        request = markers.request_before_tag(tokens)
         found = self._tried(request, situation) if request else None
         if found and isinstance(found.meaning, (Command, ToolCommand)):
             return replace(found, text=tokens.text)
-        untagged = asides.untagged(tokens)
+        untagged = markers.remove_tag(tokens)
         return self._tried(tokens if untagged.asks else untagged, situation)
 
     def _tried(self, tokens: Tokens, situation: UtteranceContext) -> Understanding:
@@ -78,8 +78,8 @@ class Attempts:
 
     def _after_reason(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
         """What is asked for after a reason of the speaker's own; None when nothing is."""
-        book = self._hearing.book
-        rest = book.asides.after_reason(book.lengthened(tokens))
+        builder = self._hearing.builder
+        rest = builder.discourse_markers.after_reason(builder.expand_endings(tokens))
         found = self._tried(rest, situation) if rest else None
         return found if found and isinstance(found.meaning, (Command, ToolCommand)) else None
 
@@ -99,13 +99,14 @@ class Attempts:
 
     def _versions(self, tokens: Tokens) -> Iterator[Tokens]:
         """The utterance in other words that mean the same, those closest to it first."""
-        asides, degrees = self._hearing.book.asides, self._hearing.book.degree_phrases
-        untagged = asides.untagged(tokens)
-        for each in (untagged, self._hearing.book.lengthened(untagged)):
+        markers = self._hearing.builder.discourse_markers
+        degrees = self._hearing.builder.qualifier_phrases
+        untagged = markers.remove_tag(tokens)
+        for each in (untagged, self._hearing.builder.expand_endings(untagged)):
             yield each
-            bare = asides.removed(each, degrees)
+            bare = markers.remove_markers(each, degrees)
             yield bare
-            moved = None if BREAK in bare.words else fronted(bare, degrees)
+            moved = None if BREAK in bare.words else move_to_front(bare, degrees)
             if moved:
                 self._moved.add(moved)
                 yield moved

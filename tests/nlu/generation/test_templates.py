@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu import ANY_OBJECT, ActionRule, FunctionalRule, Language, Rule
-from hilt.nlu.generation.templates import Phrases, load_speech
+from hilt.nlu.generation.templates import Phrases, load_answers
 from hilt.ontology.errors import DataError, UnknownNameError
 
 SURE = (0.95, 1.0)
@@ -125,4 +125,4 @@ def test_a_wrong_answer_is_told(
     )
 
     with pytest.raises(DataError, match=message):
-        load_speech(path, language.inflection, {}, {})
+        load_answers(path, language.inflection, {}, {})

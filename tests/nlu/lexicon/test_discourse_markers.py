@@ -8,48 +8,48 @@ from dataclasses import replace
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.lexicon.discourse_markers import Asides, fronted
+from hilt.nlu.lexicon.discourse_markers import DiscourseMarkers, move_to_front
 from hilt.nlu.lexicon.tokenizer import BREAK, tokenize
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import Field
 
 
-def asides(kind: str, *patterns: str) -> Asides:
+def discourse_markers(kind: str, *patterns: str) -> DiscourseMarkers:
     """Asides of one kind."""
     items = tuple(Field(pattern, "<text>", 1, 1) for pattern in patterns)
-    return Asides().reading(kind, Field(items, "<text>", 1, 1))
+    return DiscourseMarkers().with_phrases(kind, Field(items, "<text>", 1, 1))
 
 
-def said(text: str, known: Asides, *whole: str) -> str:
+def said(text: str, known: DiscourseMarkers, *whole: str) -> str:
     """A text without its asides."""
     kept = {tuple(phrase.split()) for phrase in whole}
-    return " ".join(known.removed(tokenize(text, {}), kept).words)
+    return " ".join(known.remove_markers(tokenize(text, {}), kept).words)
 
 
 def test_an_aside_adds_nothing_anywhere() -> None:
     """It may stand between any two words."""
-    known = asides("anywhere", "you know", "really")
+    known = discourse_markers("anywhere", "you know", "really")
 
     assert said("Knives are, you know, really for cutting", known) == "knives are for cutting"
 
 
 def test_an_aside_in_a_fixed_phrase_stays() -> None:
     """The word "ever" is part of "hardly ever"."""
-    known = asides("anywhere", "ever")
+    known = discourse_markers("anywhere", "ever")
 
     assert said("hardly ever, if ever", known, "hardly ever") == "hardly ever if"
 
 
 def test_what_needs_pauses_is_kept_without_them() -> None:
     """The word "right" is an aside in "right, pass it", not in "the right end"."""
-    known = asides("apart", "right")
+    known = discourse_markers("apart", "right")
 
     assert said("right, hold the right end", known) == "hold the right end"
 
 
 def test_a_reason_is_set_aside_up_to_a_pause() -> None:
     """A star stands for one word, but never for "not"."""
-    known = asides("clauses", "because it is *")
+    known = discourse_markers("clauses", "because it is *")
 
     assert said("because it is sharp, use it", known) == "use it"
     assert said("because it is not, use it", known) == "because it is not use it"
@@ -58,7 +58,7 @@ def test_a_reason_is_set_aside_up_to_a_pause() -> None:
 def test_what_is_asked_for_comes_after_a_reason() -> None:
     """It is kept when it is hearsay, or when "it" may stand for what it names."""
     known = replace(
-        asides("reasons", "the * * so"),
+        discourse_markers("reasons", "the * * so"),
         doubts=frozenset({("said",)}),
         stand_ins=frozenset({("it",)}),
     )
@@ -75,24 +75,24 @@ def test_what_is_asked_for_comes_after_a_reason() -> None:
 @pytest.mark.parametrize(("kind", "asks"), [("asking", True), ("telling", False)])
 def test_a_tag_makes_a_question_or_does_not(kind: str, asks: bool) -> None:
     """A tag like "right?" asks, one like "okay?" does not."""
-    known = asides(kind, "tag")
+    known = discourse_markers(kind, "tag")
 
-    found = known.untagged(tokenize("knives cut, tag?", {}))
+    found = known.remove_tag(tokenize("knives cut, tag?", {}))
 
     assert (found.words, found.asks) == (("knives", "cut"), asks)
 
 
 def test_a_pause_may_end_a_sentence() -> None:
     """The two sentences "forget that, ..." are not the one "forget that ..."."""
-    known = asides("ending", "forget that")
+    known = discourse_markers("ending", "forget that")
 
-    assert known.parted(tokenize("forget that, it cuts", {})).words[2] == BREAK
-    assert known.parted(tokenize("forget that it cuts", {})).words[2] == "it"
+    assert known.mark_boundaries(tokenize("forget that, it cuts", {})).words[2] == BREAK
+    assert known.mark_boundaries(tokenize("forget that it cuts", {})).words[2] == "it"
 
 
 def test_what_is_begun_twice_is_said_once() -> None:
     """Only with a pause between the two: doubled words are a mistake."""
-    known = asides("anywhere", "really")
+    known = discourse_markers("anywhere", "really")
 
     assert said("you can, you can cut", known) == "you can cut"
     assert said("you can you can cut", known) == "you can you can cut"
@@ -102,23 +102,23 @@ def test_one_adverb_may_go_to_the_front() -> None:
     """Where there are two, neither moves."""
     often = {("often",)}
 
-    one = fronted(tokenize("you often cut", {}), often)
+    one = move_to_front(tokenize("you often cut", {}), often)
 
     assert one is not None
     assert one.words == ("often", "you", "cut")
-    assert fronted(tokenize("you often cut often", {}), often) is None
+    assert move_to_front(tokenize("you often cut often", {}), often) is None
 
 
 def test_an_unknown_kind_is_refused() -> None:
     """The message lists the kinds."""
     with pytest.raises(DataError, match="anywhere"):
-        asides("nowhere", "really")
+        discourse_markers("nowhere", "really")
 
 
 @pytest.mark.parametrize("word", ["not", "never", "if", "unless", "said", "yesterday", "no"])
 def test_words_that_change_a_meaning_are_no_asides(language: Language, word: str) -> None:
     """Nobody may declare them to be empty."""
-    known = language.book.asides
+    known = language.builder.discourse_markers
 
     assert (word,) not in known.anywhere | known.apart
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.nlu import AskBack, Language, Misunderstanding, NewWord
-from hilt.nlu.lexicon.unknown_words import nearest, slips
+from hilt.nlu.lexicon.unknown_words import closest_word, edit_distance
 
 WORDS = st.text("abc", max_size=6)
 
@@ -140,25 +140,25 @@ def test_too_many_new_words_are_refused(language: Language) -> None:
 @given(WORDS, WORDS)
 def test_slips_are_symmetric(one: str, other: str) -> None:
     """It does not matter which of two words is the known one."""
-    assert slips(one, other, 9) == slips(other, one, 9)
+    assert edit_distance(one, other, 9) == edit_distance(other, one, 9)
 
 
 @given(WORDS, WORDS)
 def test_only_a_word_itself_is_no_slip_away(one: str, other: str) -> None:
     """Zero slips means the same word."""
-    assert (slips(one, other, 9) == 0) == (one == other)
+    assert (edit_distance(one, other, 9) == 0) == (one == other)
 
 
 @given(WORDS, WORDS, st.integers(0, 6))
 def test_a_limit_only_cuts_off(one: str, other: str, limit: int) -> None:
     """More slips than the limit count as one more."""
-    assert slips(one, other, limit) == min(slips(one, other, 9), limit + 1)
+    assert edit_distance(one, other, limit) == min(edit_distance(one, other, 9), limit + 1)
 
 
 def test_the_nearest_word_is_found() -> None:
     """Among several, the one with fewest slips; swapped letters are one."""
-    assert nearest("hnadle", frozenset({"handle", "candle", "hand"})) == "handle"
-    assert nearest("mop", frozenset({"mug", "map"})) is None
+    assert closest_word("hnadle", frozenset({"handle", "candle", "hand"})) == "handle"
+    assert closest_word("mop", frozenset({"mug", "map"})) is None
 
 
 @pytest.mark.parametrize("text", ["Cake, knives are for cutting", "Cake. Knives are for cutting"])
