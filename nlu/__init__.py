@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from .language import Language
 from .lexicon.vocabulary import NewWord, Vocabulary
+from .parsing.understanding import Reading, Understanding
 from .semantics.coreference import Discourse
 from .semantics.meaning import (
     ANY_OBJECT,
@@ -40,7 +41,6 @@ from .semantics.meaning import (
     ToolCommand,
 )
 from .session import Session
-from .understanding import Reading, Understanding
 
 __all__ = [
     "ANY_OBJECT",

@@ -29,10 +29,11 @@ from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import tokenize
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
-from .parsing.framing import load_frames
+from .parsing.frames import load_frames
 from .parsing.hearing import Hearing, without_reading
 from .parsing.parser import Listener, UtteranceContext
 from .parsing.strategies import Attempts
+from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
 from .semantics.meaning import (
@@ -41,7 +42,6 @@ from .semantics.meaning import (
     Rule,
 )
 from .semantics.pragmatics import load_pragmatics
-from .understanding import Understanding
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 

@@ -11,9 +11,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from .language import Language
+from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.meaning import Statement
-from .understanding import Understanding
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from .common import complain, finish, show, terminal, utterances, write_picture
 from .options import AsJson, Speaker, UserLexicon, app, example
 
 if TYPE_CHECKING:
+    from ...nlu.parsing.understanding import Understanding
     from ...nlu.session import Session
-    from ...nlu.understanding import Understanding
 
 Said = Annotated[
     str | None, typer.Argument(metavar="TEXT", help='What to parse, or "-" for lines from stdin.')
@@ -131,10 +131,10 @@ def _print(found: Understanding) -> None:
 
 
 def _draw(found: Understanding, path: Path) -> None:
-    from ...nlu.parsing.derivation_drawing import svg_of
+    from ...nlu.parsing.derivation import draw_svg
 
     if found.derivation is not None:
-        write_picture(path, svg_of(found.derivation))
+        write_picture(path, draw_svg(found.derivation))
 
 
 def _parse_file(session: Session, path: Path, speaker: str) -> None:

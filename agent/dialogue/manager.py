@@ -19,9 +19,9 @@ from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom, Rule
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...nlu.semantics.coreference import Discourse
-from ...nlu.understanding import Understanding
 from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..episodes.recorder import EpisodeRecorder

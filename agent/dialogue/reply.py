@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...kb.rule import Rule
+from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Misunderstanding
-from ...nlu.understanding import Understanding
 from ..execution.outcome import Ending, GoalResult, Json
 
 

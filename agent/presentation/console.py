@@ -28,7 +28,7 @@ from ...kb.rule import Rule
 from ...kb.sparql.named_queries import NamedQuery
 from ...kb.sparql.results import BooleanResult as Truth
 from ...kb.sparql.results import Solutions
-from ...nlu.understanding import Understanding
+from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
 from ..execution.outcome import Decision, ExecutionResult, GoalResult, WalkStep

@@ -1,28 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derivations to look at: which words made what, and the lambda term of each step."""
+"""Derivation trees for people: as indented text, as JSON and as an SVG drawing.
+
+Every step shows its words, its category and its lambda term in normal form.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from io import StringIO
+from typing import NamedTuple
 
+from ...ontology.errors import extra_required
 from ..grammar.categories import Category
 from ..grammar.combinators import Combination
 from ..grammar.terms import quote
 from ..lexicon.lexicon import Entry
 from .chart import Derivation
 
+MAX_TERM = 60
+"""A longer lambda term is cut off in the drawing [characters]."""
+
+_COLUMN, _ROW = 0.09, 0.64  # [inch], the width of a character and the height of a level
+
 
 @dataclass(frozen=True)
 class DerivationStep:
-    """One step of a derivation; as text, with all steps below it.
+    """One step of a derivation; `str()` gives it and all steps below it as indented text.
 
     Attributes:
-        words: the words it spans.
-        category: what they are.
-        term: what they mean, in normal form.
-        rule: `>`, `<`, `>B`, `<B`, a change of category, or empty for a word.
-        parts: the steps it rests on.
+        words: the words of its span.
+        category: the category of the span.
+        term: the lambda term of the span, in normal form.
+        rule: `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word.
+        parts: the steps that it combines.
     """
 
     words: str
@@ -35,14 +46,14 @@ class DerivationStep:
         return "\n".join(self.lines())
 
     def lines(self, depth: int = 0) -> Iterator[str]:
-        """One line for each step, indented by how deep it lies, words first seen at the leaves."""
+        """One line for each step, parents before children, indented by depth."""
         mark = f'"{self.words}"' if not self.parts else self.rule
         yield f"{'  ' * depth}{self.category} : {self.term}    {mark}"
         for part in self.parts:
             yield from part.lines(depth + 1)
 
     def as_json(self) -> dict[str, object]:
-        """The tree for other programs."""
+        """The tree as a JSON object."""
         return {
             "words": self.words,
             "category": self.category,
@@ -52,39 +63,95 @@ class DerivationStep:
         }
 
 
-def steps(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:
-    """The steps of a derivation.
+def derivation_step(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:
+    """Return the root step of a derivation.
 
     Args:
         derivation: as the chart built it.
         words: the tokens of the utterance.
     """
+    rule = derivation.rule
+    shown = rule.value if isinstance(rule, Combination) else str(rule)
     return DerivationStep(
         " ".join(words[derivation.start : derivation.end]),
         str(derivation.category),
         str(quote(derivation.value)),
-        _shown(derivation),
-        tuple(steps(part, words) for part in derivation.parts),
+        "" if isinstance(rule, Entry) else shown,
+        tuple(derivation_step(part, words) for part in derivation.parts),
     )
 
 
-def entries_of(derivation: Derivation) -> Iterator[Entry]:
-    """The readings of words that a derivation rests on, from left to right."""
+def lexical_entries(derivation: Derivation) -> Iterator[Entry]:
+    """The lexical entries that a derivation uses, from left to right."""
     if isinstance(derivation.rule, Entry):
         yield derivation.rule
     for part in derivation.parts:
-        yield from entries_of(part)
+        yield from lexical_entries(part)
 
 
 def categories_of(derivation: Derivation) -> Iterator[Category]:
-    """The categories of all spans that a derivation goes through."""
+    """The categories of all spans of a derivation."""
     yield derivation.category
     for part in derivation.parts:
         yield from categories_of(part)
 
 
-def _shown(derivation: Derivation) -> str:
-    rule = derivation.rule
-    if isinstance(rule, Entry):
-        return ""
-    return rule.value if isinstance(rule, Combination) else str(rule)
+def draw_svg(step: DerivationStep) -> str:
+    """Return the derivation as an SVG document, the words on top and the root at the bottom.
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+    """
+    with extra_required("report", "matplotlib"):
+        from matplotlib import rc_context
+        from matplotlib.figure import Figure
+    root = _box(step, 0)
+    figure = Figure(figsize=(_COLUMN * (root.width + 4), _ROW * (root.level + 2)))
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(-2, root.width + 2), ylim=(root.level + 1.5, -0.5))
+    axes.set_axis_off()
+    for box in root.boxes():
+        middle, bottom = box.left + box.width / 2, box.level + 0.5
+        lines = [box.step.category, _shortened(box.step.term)]
+        if box.step.parts:
+            axes.plot([box.left, box.left + box.width], [box.level, box.level], "gray", lw=1)
+            # The result shows what a unary rule, whose name is long, has changed.
+            sign = box.step.rule if len(box.step.rule) <= 2 else "⇒"
+            axes.text(box.left + box.width, box.level, sign, color="brown", va="center")
+        else:
+            lines.insert(0, box.step.words)
+        shown = "\n".join(lines)
+        axes.text(middle, bottom, shown, ha="center", va="bottom", family="monospace", size=9)
+    drawing = StringIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": step.words}):
+        figure.savefig(drawing, format="svg", metadata={"Date": None, "Title": step.words})
+    return drawing.getvalue()
+
+
+class _Box(NamedTuple):
+    """A step with its place: `left` and `width` in characters, `level` counted from the words."""
+
+    step: DerivationStep
+    left: float
+    width: float
+    level: int
+    parts: tuple[_Box, ...]
+
+    def boxes(self) -> Iterator[_Box]:
+        yield self
+        for part in self.parts:
+            yield from part.boxes()
+
+
+def _box(step: DerivationStep, left: float) -> _Box:
+    parts: list[_Box] = []
+    end = left
+    for part in step.parts:
+        parts.append(_box(part, end))
+        end = parts[-1].left + parts[-1].width + 3
+    own = max(map(len, (step.category, _shortened(step.term), "" if parts else step.words)))
+    level = max((part.level for part in parts), default=-1) + 1
+    return _Box(step, left, max(own, end - left - 3), level, tuple(parts))
+
+
+def _shortened(term: str) -> str:
+    return term if len(term) <= MAX_TERM else f"{term[: MAX_TERM - 1]}…"

@@ -40,9 +40,9 @@ from ..semantics.meaning import (
 )
 from ..semantics.negation import denies_a_thing, is_denial
 from ..semantics.predicates import Form
-from ..understanding import Reading, Understanding
 from .chart import Chart
 from .parser import Listener, UtteranceContext, after, decide
+from .understanding import Reading, Understanding
 
 
 @dataclass(frozen=True, repr=False)

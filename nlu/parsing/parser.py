@@ -22,11 +22,11 @@ from ..semantics.meaning import AskBack, Confidence, Meaning, Misunderstanding, 
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import Form, form_of
 from ..semantics.questions import question
-from ..understanding import Reading
 from .chart import Chart, Derivation
-from .derivation import categories_of, entries_of
+from .derivation import categories_of, lexical_entries
 from .frame_parser import wholes
 from .frames import Frames
+from .understanding import Reading
 
 MAX_EXPECTED = 5
 _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is likelier
@@ -112,7 +112,7 @@ class Listener:
         """The thing that an utterance only names, None when it does not."""
         for derivation in chart.derivations(self.grammar.topic):
             form = _named(form_of(derivation.value), situation)
-            if IT not in form and not new_words(entries_of(derivation)):
+            if IT not in form and not new_words(lexical_entries(derivation)):
                 return form
         return None
 
@@ -179,7 +179,7 @@ class Listener:
         situation: UtteranceContext,
     ) -> Reading:
         form = resolved(_named(form, situation), situation.discourse)
-        words = new_words(entries_of(derivation))
+        words = new_words(lexical_entries(derivation))
         interpreter = self.interpreter.knowing(words)
         act = _asked(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and"}:
@@ -191,7 +191,7 @@ class Listener:
             intention.form,
             intention.interval,
             _meaning(intention.form, interpreter, situation.discourse),
-            derivation.cost + _WORD_COST * sum(1 for _ in entries_of(derivation)),
+            derivation.cost + _WORD_COST * sum(1 for _ in lexical_entries(derivation)),
             derivation,
             words,
         )

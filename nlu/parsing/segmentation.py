@@ -26,8 +26,8 @@ from ..semantics.meaning import (
     ToolCommand,
 )
 from ..semantics.predicates import Form
-from ..understanding import Understanding
 from .parser import UtteranceContext
+from .understanding import Understanding
 
 MAX_MOVES = 4
 

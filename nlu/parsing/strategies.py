@@ -15,10 +15,10 @@ from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..semantics.meaning import AskBack, Command, Meaning, Misunderstanding, ToolCommand
 from ..semantics.predicates import Form
-from ..understanding import Understanding
 from .hearing import Hearing, without_reading
 from .parser import UtteranceContext
 from .segmentation import Moves
+from .understanding import Understanding
 
 
 class Attempts:

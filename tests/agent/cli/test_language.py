@@ -85,7 +85,7 @@ def test_parse_draws(hilt: Run, tmp_path: Path) -> None:
 
     hilt("parse", "pass me the knife", "--svg", str(path))
 
-    assert path.read_text(encoding="utf-8").startswith("<svg")
+    assert "<svg" in path.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from hilt.nlu import Language, Statement
 from hilt.nlu.grammar.combinators import Combination
 from hilt.nlu.language import LANGUAGES_FOLDER
 from hilt.nlu.parsing.derivation import DerivationStep
-from hilt.nlu.parsing.framing import load_frames
+from hilt.nlu.parsing.frames import load_frames
 from hilt.ontology.errors import DataError
 
 ENGLISH = LANGUAGES_FOLDER / "english"

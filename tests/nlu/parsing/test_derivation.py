@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derivations as pictures."""
+"""Derivations as drawings."""
 
 from __future__ import annotations
 
 from xml.etree import ElementTree
 
 from hilt.nlu import Language
-from hilt.nlu.parsing.derivation_drawing import svg_of
+from hilt.nlu.parsing.derivation import draw_svg
 
 
-def test_every_word_and_step_is_drawn(language: Language) -> None:
-    """The picture is good XML, with each word and the meaning of the whole."""
+def test_the_drawing_has_every_word_and_step(language: Language) -> None:
+    """The drawing is well-formed XML with each word and the meaning of the utterance."""
     step = language.understand("A knife is used for cutting").derivation
     assert step is not None
 
-    drawn = ElementTree.fromstring(svg_of(step))  # noqa: S314 - our own
+    drawn = ElementTree.fromstring(draw_svg(step))  # noqa: S314 - our own
 
     texts = ["".join(each.itertext()) for each in drawn.iter("{http://www.w3.org/2000/svg}text")]
     assert {"knife", "used", "for", "cutting"} <= {*" ".join(texts).split()}

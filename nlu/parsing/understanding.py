@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .lexicon.vocabulary import NewWord
-from .parsing.chart import Derivation
-from .parsing.derivation import DerivationStep, steps
-from .semantics.coreference import Discourse
-from .semantics.meaning import Confidence, Json, Meaning
-from .semantics.predicates import Form
+from ..lexicon.vocabulary import NewWord
+from ..semantics.coreference import Discourse
+from ..semantics.meaning import Confidence, Json, Meaning
+from ..semantics.predicates import Form
+from .chart import Derivation
+from .derivation import DerivationStep, derivation_step
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Understanding:
     @property
     def derivation(self) -> DerivationStep | None:
         """How the chart found the reading; prints as an indented text."""
-        return steps(self.reading.derivation, self.words) if self.reading else None
+        return derivation_step(self.reading.derivation, self.words) if self.reading else None
 
     def as_json(self) -> Json:
         """The object that `hilt parse --json` prints."""
