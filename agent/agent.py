@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from ..inference.affordance import Affordances
-from ..inference.induction import Inducing
+from ..inference.induction import InducedRuleSource
 from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
 from ..kb.interval import Interval
@@ -84,9 +84,11 @@ class Agent:
         self.scene = embodiment.scene
         self.objects = embodiment.household.objects
         self.affordances = Affordances(
-            Inducing(base, self.objects, embodiment.household.classes) if induces else base,
+            InducedRuleSource(base, self.objects, embodiment.household.classes)
+            if induces
+            else base,
             settings or Settings.load(),
-            Taxonomy.of(base),
+            Taxonomy.from_base(base),
         )
         self.induces = induces
         self.simulate = embodiment.simulate and vision is None

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from ..inference.conflicts import Conflict, conflicts
+from ..inference.conflicts import Conflict, find_conflicts
 from ..kb.knowledge_base import KnowledgeBase
 from ..kb.merge import Merged
 from ..kb.merge import merge as take_over
@@ -76,5 +76,5 @@ def _weighed(rule: Rule, base: KnowledgeBase) -> Rule:
 def _conflicts(before: Iterable[Rule], new: list[Rule]) -> tuple[Conflict, ...]:
     """Contradictions between what is there and what comes, not those within either."""
     ids = {rule.id for rule in new}
-    every = conflicts((*before, *new))
+    every = find_conflicts((*before, *new))
     return tuple(each for each in every if (each.first.id in ids) != (each.second.id in ids))

@@ -8,7 +8,7 @@ has the trees "cut", "stir" and "serve". Run: python examples/kitchen.py
 from pathlib import Path
 
 from hilt.agent import Agent
-from hilt.inference.explanation import why
+from hilt.inference.explanation import explain_choice
 from hilt.kb import Interval
 from hilt.kb.formats.transfer import import_file
 from hilt.kb.rule import Atom
@@ -34,7 +34,7 @@ def converse(contexts: dict[Atom, Interval]) -> None:
             reply = agent.hear(sentence)
             print(f"sam: {sentence}\nhilt: {reply.said}")
             if sentence == SAID[0] and reply.achievement and reply.achievement.decision:
-                print(why(reply.achievement.decision.object))
+                print(explain_choice(reply.achievement.decision.object))
 
 
 def main() -> None:

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Affordance inference: what observed things afford, and how surely.
+"""Affordance inference: what observed objects afford, and how certain that is.
 
-evidence     intervals combined: AND, modus ponens, fusion, and the measure lambda
-goal         what is wanted: an action and the thing it is about
-observation  one thing that vision reports, with an interval for each feature
-candidate    one conclusion about one thing, with its interval and its rules
-inference    all candidates at one node of the action tree, the best first
-threshold    what lambda must exceed before the robot acts
+evidence     operators on belief intervals: conjunction, modus ponens, fusion, and lambda
+types        goals, targets, observations; candidates and inferences as results
+affordance   inference at the nodes of an action tree
+decision     acceptance and ranking of candidates
+proof        derivation trees of intervals
+settings     operators and thresholds
+taxonomy     the is-a hierarchy along which rules are inherited
+explanation  proofs as text, reasons for rejection, counterfactuals
+abduction, induction, conflicts
+             hypotheses for a conclusion, rules by analogy, contradictory rules
 
 >>> from hilt.kb import Interval, KnowledgeBase, functional
 >>> from hilt.kb.rule import Atom
+>>> from hilt.inference import Affordances, Goal, Observation, Target
 >>> base = KnowledgeBase.open("memory:")
 >>> rule = functional("knife", "cutting", interval=Interval(0.95, 1))
 >>> told = base.believe("A knife is used for cutting", "implies(knife,cutting,high)", "sam", [rule])
@@ -22,20 +27,6 @@ threshold    what lambda must exceed before the robot acts
 [0.85, 1.00]
 """
 
-from .affordance import Affordances, RuleSource
-from .evidence import Operators
-from .settings import Settings
-from .types import Candidate, Conclusion, Goal, Inference, Observation, Target
+import lazy_loader
 
-__all__ = [
-    "Affordances",
-    "Candidate",
-    "Conclusion",
-    "Goal",
-    "Inference",
-    "Observation",
-    "Operators",
-    "RuleSource",
-    "Settings",
-    "Target",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

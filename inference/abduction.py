@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Abduction: from a conclusion back to what would bring it about, or what explains it.
+"""Abduction: hypotheses that would entail or explain a given conclusion.
 
-As in Sarathy & Scheutz (2016): rules are read from right to left. "What would have to be true of an
-object for it to be used for cutting?" gives the antecedents that would do, with what each would
-come to; "which context explains that it was passed by the blade?" gives the contexts under which
-that is the thing to do, the likeliest first.
+Rules are applied backwards, as in Sarathy & Scheutz (2016). "What would have to be true of an
+object for it to be used for cutting?" returns the sufficient antecedents, each with the interval of
+the conclusion; "which context explains that it was passed by the blade?" returns the contexts in
+which that conclusion holds, the most plausible first.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ _KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Something that, if it were so, would bring the conclusion about.
+    """An antecedent that would entail the conclusion.
 
     Attributes:
-        features: what would have to be seen.
-        contexts: what would have to be going on.
-        interval: what the conclusion would then come to.
-        rules: those it rests on.
+        features: the features that would have to be observed.
+        contexts: the contexts that would have to hold.
+        interval: the interval of the conclusion in that case.
+        rules: the rules it is based on.
     """
 
     features: frozenset[Atom]
@@ -44,7 +44,7 @@ class Hypothesis:
     rules: tuple[Rule, ...]
 
     def as_json(self) -> Json:
-        """As `hilt abduce --json` prints it."""
+        """Return the JSON object that `hilt abduce --json` prints."""
         return {
             "features": sorted(map(str, self.features)),
             "contexts": sorted(map(str, self.contexts)),
@@ -54,14 +54,14 @@ class Hypothesis:
         }
 
 
-def concluded(text: str) -> Conclusion:
-    """The conclusion that a person writes: an atom of a known functor, or functor(argument).
+def parse_conclusion(text: str) -> Conclusion:
+    """Parse a conclusion: an atom with a known functor, or functor(argument).
 
-    >>> print(concluded("part:blade"), concluded("cutWith(object:bread)"))
+    >>> print(parse_conclusion("part:blade"), parse_conclusion("cutWith(object:bread)"))
     graspObject(part:blade) cutWith(object:bread)
 
     Raises:
-        ValidationError: it names nothing.
+        ValidationError: the text is not a conclusion.
     """
     functor, bracket, rest = text.partition("(")
     if bracket:
@@ -75,7 +75,7 @@ def concluded(text: str) -> Conclusion:
     return Conclusion(_FUNCTORS.get(argument.kind, GRASP_OBJECT), argument)
 
 
-def hypotheses(
+def find_hypotheses(
     rules: Iterable[Rule],
     conclusion: Conclusion,
     *,
@@ -83,18 +83,18 @@ def hypotheses(
     settings: Settings | None = None,
     taxonomy: Taxonomy = FLAT,
 ) -> list[Hypothesis]:
-    """What would bring a conclusion about, the likeliest first.
+    """Return the hypotheses for a conclusion, the most plausible first.
 
     Args:
-        rules: those to read backwards.
+        rules: the rules to apply backwards.
         conclusion: usedFor(cutting), graspObject(blade), cutWith(bread).
-        given: what is known to hold; left out of the hypotheses, and a rule about another object
-            than a given one explains nothing.
-        settings: the choices of the theory; rules with the same antecedent are fused.
-        taxonomy: what is a kind of what: a given bread knife is a knife.
+        given: the atoms known to hold; they are left out of the hypotheses, and rules about
+            objects other than the given one are ignored.
+        settings: the operators; rules with the same antecedent are fused.
+        taxonomy: the is-a hierarchy: a given bread knife is a knife.
 
     Returns:
-        Only hypotheses under which the conclusion is rather true than false.
+        Only hypotheses under which the conclusion is more plausible than its negation.
     """
     operators = (settings or Settings()).operators
     known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))

@@ -2,34 +2,39 @@
 """Affordance inference at the nodes of an action tree: getFeatures and getAffordance.
 
 Paper, section 3.3. `Affordances.features` selects the rules of a node and returns the perceptual
-invariants that vision has to look for; `Affordances.infer` takes what was seen and concludes, for
-each thing, what it affords: AND over the antecedents, modus ponens with the rule's interval, fusion
-of equal conclusions, lambda against the threshold of the context (section 2).
+invariants that vision has to look for. `Affordances.infer` takes the observations and concludes
+what each object affords: AND over the antecedents, modus ponens with the rule's interval, fusion of
+equal conclusions, and lambda against the threshold of the context (section 2).
 
-Rules that share their antecedent are fused before modus ponens: the antecedent is one piece of
-evidence and would otherwise be counted once a rule. With perfect detection both stages agree.
+Rules with the same antecedent are fused before modus ponens: the antecedent is one piece of
+evidence and would otherwise be counted once for each rule. With perfect detection both orders give
+the same result. A `NodeContext` selects the rules of one node for one goal.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
-from ..kb.rule import Atom, Rule
-from .decision import Applicable, Judge
-from .proof import Proof, derived, told, unknown
-from .selection import FIND, NodeContext, Shown, closure, nearest
+from ..kb.rule import USED_FOR, Atom, Rule
+from ..ontology.actions import Actions
+from .decision import ApplicableRules, DecisionRule
+from .proof import Proof, derive, rule_proof, unknown_proof
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
-from .types import Candidate, Goal, Inference, Observation
+from .types import Candidate, Conclusion, Goal, Inference, Observation
 
-PERCEIVED = ("object", "part", "property")  # kinds of atoms that eyes report
+FIND = "findObject"  # the action that selects an object; its rules conclude usedFor(affordance)
+PERCEIVED = ("object", "part", "property")  # kinds of atoms that vision reports
+
+ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
 
 
 class RuleSource(Protocol):
-    """Where rules come from: a knowledge base, or anything else that keeps them by node."""
+    """A source of rules by node, such as a knowledge base."""
 
     @property
     def sequence(self) -> int:
@@ -37,20 +42,19 @@ class RuleSource(Protocol):
         ...
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
-        """The active rules that hang on any of these nodes."""
+        """Return the active rules at any of the given nodes."""
         ...
 
 
 class Affordances:
     """Inference over the rules of a knowledge base.
 
-    Rules are assimilated by sequence number: what a node's rules are is asked anew only when
-    something was told since.
+    The rules of a node are cached until the sequence number of the source changes.
 
     Args:
-        source: where the rules are.
-        settings: the choices of the theory.
-        taxonomy: what is a kind of what; rules are inherited along it.
+        source: the source of the rules.
+        settings: operators, stage, detection and thresholds.
+        taxonomy: the is-a hierarchy along which rules are inherited.
     """
 
     def __init__(
@@ -66,55 +70,49 @@ class Affordances:
         self._rules: dict[str, tuple[Rule, ...]] = {}
 
     def features(self, node: str, goal: Goal) -> tuple[Atom, ...]:
-        """What vision has to look for at a node (getFeatures), sorted.
+        """Return the features that vision has to look for at a node (getFeatures), sorted.
 
         Args:
             node: path of the node in the action tree ("pass/graspObject").
-            goal: what the walk is for.
+            goal: the goal of the action tree.
         """
-        here = self._situation(node, goal)
-        atoms = set(here.asked)
-        for key in here.levels:
-            atoms.update(*(rule.features for rule in here.relevant(key)))
+        here = self._node_context(node, goal)
+        atoms = set(here.named_features)
+        for key in here.keys:
+            atoms.update(*(rule.features for rule in here.rules(key)))
         return tuple(sorted(kind for atom in atoms for kind in self.taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
-        """What the observed things afford at a node (getAffordance).
+        """Infer what the observed objects afford at a node (getAffordance).
 
         Args:
             node: path of the node in the action tree.
-            goal: what the walk is for.
+            goal: the goal of the action tree.
             observations: what vision reports, in the order of the scene, which breaks ties.
 
         Returns:
             All candidates, best first. At the find node there is one for each observation; at any
-            other node one for each thing and each part (or other argument) that a rule names.
+            other node one for each object and each part (or other argument) that a rule names.
 
         Raises:
-            ConflictError: the chosen operators are not defined for what was told.
+            ConflictError: the chosen operators are not defined for the given rules.
         """
-        here = self._situation(node, goal)
-        judge = Judge(node, here.threshold(self.settings), self.settings.operators)
+        here = self._node_context(node, goal)
+        decision = DecisionRule(node, here.threshold(self.settings), self.settings.operators)
         if here.action != FIND:
-            found = [each for seen in observations for each in self._bound(here, seen, judge)]
-            return judge.ranked(found)
-        found = [self._find(here, seen, judge) for seen in observations]
+            found = [
+                each
+                for seen in observations
+                for each in self._argument_candidates(here, seen, decision)
+            ]
+            return decision.ranked(found)
+        found = [self._object_candidate(here, seen, decision) for seen in observations]
         if any(each.accepted for each in found):
-            return judge.ranked(found)
-        return judge.ranked(found, list(self._absent(here, observations, judge)))
+            return decision.ranked(found)
+        return decision.ranked(found, list(self._absent_candidates(here, observations, decision)))
 
-    def infer_many(
-        self, node: str, goals: Sequence[Goal], scenes: Sequence[Sequence[Observation]]
-    ) -> list[Inference]:
-        """`infer` for several goals, each with the scene of the same index.
-
-        Raises:
-            ValueError: there are not as many scenes as goals.
-        """
-        return [self.infer(node, *pair) for pair in zip(goals, scenes, strict=True)]
-
-    def _situation(self, node: str, goal: Goal) -> NodeContext:
-        """A node with a goal, after what was told since is assimilated."""
+    def _node_context(self, node: str, goal: Goal) -> NodeContext:
+        """Return the context of a node, after dropping cached rules that are out of date."""
         sequence = self.source.sequence
         if sequence != self._sequence:
             self._rules.clear()
@@ -126,44 +124,46 @@ class Affordances:
             self._rules[key] = tuple(self.source.rules_at_nodes([key]))
         return self._rules[key]
 
-    # --- Concluding ----------------------------------------------------------------------
-
-    def _find(self, here: NodeContext, seen: Observation, judge: Judge) -> Candidate:
-        """How surely one thing is what the command asks for."""
+    def _object_candidate(
+        self, here: NodeContext, seen: Observation, decision: DecisionRule
+    ) -> Candidate:
+        """Return how surely an object is what the command asks for."""
         target = here.goal.target
-        shown = closure(seen.atoms, self.taxonomy)
-        steps = [_evidence(atom, here, seen, shown) for atom in here.asked]
-        argument, applied = None, Applicable()
+        shown = implied_atoms(seen.atoms, self.taxonomy)
+        steps = [_evidence(atom, here, seen, shown) for atom in here.named_features]
+        argument, applied = None, ApplicableRules()
         for conclusion, is_negated in target.wanted:
             argument = conclusion.argument
             applied = here.concluding(conclusion, shown)
-            proof = self._concluded(applied.rules, here, seen, shown)
+            proof = self._conclude(applied.rules, here, seen, shown)
             operators = self.settings.operators
-            steps.append(derived("not", [proof], operators) if is_negated else proof)
+            steps.append(derive("not", [proof], operators) if is_negated else proof)
         if target.is_confirmed:
             steps = [Proof("given", CERTAIN, f"{seen.name} was confirmed by the speaker")]
-        return judge.candidate(seen, argument, steps, applied)
+        return decision.candidate(seen, argument, steps, applied)
 
-    def _bound(self, here: NodeContext, seen: Observation, judge: Judge) -> Iterator[Candidate]:
-        """Which part (or other argument) the rules of the nearest context name for one thing."""
-        shown = closure(seen.atoms, self.taxonomy)
-        for key in here.levels:
-            applied = nearest(here.relevant(key), shown)
+    def _argument_candidates(
+        self, here: NodeContext, seen: Observation, decision: DecisionRule
+    ) -> Iterator[Candidate]:
+        """Yield the parts (or other arguments) that the rules of the nearest context name."""
+        shown = implied_atoms(seen.atoms, self.taxonomy)
+        for key in here.keys:
+            applied = nearest_rules(here.rules(key), shown)
             if applied.rules:
                 for argument, group in _by_argument(applied.rules).items():
-                    proof = self._concluded(group, here, seen, shown)
-                    yield judge.candidate(seen, argument, [proof], applied)
+                    proof = self._conclude(group, here, seen, shown)
+                    yield decision.candidate(seen, argument, [proof], applied)
                 return
 
-    def _absent(
-        self, here: NodeContext, observations: Sequence[Observation], judge: Judge
+    def _absent_candidates(
+        self, here: NodeContext, observations: Sequence[Observation], decision: DecisionRule
     ) -> Iterator[Candidate]:
-        """What rules speak for that is not in view: each as if it had been looked for in vain."""
-        shown = [closure(seen.atoms, self.taxonomy) for seen in observations]
+        """Yield candidates for objects that rules name but that are not in view."""
+        shown = [implied_atoms(seen.atoms, self.taxonomy) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
             for key in here.keys_of(conclusion):
-                for rule in here.relevant(key):
+                for rule in here.rules(key):
                     in_view = any(rule.features <= each.keys() for each in shown)
                     fits = conclusion.argument is None or rule.argument in {
                         None,
@@ -173,28 +173,30 @@ class Affordances:
                         groups[rule.object or "thing"].append(rule)
             for name, rules in groups.items():
                 nothing = Observation(name, name, {})
-                steps = [self._concluded(rules, here, nothing, {})]
-                applied = Applicable(tuple(rules))
-                yield judge.candidate(nothing, conclusion.argument, steps, applied, is_absent=True)
+                steps = [self._conclude(rules, here, nothing, {})]
+                applied = ApplicableRules(tuple(rules))
+                yield decision.candidate(
+                    nothing, conclusion.argument, steps, applied, is_absent=True
+                )
 
-    def _concluded(
-        self, rules: Sequence[Rule], here: NodeContext, seen: Observation, shown: Shown
+    def _conclude(
+        self, rules: Sequence[Rule], here: NodeContext, seen: Observation, shown: ImpliedAtoms
     ) -> Proof:
-        """One conclusion from rules that agree in what they conclude; unknown from none."""
+        """Return the proof of one conclusion from its rules; unknown if there are none."""
         if not rules:
-            return unknown(seen.name)
+            return unknown_proof(seen.name)
         operators = self.settings.operators
         concluded: list[Proof] = []
-        for group in self._groups(rules):
+        for group in self._fusion_groups(rules):
             antecedent = sorted(group[0].features | group[0].contexts)
             known = [_evidence(atom, here, seen, shown) for atom in antecedent]
-            premise = derived("and", known, operators)
-            rule = derived("fuse", [told(each) for each in group], operators)
-            concluded.append(derived("modus ponens", (premise, rule), operators))
-        return derived("fuse", concluded, operators)
+            premise = derive("and", known, operators)
+            rule = derive("fuse", [rule_proof(each) for each in group], operators)
+            concluded.append(derive("modus ponens", (premise, rule), operators))
+        return derive("fuse", concluded, operators)
 
-    def _groups(self, rules: Sequence[Rule]) -> Iterable[Sequence[Rule]]:
-        """Rules that are fused before modus ponens, the one told last in the last group."""
+    def _fusion_groups(self, rules: Sequence[Rule]) -> Iterable[Sequence[Rule]]:
+        """Group the rules that are fused before modus ponens; the newest is in the last group."""
         if len(rules) == 1:
             return [rules]
         in_time = sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))
@@ -206,21 +208,23 @@ class Affordances:
         return sorted(groups.values(), key=lambda group: group[-1].utterance or 0)
 
 
-def _evidence(atom: Atom, here: NodeContext, seen: Observation, shown: Shown) -> Proof:
-    """How surely an antecedent holds; an action on the path of the node holds by itself."""
+def _evidence(atom: Atom, here: NodeContext, seen: Observation, shown: ImpliedAtoms) -> Proof:
+    """Return the evidence for an antecedent; an action on the path of the node is certain."""
     if atom in shown:
         origin = shown[atom][1]
-        return Proof("seen", seen.atoms[origin], f"{origin} seen on {seen.name}{_as(origin, atom)}")
+        return Proof(
+            "seen", seen.atoms[origin], f"{origin} seen on {seen.name}{_kind_of(origin, atom)}"
+        )
     if atom.kind in PERCEIVED:
         where = f" on {seen.name}" if seen.atoms else ""
         return Proof("seen", VACUOUS, f"{atom} not seen{where}")
     if atom not in here.given:
         return Proof("given", CERTAIN, str(atom))
     origin = here.given[atom][1]
-    return Proof("given", here.goal.contexts[origin], f"{origin}{_as(origin, atom)}")
+    return Proof("given", here.goal.contexts[origin], f"{origin}{_kind_of(origin, atom)}")
 
 
-def _as(origin: Atom, atom: Atom) -> str:
+def _kind_of(origin: Atom, atom: Atom) -> str:
     return "" if origin == atom else f", which is a kind of {atom.name}"
 
 
@@ -229,3 +233,126 @@ def _by_argument(rules: Sequence[Rule]) -> dict[Atom | None, list[Rule]]:
     for rule in rules:
         groups[rule.argument].append(rule)
     return groups
+
+
+class NodeContext:
+    """The rules that apply at one node for one goal; shared by all objects observed there.
+
+    Args:
+        node: the path of the node.
+        goal: the goal of the action tree.
+        rules_at: returns the rules stored under a key.
+        taxonomy: the is-a hierarchy.
+    """
+
+    def __init__(
+        self,
+        node: str,
+        goal: Goal,
+        rules_at: Callable[[str], Sequence[Rule]],
+        taxonomy: Taxonomy,
+    ) -> None:
+        self.node, self.goal, self.taxonomy = node, goal, taxonomy
+        self.action = node.rsplit("/", 1)[-1]
+        self._rules_at = rules_at
+        self._selected: dict[str, Sequence[Rule]] = {}
+
+    @cached_property
+    def contexts(self) -> tuple[Atom, ...]:
+        """The actions above the node, nearest first, each with its more general actions."""
+        acting = (Atom("action", name) for name in Actions.contexts(self.node))
+        return tuple(
+            dict.fromkeys(above for atom in acting for above, _ in self.taxonomy.above(atom))
+        )
+
+    @cached_property
+    def given(self) -> ImpliedAtoms:
+        """The other contexts of the goal, with their more general kinds."""
+        return implied_atoms(self.goal.contexts, self.taxonomy)
+
+    @cached_property
+    def named_features(self) -> tuple[Atom, ...]:
+        """The features that the command itself names; used at the find node only."""
+        if self.action != FIND:
+            return ()
+        target = self.goal.target
+        named = [Atom("object", target.object)] if target.object else []
+        return (*named, *(Atom("property", name) for name in sorted(target.properties)))
+
+    @cached_property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the rules of this node, nearest context first."""
+        if self.action != FIND:
+            return self._keys(self.action)
+        wanted = (self.keys_of(conclusion) for conclusion, _ in self.goal.target.wanted)
+        return tuple(key for keys in wanted for key in keys)
+
+    def keys_of(self, wanted: Conclusion) -> tuple[str, ...]:
+        """Return the keys of the rules that can conclude what is wanted."""
+        if wanted.functor == USED_FOR and wanted.argument:
+            return (f"{FIND}.{wanted.argument.name}",)
+        return self._keys(wanted.functor)
+
+    def threshold(self, settings: Settings) -> float:
+        """Return the threshold Λ at this node."""
+        if not settings.thresholds:
+            return settings.threshold
+        return settings.threshold_of((context.name for context in self.contexts), self.given)
+
+    def rules(self, key: str) -> Sequence[Rule]:
+        """Return the rules of a key whose contexts hold and (past the find node) object fits."""
+        if key not in self._selected:
+            held = {*self.contexts, *self.given}
+            rules = [rule for rule in self._rules_at(key) if rule.contexts <= held]
+            name = self.goal.target.object
+            if name is not None and self.action != FIND:
+                wanted = {above.name for above, _ in self.taxonomy.above(Atom("object", name))}
+                rules = [rule for rule in rules if rule.object is None or rule.object in wanted]
+            self._selected[key] = rules
+        return self._selected[key]
+
+    def concluding(self, wanted: Conclusion, shown: ImpliedAtoms) -> ApplicableRules:
+        """Return the rules of the nearest context that conclude what is wanted of an object."""
+        arguments = implied_atoms([wanted.argument], self.taxonomy) if wanted.argument else None
+        for key in self.keys_of(wanted):
+            rules = self.rules(key)
+            if arguments is not None:
+                rules = [r for r in rules if r.argument is None or r.argument in arguments]
+            applied = nearest_rules(rules, shown, arguments or {})
+            if applied.rules:
+                return applied
+        return ApplicableRules()
+
+    def _keys(self, functor: str) -> tuple[str, ...]:
+        return (*(f"{context.name}.{functor}" for context in self.contexts), functor)
+
+
+def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:
+    """Return the atoms and all kinds above them, with distance and the atom they follow from."""
+    found: dict[Atom, tuple[int, Atom]] = {}
+    for atom in atoms:
+        for above, distance in taxonomy.above(atom):
+            if above not in found or distance < found[above][0]:
+                found[above] = (distance, atom)
+    return found
+
+
+def nearest_rules(
+    rules: Sequence[Rule], shown: ImpliedAtoms, arguments: ImpliedAtoms | None = None
+) -> ApplicableRules:
+    """Return the nearest of the rules whose features are all observed."""
+    fitting = [rule for rule in rules if rule.features <= shown.keys()]
+    if not fitting:
+        return ApplicableRules()
+    pairs = [(rule, _distance(rule, shown, arguments or {})) for rule in fitting]
+    least = min(distance for _, distance in pairs)
+    near = tuple(rule for rule, distance in pairs if distance == least)
+    return ApplicableRules(near, least, tuple(rule for rule, far in pairs if far > least))
+
+
+def _distance(rule: Rule, shown: ImpliedAtoms, arguments: ImpliedAtoms) -> int:
+    """Return the number of is-a steps from the observation and the wanted argument to a rule."""
+    above = max((shown[feature][0] for feature in rule.features), default=0)
+    if rule.argument is None or rule.argument not in arguments:
+        return above
+    return above + arguments[rule.argument][0]

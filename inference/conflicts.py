@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules that contradict each other: what one asserts another denies.
+"""Conflicts: pairs of rules, one of which asserts what the other denies.
 
-The weight of a conflict is the mass that Dempster's rule gives to the empty set when the two are
-combined, K = a1·(1-b2) + (1-b1)·a2 (Shafer 1976), in [0, 1]. Two parts for one grasp are rivals,
-not a contradiction: a knife can be held by either end.
+The weight of a conflict is the mass that Dempster's rule assigns to the empty set when both are
+combined, K = a1·(1-b2) + (1-b1)·a2 (Shafer 1976), in [0, 1]. Two different parts for one grasp do
+not contradict each other: a knife can be held at either end.
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ class Conflict:
     weight: float
 
     def as_json(self) -> Json:
-        """As `hilt conflicts --json` prints it."""
+        """As `hilt find_conflicts --json` prints it."""
         return {"rules": [self.first.as_json(), self.second.as_json()], "weight": self.weight}
 
 
 def conflict_mass(one: Interval, other: Interval) -> float:
-    """K, the mass on the empty set when two intervals are combined, in [0, 1]."""
+    """Return K, the mass of the empty set when two intervals are combined, in [0, 1]."""
     return one.lower * (1 - other.upper) + (1 - one.upper) * other.lower
 
 
-def conflicts(rules: Iterable[Rule]) -> list[Conflict]:
-    """All pairs of rules that contradict each other, the heaviest first.
+def find_conflicts(rules: Iterable[Rule]) -> list[Conflict]:
+    """Return all pairs of rules that contradict each other, in descending order of weight.
 
-    Rules count as far as their speakers are trusted.
+    Rules are discounted by the trust in their speakers.
     """
     groups: dict[tuple[frozenset[Atom], str, Atom | None], list[Rule]] = defaultdict(list)
     for rule in rules:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which conclusions are sure enough to act on, and which of them is the best."""
+"""The decision at a node: which candidates are certain enough to act on, and which is best."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
 from .evidence import EPSILON, Operators, certainty
-from .proof import LEAVES, Proof, derived
+from .proof import LEAVES, Proof, derive
 from .types import Candidate, Inference, Observation, Verdict
 
 _REASONS: Mapping[Verdict, str] = {
@@ -22,13 +22,13 @@ _REASONS: Mapping[Verdict, str] = {
 
 
 @dataclass(frozen=True)
-class Applicable:
-    """Rules that apply to a thing.
+class ApplicableRules:
+    """The rules that apply to an object.
 
     Attributes:
-        rules: the nearest ones.
-        distance: how many steps up they were found: 0 for this very kind of thing.
-        overruled: those found further up.
+        rules: the most specific rules.
+        distance: their distance in the is-a hierarchy: 0 for rules about exactly this kind.
+        overruled: applicable rules that are less specific.
     """
 
     rules: tuple[Rule, ...] = ()
@@ -37,13 +37,13 @@ class Applicable:
 
 
 @dataclass(frozen=True)
-class Judge:
-    """Decides at one node.
+class DecisionRule:
+    """Accepts and ranks the candidates of a node.
 
     Attributes:
         node: the path of the node.
-        threshold: Λ there.
-        operators: those of the settings.
+        threshold: the threshold Λ of the node.
+        operators: the operators of the settings.
     """
 
     node: str
@@ -55,14 +55,14 @@ class Judge:
         seen: Observation,
         argument: Atom | None,
         steps: Sequence[Proof],
-        applied: Applicable,
+        applied: ApplicableRules,
         *,
         is_absent: bool = False,
     ) -> Candidate:
-        """What all steps together come to for one thing."""
-        proof = derived("and", steps, self.operators)
+        """Return the candidate for an object: the conjunction of proof steps, with a verdict."""
+        proof = derive("and", steps, self.operators)
         if argument is not None and proof.step not in LEAVES:
-            # Of a use or a part the functor is plain: usedFor, graspObject.
+            # Affordances and parts imply their functor: usedFor, graspObject.
             is_plain = argument.kind in {"affordance", "part"}
             functors = {rule.functor for rule in applied.rules}
             of = argument if is_plain or len(functors) != 1 else f"{functors.pop()}({argument})"
@@ -88,15 +88,15 @@ class Judge:
         )
 
     def verdict(self, interval: Interval, is_unknown: bool) -> Verdict:
-        """Whether to act on a conclusion, to avoid it, or neither."""
+        """Return whether a conclusion is accepted, denied or neither."""
         if is_unknown:
             return "unknown"
         if self.operators.accepts(interval, self.threshold):
             return "accepted"
         return "denied" if self.operators.denies(interval, self.threshold) else "unsure"
 
-    def first(self, intervals: Sequence[Interval]) -> int | None:
-        """The index of the first of the best intervals that are sure enough; None of none."""
+    def best_index(self, intervals: Sequence[Interval]) -> int | None:
+        """Return the index of the first of the best accepted intervals; None if there are none."""
         accepts = self.operators.accepts
         sure = [i for i, each in enumerate(intervals) if accepts(each, self.threshold)]
         if not sure:
@@ -105,13 +105,13 @@ class Judge:
         return next(i for i in sure if self.operators.rank(intervals[i]) > best - EPSILON)
 
     def ranked(self, found: Sequence[Candidate], absent: Sequence[Candidate] = ()) -> Inference:
-        """All candidates, the best first; equals in the order in which they were found."""
+        """Return all candidates as an inference, best first; equals keep their order."""
         rank = self.operators.rank
         ordered = sorted(found, key=lambda each: (not each.accepted, -rank(each.interval)))
         ties: tuple[Candidate, ...] = ()
         if ordered and ordered[0].accepted:
             best = rank(ordered[0].interval)
-            # In scene order, so that rounding in the last bit cannot decide between equals.
+            # In scene order: rounding errors must not decide between equal candidates.
             tied = [
                 each for each in found if each.accepted and rank(each.interval) > best - EPSILON
             ]

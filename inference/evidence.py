@@ -4,13 +4,12 @@
 An interval [a, b] = [Bel, Pl] stands for the Dempster-Shafer masses m(true) = a, m(false) = 1 - b
 and m(either) = b - a of one proposition. The paper (section 2) names the steps: AND over the
 antecedents, modus ponens with the rule's interval, fusion of equal conclusions, then the measure
-lambda of Nunez et al. (2013) against a threshold; it prints no formula. Those here are derived, and
-each docstring says from what. Where there is a choice, every choice has a name in a table
-(`CONJUNCTIONS`, `MODUS_PONENS`, `FUSIONS`, `RANKINGS`, `ACCEPTANCES`); `Operators` holds one of
-each.
+lambda of Nunez et al. (2013) against a threshold; it gives no formulas. Those here are derived;
+each docstring names the source. Alternatives are registered by name (`CONJUNCTIONS`,
+`MODUS_PONENS`, `FUSIONS`, `RANKINGS`, `ACCEPTANCES`); `Operators` selects one of each.
 
-Products are taken in sorted order, so that a result does not depend, not even in its last bit, on
-the order in which things were taught.
+Factors are multiplied in sorted order, so that results do not depend, not even in the last bit, on
+the order of teaching.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ Acceptance = Callable[[Interval, float], bool]
 
 
 def _bounded(lower: float, upper: float) -> Interval:
-    """The interval after rounding errors of the last bits are taken back into [0, 1]."""
+    """Return the interval, with bounds clipped to [0, 1] against rounding errors."""
     lower = min(max(lower, 0.0), 1.0)
     return Interval(lower, min(max(upper, lower), 1.0))
 
@@ -104,7 +103,7 @@ def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
 
 
 def _commonalities(intervals: Sequence[Interval]) -> tuple[float, float, float]:
-    """Products (Π b, Π (1-a), Π (b-a)): what stays compatible with true, false, either."""
+    """Return the commonalities (Π b, Π (1-a), Π (b-a)) of true, false and either."""
     return (
         _product(i.upper for i in intervals),
         _product(1 - i.lower for i in intervals),
@@ -173,7 +172,7 @@ def fuse_latest(intervals: Sequence[Interval]) -> Interval:
     return intervals[-1] if intervals else VACUOUS
 
 
-# --- How sure is that? ---------------------------------------------------------------------
+# --- Measures of an interval ---------------------------------------------------------------
 
 
 def relative_plausibility(interval: Interval) -> float:
@@ -185,7 +184,8 @@ def certainty(interval: Interval) -> float:
     """The confidence measure lambda of Núñez et al. (2013), in [0, 1].
 
     lambda = 1 + (b/γ)·log2(b/γ) + ((1-a)/γ)·log2((1-a)/γ) with γ = 1 + b - a, which is one minus
-    the entropy of the plausibility transform. It is blind to truth: [0, 0] is as certain as [1, 1].
+    the entropy of the plausibility transform. It does not depend on the truth value: [0, 0] is as
+    certain as [1, 1].
     """
     share = relative_plausibility(interval)
     return max(0.0, 1 + _entropy_term(share) + _entropy_term(1 - share))
@@ -196,16 +196,16 @@ def _entropy_term(share: float) -> float:
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:
-    """Whether to act on it: rather true than false, and lambda above the threshold (strictly)."""
+    """Whether an interval is more true than false and its lambda exceeds the threshold."""
     return interval.lower + interval.upper > 1 + EPSILON and certainty(interval) > threshold
 
 
 def is_certain(interval: Interval, threshold: float) -> bool:
-    """Whether lambda alone is above the threshold: the letter of the paper, blind to truth."""
+    """Whether lambda alone exceeds the threshold, literally as in the paper."""
     return certainty(interval) > threshold
 
 
-# --- The named choices ---------------------------------------------------------------------
+# --- Operators by name ---------------------------------------------------------------------
 
 CONJUNCTIONS: Mapping[str, Conjunction] = MappingProxyType(
     {"product": conjunction, "frechet": conjunction_frechet, "min": conjunction_min}
@@ -241,10 +241,10 @@ ACCEPTANCES: Mapping[str, Acceptance] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Operators:
-    """One choice of each operator, by name.
+    """The selected operators, by name.
 
     Raises:
-        UnknownNameError: a name is in none of the tables.
+        UnknownNameError: there is no operator of that name.
     """
 
     conjunction: str = "product"
@@ -261,27 +261,27 @@ class Operators:
         _known("acceptance", self.acceptance, ACCEPTANCES)
 
     def all_of(self, intervals: Sequence[Interval]) -> Interval:
-        """AND of the intervals; [1, 1] of none."""
+        """Return the conjunction of the intervals; [1, 1] of none."""
         return CONJUNCTIONS[self.conjunction](intervals)
 
     def conclude(self, antecedent: Interval, rule: Interval) -> Interval:
-        """Modus ponens."""
+        """Return the conclusion of a rule by modus ponens."""
         return MODUS_PONENS[self.modus_ponens](antecedent, rule)
 
     def fuse(self, intervals: Sequence[Interval]) -> Interval:
-        """One interval from several for the same proposition."""
+        """Fuse several intervals for the same proposition."""
         return FUSIONS[self.fusion](intervals)
 
     def rank(self, interval: Interval) -> float:
-        """A number by which candidates are ordered, higher is better."""
+        """Return the score by which candidates are ranked; higher is better."""
         return RANKINGS[self.ranking](interval)
 
     def accepts(self, interval: Interval, threshold: float) -> bool:
-        """Whether to act on it."""
+        """Whether a conclusion may be acted on."""
         return ACCEPTANCES[self.acceptance](interval, threshold)
 
     def denies(self, interval: Interval, threshold: float) -> bool:
-        """Whether it is believed not to hold, surely enough to avoid it."""
+        """Whether the negation of a conclusion is affirmed."""
         return is_affirmed(negation(interval), threshold)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Why, why not, and what would change your mind.
+"""Explanations of decisions: proofs, reasons for rejection, and counterfactuals.
 
-An explanation is made of the decision's own proofs, never of a story told afterwards: what it
-prints is what was worked out, and working it out again gives the same numbers.
+Explanations consist of the proofs of the decision itself; evaluating these again gives the same
+numbers.
 """
 
 from __future__ import annotations
@@ -13,23 +13,23 @@ from itertools import pairwise
 
 from ..kb.interval import Interval
 from ..ontology.errors import UnknownNameError
-from .decision import Judge
+from .decision import DecisionRule
 from .proof import Json, Proof
 from .settings import Settings
 from .types import Candidate, Inference
 
-HALVINGS = 40  # of a stretch of a path, when the turning point is searched: to 1e-12
-STRETCHES = 64  # of a path that are looked at
+HALVINGS = 40  # bisections of a path segment: to a precision of 1e-12
+SEGMENTS = 64  # of a path that are searched
 
 
 @dataclass(frozen=True)
 class Counterfactual:
-    """A change of one interval that turns a decision.
+    """A change of one interval that changes the decision.
 
     Attributes:
-        evidence: the leaf of the proof that would be different.
-        after: what it would have to be.
-        chosen: the thing or part that would be chosen then; None when nothing would be.
+        evidence: the leaf of the proof that is changed.
+        after: its interval after the change.
+        chosen: the object or part chosen after the change; None if there is none.
     """
 
     evidence: Proof
@@ -38,11 +38,11 @@ class Counterfactual:
 
     @property
     def size(self) -> float:
-        """How far the bounds move together."""
+        """The size of the change: the sum of the changes of both bounds."""
         return _distance(self.evidence.interval, self.after)
 
     def as_json(self) -> Json:
-        """As `hilt explain --json` prints it."""
+        """Return the JSON object that `hilt explain --json` prints."""
         return {
             "about": self.evidence.about,
             "before": [self.evidence.interval.lower, self.evidence.interval.upper],
@@ -51,28 +51,28 @@ class Counterfactual:
         }
 
 
-def why(inference: Inference) -> str:
-    """The proof of the best candidate as indented text; of the first one when none is accepted."""
+def explain_choice(inference: Inference) -> str:
+    """Return the proof of the best candidate as indented text; of the first if none is accepted."""
     if not inference.candidates:
         return "nothing was seen that could be meant"
     return "\n".join(inference.candidates[0].proof.lines())
 
 
-def why_not(inference: Inference, name: str) -> str:
-    """Why a thing (or part) was not chosen, with the proof of what was concluded about it.
+def explain_rejection(inference: Inference, name: str) -> str:
+    """Return why an object (or part) was not chosen, with the proof about it.
 
     Raises:
-        UnknownNameError: nothing was concluded about it.
+        UnknownNameError: there is no candidate of that name.
     """
-    found = [each for each in inference.candidates if name in names_of(each)]
+    found = [each for each in inference.candidates if name in candidate_names(each)]
     if not found:
-        known = sorted({known for each in inference.candidates for known in names_of(each)})
+        known = sorted({known for each in inference.candidates for known in candidate_names(each)})
         raise UnknownNameError("candidate", name, known)
-    return "\n".join((reason_against(inference, found[0]), *found[0].proof.lines()))
+    return "\n".join((rejection_reason(inference, found[0]), *found[0].proof.lines()))
 
 
-def reason_against(inference: Inference, candidate: Candidate) -> str:
-    """Why a candidate is not the one that was chosen; its own reason if it is."""
+def rejection_reason(inference: Inference, candidate: Candidate) -> str:
+    """Return why a candidate was not chosen, or its own reason if it was."""
     best = inference.best
     if not candidate.accepted or best is None or candidate is best:
         return candidate.reason
@@ -81,58 +81,59 @@ def reason_against(inference: Inference, candidate: Candidate) -> str:
     return f"{candidate.interval}: {equal} {best.name} {best.interval}"
 
 
-def names_of(candidate: Candidate) -> tuple[str, ...]:
-    """By which names a candidate is asked for: the thing, its class, and its argument."""
+def candidate_names(candidate: Candidate) -> tuple[str, ...]:
+    """Return the names of a candidate: those of the object, its class and its argument."""
     argument = (candidate.argument.name,) if candidate.argument else ()
     return tuple(dict.fromkeys((candidate.name, candidate.object, *argument)))
 
 
-def changes_of_mind(inference: Inference, settings: Settings) -> list[Counterfactual]:
-    """The smallest changes of one interval alone that turn the decision, the smallest first.
+def counterfactuals(inference: Inference, settings: Settings) -> list[Counterfactual]:
+    """Return the smallest changes of a single interval that change the decision, smallest first.
 
-    An interval can grow in truth in two ways that are no detour: its lower bound first, taking the
-    upper one along where they meet, or its upper bound first, then the lower one. Likewise it can
-    shrink. With the default operators whether a thing is chosen is a linear condition on the two
-    bounds of any one leaf, so the smallest change |Δlower| + |Δupper| lies on one of these four.
+    There are two shortest paths by which an interval can increase: raise the lower bound first,
+    and the upper one with it where they meet; or raise the upper bound first, then the lower one.
+    There are two likewise by which it can decrease. With the default operators, whether a candidate
+    is chosen is a linear condition on the bounds of each leaf, so the smallest change
+    |Δlower| + |Δupper| lies on one of these four paths.
 
     Args:
         inference: the decision.
-        settings: those it was made with.
+        settings: the settings it was made with.
 
     Returns:
-        Of each leaf of the proofs the smallest change in each direction that turns the decision.
+        For each leaf of the proofs, the smallest change in each direction, if there is one.
     """
-    mind = _Mind(inference, settings)
-    leaves = dict.fromkeys(leaf for each in mind.candidates for leaf in each.proof.leaves)
-    found = [change for leaf in leaves for change in mind.turned_by(leaf)]
+    search = _CounterfactualSearch(inference, settings)
+    leaves = dict.fromkeys(leaf for each in search.candidates for leaf in each.proof.leaves)
+    found = [change for leaf in leaves for change in search.smallest_changes(leaf)]
     return sorted(found, key=lambda change: change.size)
 
 
-class _Mind:
-    """A decision that can be made again with other evidence."""
+class _CounterfactualSearch:
+    """Repeats a decision with other evidence."""
 
     def __init__(self, inference: Inference, settings: Settings) -> None:
         self.candidates = (*inference.candidates, *inference.absent)
         self.leaves = [frozenset(each.proof.leaves) for each in self.candidates]
         self.operators = settings.operators
-        self.judge = Judge(inference.node, inference.threshold, settings.operators)
+        self.decision = DecisionRule(inference.node, inference.threshold, settings.operators)
         self.intervals = [each.interval for each in self.candidates]
-        self.decided = self.judge.first(self.intervals)
+        self.decided = self.decision.best_index(self.intervals)
 
-    def turned_by(self, leaf: Proof) -> Iterator[Counterfactual]:
-        """The smallest change of a leaf upwards, and the smallest downwards, that turn it."""
+    def smallest_changes(self, leaf: Proof) -> Iterator[Counterfactual]:
+        """Yield the smallest increase and decrease of a leaf that change the decision."""
         about = [i for i, leaves in enumerate(self.leaves) if leaf in leaves]
         for paths in _paths(leaf.interval):
-            turned = [each for path in paths if (each := self._turned(leaf, path, about))]
-            yield from sorted(turned, key=lambda change: change.size)[:1]
+            changes = [each for path in paths if (each := self._turning_point(leaf, path, about))]
+            yield from sorted(changes, key=lambda change: change.size)[:1]
 
-    def _turned(
+    def _turning_point(
         self, leaf: Proof, path: Sequence[Interval], about: Sequence[int]
     ) -> Counterfactual | None:
-        """The nearest point of a path at which the decision is another."""
+        """Return the first point of a path at which the decision changes; None if there is none."""
         before = 0.0
-        for stretch in range(1, STRETCHES + 1):
-            after = stretch / STRETCHES
+        for segment in range(1, SEGMENTS + 1):
+            after = segment / SEGMENTS
             if self._chosen(leaf, _along(path, after), about) != self.decided:
                 break
             before = after
@@ -147,26 +148,26 @@ class _Mind:
         instead = _along(path, after)
         index = self._chosen(leaf, instead, about)
         return Counterfactual(
-            leaf, instead, None if index is None else _called(self.candidates[index])
+            leaf, instead, None if index is None else _displayed_name(self.candidates[index])
         )
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
-        """Which candidate would be chosen, by its index, if one leaf were another."""
+        """Return the index of the candidate that is chosen if one leaf is replaced."""
         intervals = list(self.intervals)
         for index in about:
             proof = self.candidates[index].proof
             intervals[index] = proof.evaluate(self.operators, {leaf: instead})
-        return self.judge.first(intervals)
+        return self.decision.best_index(intervals)
 
 
-def _called(candidate: Candidate) -> str:
-    """A candidate by its part, where that is what is decided, else by its name."""
+def _displayed_name(candidate: Candidate) -> str:
+    """Return the part of a candidate if parts are decided about, or else its name."""
     argument = candidate.argument
     return argument.name if argument and argument.kind == "part" else candidate.name
 
 
 def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
-    """The corners of the two ways to more truth, and of the two to less."""
+    """Return the corners of the two increasing and of the two decreasing paths."""
     low, high = now.lower, now.upper
     return (
         (
@@ -181,7 +182,7 @@ def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
 
 
 def _along(path: Sequence[Interval], share: float) -> Interval:
-    """The point after a share of a path's length, in [0, 1]."""
+    """Return the point at a share of a path's length, in [0, 1]."""
     lengths = [_distance(*pair) for pair in pairwise(path)]
     left = share * sum(lengths)
     for (start, end), length in zip(pairwise(path), lengths, strict=True):

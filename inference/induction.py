@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Induction: from how a knife is passed to how a screwdriver might be.
+"""Induction of rules by analogy: from how a knife is passed to how a screwdriver might be.
 
 The paper's future work (section 7): "knives and screwdrivers are both tools that have pointed ends
-and must be handled carefully". A rule about one object is carried over to another that is like it,
-and its part to the part that is like it. How alike two things are is Tversky's ratio model (1977)
-with equal weights, |A ∩ B| / |A ∪ B|, over what the ontology says of them: properties, roles of
-their parts, and kinds above them. An object's features and its best pairing of parts count alike.
+and must be handled carefully". A rule about one object is transferred to a similar object, and its
+part to the corresponding part. Similarity is Tversky's ratio model (1977) with equal weights,
+|A ∩ B| / |A ∪ B|, over the properties, roles of parts and superclasses in the ontology. Features of
+the object and the best matching of its parts have equal weight.
 
-An induced rule is discounted by that similarity and by `CAUTION`, so it never stands above the rule
-it came from; it is marked as induced, and it is dropped where anything was taught. It is wrong
-where likeness misleads: a spoon and a knife are both long and of metal, but only one of them cuts.
+An induced rule is discounted by the similarity and by `CAUTION`, so that it never ranks above its
+source. It is marked as induced, and not made where anything was taught. It is wrong where
+similarity misleads: a spoon and a knife are both long and of metal, but only one of them cuts.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from ..ontology.objects import ObjectType, PartType
 if TYPE_CHECKING:
     import networkx as nx
 
-CAUTION = 0.8  # share of trust that is left to a conclusion by likeness alone
-LEAST_SIMILARITY = 0.3  # below this two things are not alike enough to conclude anything
+CAUTION = 0.8  # discount of a conclusion by similarity alone
+LEAST_SIMILARITY = 0.3  # below this nothing is induced
 INDUCER = "induction"  # the speaker of induced rules
 
 Json = dict[str, object]
 
 
 class TaughtRules(Protocol):
-    """What induction asks of a knowledge base."""
+    """The rules that induction starts from, such as a knowledge base."""
 
     @property
     def sequence(self) -> int:
@@ -40,23 +40,23 @@ class TaughtRules(Protocol):
         ...
 
     def rules(self) -> Sequence[Rule]:
-        """All rules that hold."""
+        """Return all active rules."""
         ...
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
-        """The rules that hang on these nodes."""
+        """Return the active rules at the given nodes."""
         ...
 
 
 @dataclass(frozen=True)
-class Induced:
-    """A rule that nobody taught, with the reasons for it.
+class InducedRule:
+    """An induced rule with the reasons for it.
 
     Attributes:
-        rule: discounted, with status "induced".
-        source: the rule that was taught.
-        similarity: of the two objects (and parts), in [0, 1].
-        shared: what they have in common.
+        rule: the induced rule, discounted, with status "induced".
+        source: the taught rule.
+        similarity: similarity of the two objects (and parts), in [0, 1].
+        shared: the features they have in common.
     """
 
     rule: Rule
@@ -65,7 +65,7 @@ class Induced:
     shared: tuple[str, ...]
 
     def as_json(self) -> Json:
-        """As `hilt induce --json` prints it: a rule, with its reasons."""
+        """Return the JSON object that `hilt induce --json` prints: a rule with its reasons."""
         return self.rule.as_json() | {
             "status": self.rule.status,
             "source": self.source.id,
@@ -79,13 +79,13 @@ def induce(
     objects: Mapping[str, ObjectType],
     *,
     classes: Mapping[str, str | None] | None = None,
-) -> list[Induced]:
-    """The rules that follow by likeness from those that were taught, the surest first.
+) -> list[InducedRule]:
+    """Return the rules induced from taught rules, in descending order of belief.
 
     Args:
-        rules: those that hold.
-        objects: the kinds of objects there are.
-        classes: class of objects -> the class above it.
+        rules: the taught rules.
+        objects: the object types by name.
+        classes: class of objects -> its superclass.
 
     Returns:
         At most one rule for each object, context and part or affordance; none where a rule about
@@ -93,27 +93,27 @@ def induce(
     """
     taught = list(rules)
     graph = ontology_graph(objects, classes or {})
-    known = {_matter(rule) for rule in taught}
-    found: dict[tuple[object, ...], Induced] = {}
+    known = {_topic(rule) for rule in taught}
+    found: dict[tuple[object, ...], InducedRule] = {}
     for rule in taught:
         for name in objects:
-            induced = _carried_over(rule, name, objects, graph)
-            if induced is None or _matter(induced.rule) in known:
+            induced = _transferred(rule, name, objects, graph)
+            if induced is None or _topic(induced.rule) in known:
                 continue
-            key = (*_matter(induced.rule), induced.rule.argument)
+            key = (*_topic(induced.rule), induced.rule.argument)
             best = found.get(key)
             if best is None or induced.rule.interval.lower > best.rule.interval.lower:
                 found[key] = induced
     return sorted(found.values(), key=lambda each: (-each.rule.interval.lower, each.rule.id))
 
 
-class Inducing:
-    """A source of rules that adds those which follow by likeness from the taught ones.
+class InducedRuleSource:
+    """A source of rules that adds induced rules to the taught ones.
 
     Args:
-        source: where the taught rules are.
-        objects: the kinds of objects there are.
-        classes: class of objects -> the class above it.
+        source: the source of the taught rules.
+        objects: the object types by name.
+        classes: class of objects -> its superclass.
     """
 
     def __init__(
@@ -129,11 +129,11 @@ class Inducing:
 
     @property
     def sequence(self) -> int:
-        """The number of the last change of what was taught."""
+        """The number of the last change of the taught rules."""
         return self.source.sequence
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """The rules that hang on these nodes, taught and induced ones."""
+        """Return the taught and induced rules at the given nodes."""
         if self.sequence != self._sequence:
             self._sequence = self.sequence
             self._induced = {}
@@ -146,8 +146,8 @@ class Inducing:
 def ontology_graph(
     objects: Mapping[str, ObjectType], classes: Mapping[str, str | None]
 ) -> nx.DiGraph[str]:
-    """Objects, their parts, and all that is said of them, as edges to what they have."""
-    import networkx as nx  # here: half a second, and only induction needs it
+    """Return the graph with edges from objects and parts to their features and superclasses."""
+    import networkx as nx  # imported here: it takes half a second to load
 
     graph: nx.DiGraph[str] = nx.DiGraph()
     for name, above in classes.items():
@@ -166,7 +166,7 @@ def ontology_graph(
 
 
 def similarity(one: str, other: str, graph: nx.DiGraph[str]) -> tuple[float, tuple[str, ...]]:
-    """How alike two nodes are, in [0, 1], and what they share: |A ∩ B| / |A ∪ B|."""
+    """Return the similarity of two nodes, |A ∩ B| / |A ∪ B| in [0, 1], and what they share."""
     import networkx as nx
 
     if one not in graph or other not in graph:
@@ -177,10 +177,10 @@ def similarity(one: str, other: str, graph: nx.DiGraph[str]) -> tuple[float, tup
     return (len(shared) / len(union) if union else 0.0), tuple(sorted(shared))
 
 
-def _carried_over(
+def _transferred(
     rule: Rule, name: str, objects: Mapping[str, ObjectType], graph: nx.DiGraph[str]
-) -> Induced | None:
-    """A rule about one object as a rule about another, if they are alike enough."""
+) -> InducedRule | None:
+    """Return a rule transferred to another object; None if the two are not similar enough."""
     if rule.object is None or rule.object == name or rule.object not in objects:
         return None
     if not objects[name].graspable or not rule.asserts:
@@ -188,7 +188,7 @@ def _carried_over(
     alike, shared = similarity(rule.object, name, graph)
     argument = rule.argument
     if rule.part:
-        part, alike_part, shared_part = _like_part(rule, name, objects, graph)
+        part, alike_part, shared_part = _corresponding_part(rule, name, objects, graph)
         if part is None:
             return None
         argument = Atom("part", part)
@@ -204,16 +204,16 @@ def _carried_over(
         speaker=INDUCER,
         status="induced",
     )
-    return Induced(induced, rule, alike, shared)
+    return InducedRule(induced, rule, alike, shared)
 
 
-def _like_part(
+def _corresponding_part(
     rule: Rule, name: str, objects: Mapping[str, ObjectType], graph: nx.DiGraph[str]
 ) -> tuple[str | None, float, tuple[str, ...]]:
-    """The part that plays the same part in another object as the one a rule names.
+    """Return the part of another object that corresponds to the part of a rule, with similarity.
 
-    All parts of the two objects are paired at once so that the pairs are most alike together: a
-    grip answers to a grip, even where a metal grip is also somewhat like a metal blade.
+    The parts of both objects are matched so that the total similarity is largest: a grip
+    corresponds to a grip, even if a metal grip is also somewhat similar to a metal blade.
     """
     import networkx as nx
 
@@ -234,10 +234,10 @@ def _like_part(
     return best, *similarity(_part_node(source.name, part), _part_node(name, counterpart), graph)
 
 
-def _matter(rule: Rule) -> tuple[object, ...]:
-    """What a rule is about: one taught rule on it leaves nothing to induce."""
-    matter = (rule.object, rule.contexts, rule.functor)
-    return matter if rule.part else (*matter, rule.argument)
+def _topic(rule: Rule) -> tuple[object, ...]:
+    """Return the topic of a rule: nothing is induced on a topic with a taught rule."""
+    topic = (rule.object, rule.contexts, rule.functor)
+    return topic if rule.part else (*topic, rule.argument)
 
 
 def _part_node(name: str, part: PartType) -> str:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs: how an interval was worked out, step by step, so that it can be shown and checked.
+"""Proof trees: the derivation of an interval, which can be displayed and evaluated again.
 
-A `Proof` is a tree. Its leaves are evidence: what vision reports, what holds in this situation, and
-what speakers told. Its inner nodes are operators. `evaluate` works the tree out again, from the
-leaves up, by the same operators: it gives the interval that stands at the root, to the last bit, or
-another one when leaves are exchanged (what would change your mind?).
+The leaves of a `Proof` are evidence: observations, given contexts and taught rules. Its inner nodes
+are operators. `evaluate` computes the tree again from its leaves with the same operators: it
+returns the interval of the root, equal to the last bit, or another one if leaves are replaced
+(counterfactuals).
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ LEAVES = ("seen", "given", "told", "unknown")
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """One step of a proof, with the steps it rests on.
+    """A step of a proof, with the proofs of its inputs.
 
     Attributes:
-        step: a kind of evidence, or the operator.
-        interval: what it comes to.
-        label: what the evidence is ("object:knife seen on knife 1", the text of a rule).
-        inputs: the proofs it is worked out from; of modus ponens the antecedent, then the rule.
-        rule: the rule that was told, for such evidence.
+        step: the kind of evidence, or the operator.
+        interval: the result of the step.
+        label: description of the evidence ("object:knife seen on knife 1").
+        inputs: the proofs of its inputs; for modus ponens the antecedent, then the rule.
+        rule: the rule, for a taught rule as evidence.
     """
 
     step: Step
@@ -42,42 +42,42 @@ class Proof:
     rule: Rule | None = None
 
     def __iter__(self) -> Iterator[Proof]:
-        """This step and all below it, the conclusion first."""
+        """Iterate over this step and all steps below it, the conclusion first."""
         yield self
         for each in self.inputs:
             yield from each
 
     @property
     def about(self) -> str:
-        """What the evidence is about; empty for an operator."""
+        """A description of the evidence; empty for an operator without label."""
         if self.rule is None:
             return self.label
         return f"{self.rule!r}, said {self.rule.speaker} in utterance {self.rule.utterance}"
 
     @property
     def leaves(self) -> tuple[Proof, ...]:
-        """The evidence it rests on, each once, in the order of the proof."""
+        """The evidence of the proof, each leaf once, in order."""
         return tuple(dict.fromkeys(each for each in self if each.step in LEAVES))
 
     def evaluate(
         self, operators: Operators, instead: Mapping[Proof, Interval] | None = None
     ) -> Interval:
-        """Work the proof out again.
+        """Evaluate the proof again.
 
         Args:
-            operators: the choices it was made with.
-            instead: other intervals for some of its leaves.
+            operators: the operators it was made with.
+            instead: replacements for the intervals of some leaves.
 
         Raises:
-            ConflictError: the operators are not defined for what comes together.
+            ConflictError: an operator is not defined for its inputs.
         """
         if self.step in LEAVES:
             return (instead or {}).get(self, self.interval)
         inputs = [each.evaluate(operators, instead) for each in self.inputs]
-        return apply(self.step, inputs, operators)
+        return apply_operator(self.step, inputs, operators)
 
     def as_json(self) -> Json:
-        """This proof as nested objects."""
+        """Return the proof as nested JSON objects."""
         found: Json = {
             "step": self.step,
             "lower": self.interval.lower,
@@ -92,19 +92,19 @@ class Proof:
         return found
 
     def lines(self, depth: int = 0) -> Iterator[str]:
-        """This proof as indented text, the conclusion first."""
+        """Yield the proof as lines of indented text, the conclusion first."""
         yield f"{'  ' * depth}{self.interval}  {self.step}  {self.about}".rstrip()
         for each in self.inputs:
             yield from each.lines(depth + 1)
 
 
-def unknown(name: str) -> Proof:
-    """The proof of what nobody told anything about."""
+def unknown_proof(name: str) -> Proof:
+    """Return the proof of a conclusion about which no rule says anything."""
     return Proof("unknown", VACUOUS, f"nothing was told of {name}")
 
 
-def apply(step: Step, inputs: Sequence[Interval], operators: Operators) -> Interval:
-    """What an operator makes of its inputs."""
+def apply_operator(step: Step, inputs: Sequence[Interval], operators: Operators) -> Interval:
+    """Return the result of an operator."""
     if step == "and":
         return operators.all_of(inputs)
     if step == "not":
@@ -114,14 +114,14 @@ def apply(step: Step, inputs: Sequence[Interval], operators: Operators) -> Inter
     return operators.conclude(inputs[0], inputs[1])
 
 
-def derived(step: Step, inputs: Sequence[Proof], operators: Operators, label: str = "") -> Proof:
-    """The proof that an operator makes of its inputs; of one input, AND and fusion are that."""
+def derive(step: Step, inputs: Sequence[Proof], operators: Operators, label: str = "") -> Proof:
+    """Return the proof that applies an operator; AND and fusion of one input are that input."""
     if step in {"and", "fuse"} and len(inputs) == 1:
         return inputs[0]
-    interval = apply(step, [each.interval for each in inputs], operators)
+    interval = apply_operator(step, [each.interval for each in inputs], operators)
     return Proof(step, interval, label, tuple(inputs))
 
 
-def told(rule: Rule) -> Proof:
-    """A rule as evidence: as it was told, discounted by the trust in its speaker."""
+def rule_proof(rule: Rule) -> Proof:
+    """Return a rule as evidence, discounted by the trust in its speaker."""
     return Proof("told", rule.support, rule=rule)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The choices of the theory: operators by name, fusion stage, detection, thresholds per context.
+"""Inference settings: operators, fusion stage, detection model and thresholds per context.
 
-They are data: `ontology/settings.yaml` has the defaults, a file of one's own in the same form
-others, and `Settings.with_choices` takes single ones as they are written on a command line.
+`ontology/settings.yaml` holds the defaults; a file in the same form overrides them, and
+`Settings.with_choices` takes single settings in the form of the command line.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ THRESHOLD = "threshold"
 
 @dataclass(frozen=True)
 class Settings:
-    """The choices of the theory.
+    """The settings of the inference.
 
     Attributes:
-        operators: AND, modus ponens, fusion, ranking and acceptance, by name.
-        stage: fuse "rules" that share an antecedent, then conclude (default); or conclude from each
-            rule and fuse the "conclusions", the letter of the paper.
+        operators: conjunction, modus ponens, fusion, ranking and acceptance.
+        stage: fuse "rules" with the same antecedent before modus ponens (default); or fuse the
+            "conclusions" of single rules, literally as in the paper.
         detection: a detection with confidence d is [d, 1] ("open", default) or [d, d] ("point").
-        threshold: Λ, what lambda must exceed to act, in [0, 1].
-        thresholds: Λ of single contexts: of an action ("pass"), which goes before the general one;
-            of a place or role ("place:hospital"), which can only ask for more.
+        threshold: Λ in [0, 1], which lambda must exceed before the robot acts.
+        thresholds: Λ by context: that of an action ("pass") replaces the general one; that of a
+            place or role ("place:hospital") can only raise it.
 
     Raises:
         UnknownNameError: there is no such stage or detection.
@@ -54,10 +54,10 @@ class Settings:
 
     @classmethod
     def load(cls, path: Path = SETTINGS_FILE) -> Settings:
-        """The defaults, with the choices of a file.
+        """Load the settings of a file.
 
         Raises:
-            DataError: the file is wrong; says where and what was expected.
+            DataError: the file is invalid; gives the position and what was expected.
         """
         top = read_yaml(path).entries(optional=[*OPERATORS, "stage", "detection", THRESHOLD])
         chosen = cls()
@@ -67,7 +67,7 @@ class Settings:
         return _with_thresholds(chosen, top[THRESHOLD]) if THRESHOLD in top else chosen
 
     def with_choices(self, choices: Iterable[str]) -> Settings:
-        """These settings with others in place of some.
+        """Return a copy with some settings replaced.
 
         >>> Settings().with_choices(["fusion=dempster", "threshold.pass=0.9"]).thresholds
         {'pass': 0.9}
@@ -76,7 +76,7 @@ class Settings:
             choices: "fusion=dempster", "threshold=0.01", "threshold.pass=0.9".
 
         Raises:
-            DataError: one is not of that form, or there is no such choice.
+            DataError: a choice does not have that form, or there is no such setting.
         """
         chosen = self
         for choice in choices:
@@ -87,11 +87,11 @@ class Settings:
         return chosen
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
-        """Λ here: of the nearest action that has one, or what a place or role asks beyond it.
+        """Return Λ: that of the nearest action that has one, raised by that of places and roles.
 
         Args:
             actions: the contexts that are actions, nearest first.
-            others: what else holds: places, roles.
+            others: the other contexts: places and roles.
         """
         own = (self.thresholds[name] for name in actions if name in self.thresholds)
         asked = (self.thresholds[str(a)] for a in others if str(a) in self.thresholds)
@@ -99,7 +99,7 @@ class Settings:
 
 
 def _chosen(settings: Settings, name: str, value: Field) -> Settings:
-    """Settings with one choice taken."""
+    """Return settings with one setting replaced."""
     if name.partition(".")[0] == THRESHOLD:
         return _with_threshold(settings, name.partition(".")[2], value.number(low=0, high=1))
     try:
@@ -120,7 +120,7 @@ def _with_thresholds(settings: Settings, spec: Field) -> Settings:
     contexts = keys["contexts"].entries() if "contexts" in keys else {}
     for name, value in contexts.items():
         if ":" in name:
-            _refuse_malformed(name, value)
+            _check_atom(name, value)
         settings = _with_threshold(settings, name, value.number(low=0, high=1))
     return settings
 
@@ -131,7 +131,7 @@ def _with_threshold(settings: Settings, context: str, threshold: float) -> Setti
     return replace(settings, thresholds={**settings.thresholds, context: threshold})
 
 
-def _refuse_malformed(context: str, value: Field) -> None:
+def _check_atom(context: str, value: Field) -> None:
     try:
         Atom.parse(context)
     except HiltError as error:

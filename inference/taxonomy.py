@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is a kind of what: objects, parts, actions and places with what stands above them.
+"""The is-a hierarchy of objects, parts, actions and places, along which rules are inherited.
 
-A bread knife is a knife, so what was told of knives holds for it, unless something was told of
-bread knives: a nearer rule goes before an inherited one. Distances count steps upwards.
+A bread knife is a knife, so rules about knives apply to it unless there is a rule about bread
+knives: more specific rules take precedence. Distances are numbers of is-a steps.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ _KINDS = ("object", "part", "property", "action", "place", "role")
 
 
 class Taxonomy:
-    """Kinds and what they are kinds of; never changes.
+    """An immutable is-a hierarchy of atoms.
 
     >>> bread_knife, knife = Atom("object", "bread knife"), Atom("object", "knife")
     >>> [(str(kind), steps) for kind, steps in Taxonomy([(bread_knife, knife)]).above(bread_knife)]
     [('object:bread knife', 0), ('object:knife', 1)]
 
     Args:
-        pairs: (kind, what it is a kind of).
+        pairs: (kind, more general kind).
 
     Raises:
-        DataError: something would be a kind of itself.
+        DataError: the hierarchy has a cycle.
     """
 
     def __init__(self, pairs: Iterable[tuple[Atom, Atom]] = ()) -> None:
@@ -39,29 +39,29 @@ class Taxonomy:
             self._parents.setdefault(kind, []).append(above)
             self._children.setdefault(above, []).append(kind)
         for kind in self._parents:
-            if any(kind in _reached(self._parents, above) for above in self._parents[kind]):
+            if any(kind in _reachable(self._parents, above) for above in self._parents[kind]):
                 raise DataError(f'"{kind}" would be a kind of itself.', source="is-a")
         self._above: dict[Atom, tuple[tuple[Atom, int], ...]] = {}
 
     @classmethod
-    def of(cls, base: KnowledgeBase) -> Taxonomy:
-        """The taxonomy that a base's domain graph holds."""
+    def from_base(cls, base: KnowledgeBase) -> Taxonomy:
+        """Return the taxonomy in the domain graph of a knowledge base."""
         atoms = ((_atom(kind), _atom(above)) for kind, above in base.select(_IS_A))
         return cls((kind, above) for kind, above in atoms if kind and above)
 
     def above(self, atom: Atom) -> tuple[tuple[Atom, int], ...]:
-        """The atom itself and all that it is a kind of, each with its distance, nearest first."""
+        """Return the atom and its superclasses, each with its distance, nearest first."""
         if atom not in self._above:
-            self._above[atom] = tuple(_reached(self._parents, atom).items())
+            self._above[atom] = tuple(_reachable(self._parents, atom).items())
         return self._above[atom]
 
     def below(self, atom: Atom) -> tuple[Atom, ...]:
-        """The atom itself and all its kinds, nearest first."""
-        return tuple(_reached(self._children, atom))
+        """Return the atom and its subclasses, nearest first."""
+        return tuple(_reachable(self._children, atom))
 
 
-def _reached(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, int]:
-    """What is reached along edges, breadth first, with the number of steps."""
+def _reachable(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, int]:
+    """Return the atoms reachable along edges, breadth first, with their distance."""
     found = {start: 0}
     waiting = [start]
     while waiting:
@@ -74,9 +74,9 @@ def _reached(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, in
 
 
 def _atom(node: object) -> Atom | None:
-    """The atom of a node; None for what no rule speaks of, as the blade of one kind of knife."""
+    """Return the atom of a node; None if rules cannot refer to it (the blade of one knife type)."""
     kind, name = split(node) if isinstance(node, Iri) else ("", "")
     return Atom(kind, name) if kind in _KINDS and "." not in name else None
 
 
-FLAT = Taxonomy()  # nothing is a kind of anything
+FLAT = Taxonomy()  # without any is-a relation

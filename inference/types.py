@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wanted, what is seen, and what is concluded: the values that inference takes and gives.
+"""Inputs and results of inference: goals, observations, candidates and inferences.
 
-They are all that a language, vision or motion part has to know of `inference`. A `Goal` is the
-predicate of a command ("pass(self, usedFor(something, cutting))"), an `Observation` one thing that
-vision reports, with an interval for each feature, and an `Inference` the answer at one node of the
-action tree: every candidate with its interval and its reasons, the best one, and what ties with it.
+These types are the interface of `inference` for language, vision and motion. A `Goal` is the
+predicate of a command ("pass(self, usedFor(something, cutting))"), an `Observation` is an object
+reported by vision with an interval for each feature, and an `Inference` is the result at a node of
+the action tree: all candidates with interval and proof, the best one, and its ties.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ Verdict = Literal["accepted", "denied", "unsure", "unknown", "absent"]
 
 @dataclass(frozen=True)
 class Conclusion:
-    """What must follow of a thing: usedFor(cutting), cutWith(bread).
+    """A conclusion about an object: usedFor(cutting), cutWith(bread).
 
     Attributes:
-        functor: of the rules that conclude it.
-        argument: what of; None takes any.
+        functor: the functor of the rules that conclude it.
+        argument: its argument; None matches any.
     """
 
     functor: str
@@ -39,15 +39,15 @@ class Conclusion:
 
 @dataclass(frozen=True)
 class Target:
-    """The thing an action is about, as far as the speaker said.
+    """The object an action is about, as described by the speaker.
 
     Attributes:
         object: its class ("knife"), or None for "something".
         used_for: an affordance it must have.
         not_used_for: an affordance it must not have.
-        affords: any other conclusion that must follow of it: cutWith(bread).
+        affords: another conclusion that must hold for it: cutWith(bread).
         properties: adjectives it must satisfy ("red").
-        is_confirmed: whether the speaker said yes to it, when asked: then it need only be seen.
+        is_confirmed: whether the speaker confirmed it when asked: then it need only be seen.
     """
 
     object: str | None = None
@@ -59,7 +59,7 @@ class Target:
 
     @cached_property
     def wanted(self) -> tuple[tuple[Conclusion, bool], ...]:
-        """What must follow of it, each with whether its contrary must."""
+        """The conclusions that must hold for it, each with whether it is negated."""
         uses = ((self.used_for, False), (self.not_used_for, True))
         named = [
             (Conclusion(USED_FOR, Atom("affordance", name)), negated)
@@ -71,13 +71,13 @@ class Target:
 
 @dataclass(frozen=True)
 class Goal:
-    """What the walk of an action tree is for.
+    """The goal of an action tree.
 
     Attributes:
-        action: the tree ("pass").
-        target: the thing looked for at the find node.
-        contexts: what else holds in this situation besides the actions on the path, with how
-            surely (`Atom("place", "kitchen"): Interval(0.9, 1.0)`).
+        action: the action tree ("pass").
+        target: the object to find at the find node.
+        contexts: the contexts that hold besides the actions on the path, each with an interval
+            (`Atom("place", "kitchen"): Interval(0.9, 1.0)`).
     """
 
     action: str
@@ -87,12 +87,12 @@ class Goal:
 
 @dataclass(frozen=True)
 class Observation:
-    """One thing that vision reports.
+    """An object reported by vision.
 
     Attributes:
-        name: which one it is ("knife", "mug_2"), unique in the scene.
-        object: the class it is seen as.
-        atoms: the features looked for, each with its interval; an absent atom was not looked for.
+        name: its name ("knife", "mug_2"), unique in the scene.
+        object: its detected class.
+        atoms: the requested features, each with its interval; others were not looked for.
     """
 
     name: str
@@ -102,20 +102,20 @@ class Observation:
 
 @dataclass(frozen=True)
 class Candidate:
-    """One conclusion: that an observed thing affords `argument`.
+    """A conclusion about an observed object.
 
     Attributes:
-        name: the observed thing.
+        name: the name of the object.
         object: its class.
-        argument: what it affords: an affordance, or the part to act on; None where the command
-            names the object and no rule is needed.
-        proof: how the interval was worked out.
+        argument: the affordance, or the part to act on; None if the command names the object and
+            no rule is needed.
+        proof: the derivation of its interval.
         certainty: lambda of the interval, in [0, 1].
-        verdict: "accepted"; "denied", believed not to hold; "unsure", not enough either way;
-            "unknown", nothing was told; or "absent", told of but not in view.
-        reason: why, in a few words.
-        inherited: how many steps up the rules were found: 0 for this very kind of thing.
-        overruled: inherited rules that were set aside, since these are nearer.
+        verdict: "accepted"; "denied", believed not to hold; "unsure", neither; "unknown", there is
+            no rule; or "absent", there is a rule but the object is not in view.
+        reason: the reason for the verdict, in a few words.
+        inherited: distance of the rules in the is-a hierarchy: 0 for rules about this kind.
+        overruled: inherited rules that are replaced by more specific ones.
     """
 
     name: str
@@ -130,30 +130,30 @@ class Candidate:
 
     @property
     def interval(self) -> Interval:
-        """The fused conclusion."""
+        """The interval of the conclusion."""
         return self.proof.interval
 
     @property
     def accepted(self) -> bool:
-        """Whether it is sure enough to act on."""
+        """Whether the conclusion is certain enough to act on."""
         return self.verdict == "accepted"
 
     @property
     def rules(self) -> tuple[Rule, ...]:
-        """The rules it rests on, each once."""
+        """The rules of the proof, each once."""
         return tuple(dict.fromkeys(step.rule for step in self.proof if step.rule))
 
 
 @dataclass(frozen=True)
 class Inference:
-    """The answer at one node of the action tree.
+    """The result of inference at a node of the action tree.
 
     Attributes:
         node: the path of the node ("pass/findObject").
-        threshold: Λ(c), what lambda must exceed here.
-        candidates: all conclusions, best first.
-        ties: the names (or parts) that are as good as the best one, in the order of the scene.
-        absent: where nothing is sure enough: what rules name that is not in view.
+        threshold: Λ(c), which lambda must exceed at this node.
+        candidates: all candidates, best first.
+        ties: the candidates that are as good as the best one, in the order of the scene.
+        absent: if no candidate is accepted: objects named by rules that are not in view.
     """
 
     node: str
@@ -164,10 +164,10 @@ class Inference:
 
     @property
     def best(self) -> Candidate | None:
-        """The candidate to act on, or None when none is sure enough."""
+        """The candidate to act on, or None if none is accepted."""
         return self.candidates[0] if self.candidates and self.candidates[0].accepted else None
 
     @property
     def denied(self) -> tuple[Candidate, ...]:
-        """The candidates that are believed not to hold, surely enough to avoid them."""
+        """The candidates that are believed not to hold."""
         return tuple(each for each in self.candidates if each.verdict == "denied")

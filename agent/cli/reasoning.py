@@ -84,22 +84,22 @@ def explain(
 
 def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
     """What would change the choice of the thing, and of the part, the smallest change first."""
-    from ...inference.explanation import changes_of_mind
+    from ...inference.explanation import counterfactuals
 
     nodes = [node for node in (decision.object, decision.part) if node] if decision else []
     chosen = agent.affordances.settings
-    found = [change for node in nodes for change in changes_of_mind(node, chosen)]
+    found = [change for node in nodes for change in counterfactuals(node, chosen)]
     return sorted(found, key=lambda change: change.size)
 
 
 @app.command(epilog=example("conflicts --json"))
 def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that contradict each other, the heaviest conflict first."""
-    from ...inference.conflicts import conflicts as find
+    from ...inference.conflicts import find_conflicts
     from ..presentation import console
 
     with open_for_reading(kb) as base:
-        found = find(base.rules())
+        found = find_conflicts(base.rules())
     if as_json:
         show([each.as_json() for each in found])
     else:
@@ -136,15 +136,18 @@ def abduce(
     as_json: AsJson = False,
 ) -> None:
     """Tell what would have to be true for something to follow, the likeliest first."""
-    from ...inference.abduction import concluded, hypotheses
+    from ...inference.abduction import find_hypotheses, parse_conclusion
     from ...inference.taxonomy import Taxonomy
     from ...kb.rule import Atom
     from ..presentation import console
 
     known = frozenset(Atom.parse(each) for each in given or ())
     with open_base(kb) as base:
-        found = hypotheses(
-            base.rules(), concluded(conclusion), given=known, taxonomy=Taxonomy.of(base)
+        found = find_hypotheses(
+            base.rules(),
+            parse_conclusion(conclusion),
+            given=known,
+            taxonomy=Taxonomy.from_base(base),
         )
     if as_json:
         show([each.as_json() for each in found])

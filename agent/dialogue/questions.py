@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from ...inference.abduction import Hypothesis, hypotheses
+from ...inference.abduction import Hypothesis, find_hypotheses
 from ...inference.affordance import FIND, Affordances
 from ...inference.evidence import relative_plausibility
 from ...inference.taxonomy import Taxonomy
@@ -101,7 +101,7 @@ def _source(question: Question, known: Knowledge) -> Answered:
 def _what_if(question: Question, known: Knowledge) -> Answered:
     """Abduction: of which things would it follow that they are used for something?"""
     argument = Atom("affordance", question.affordance or "")
-    found = hypotheses(known.base.rules(), Conclusion(USED_FOR, argument))
+    found = find_hypotheses(known.base.rules(), Conclusion(USED_FOR, argument))
     if not found:
         return say("nothing_known_for", affordance=question.affordance), ()
     things = tuple(dict.fromkeys(_thing(each) for each in found))
@@ -124,8 +124,8 @@ def _which_context(question: Question, known: Knowledge) -> Answered:
     """Abduction: which context explains that a thing is held by a part?"""
     given = frozenset({Atom("object", question.object or "")})
     wanted = Conclusion(GRASP_OBJECT, Atom("part", question.part or ""))
-    kinds = Taxonomy.of(known.base)
-    found = hypotheses(known.base.rules(), wanted, given=given, taxonomy=kinds)
+    kinds = Taxonomy.from_base(known.base)
+    found = find_hypotheses(known.base.rules(), wanted, given=given, taxonomy=kinds)
     asked = {question.context, None}
     fitting = [h for h in found if question.context is None or asked & {r.context for r in h.rules}]
     rules = tuple(rule for each in fitting for rule in each.rules)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...inference.explanation import names_of, reason_against
+from ...inference.explanation import candidate_names, rejection_reason
 from ...inference.types import Inference
 from ...kb.rule import Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
@@ -73,7 +73,7 @@ def _why_not_part(part: str, known: Knowledge) -> Answered:
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
     """The rules that say of a thing, or of a part, that it is not to be taken."""
-    denied = (each for each in (made.denied if made else ()) if name in names_of(each))
+    denied = (each for each in (made.denied if made else ()) if name in candidate_names(each))
     return tuple(rule for each in denied for rule in each.rules if not rule.asserts)
 
 
@@ -128,7 +128,7 @@ def _reason(decision: Decision | None, name: str | None) -> str | None:
     if tried:
         return tried.reason
     found = next((each for each in decision.object.candidates if name in {None, each.object}), None)
-    return reason_against(decision.object, found) if found else None
+    return rejection_reason(decision.object, found) if found else None
 
 
 def _wanted_use(last: Reply) -> str | None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ...inference.affordance import Affordances
-from ...inference.induction import Inducing
+from ...inference.induction import InducedRuleSource
 from ...inference.settings import Settings
 from ...inference.taxonomy import Taxonomy
 from ...kb.episodes import Episode
@@ -154,9 +154,11 @@ def _run(
     past = Past(view(base, at=episode.utterance or 0).all)
     household = agent.embodiment.household
     agent.goals.affordances = Affordances(
-        Inducing(past, household.objects, household.classes) if circumstances["induces"] else past,
+        InducedRuleSource(past, household.objects, household.classes)
+        if circumstances["induces"]
+        else past,
         agent.affordances.settings,
-        Taxonomy.of(agent.base),
+        Taxonomy.from_base(agent.base),
     )
     again = _again(episode)
     came, said = agent.attempt(episode.text, request_from_json(again["request"]))

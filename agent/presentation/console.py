@@ -20,7 +20,7 @@ from rich.tree import Tree
 from ...inference.abduction import Hypothesis
 from ...inference.conflicts import Conflict
 from ...inference.explanation import Counterfactual
-from ...inference.induction import Induced
+from ...inference.induction import InducedRule
 from ...inference.types import Candidate
 from ...kb.learned_words import Word
 from ...kb.rdf.terms import Iri, Term
@@ -204,7 +204,7 @@ def _told(rule: Rule) -> str:
     return f"{rule_text(rule)} {rule.interval} ({rule.speaker}, utterance {rule.utterance})"
 
 
-def induced(found: Sequence[Induced]) -> RenderableType:
+def induced(found: Sequence[InducedRule]) -> RenderableType:
     """Rules that follow by likeness, with their reasons."""
     table = Table(
         "rule", "interval", "from", "alike", "both have", caption=counted(len(found), "rule")

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
-from hilt.inference.decision import Judge
+from hilt.inference.decision import DecisionRule
 from hilt.inference.evidence import Operators
-from hilt.inference.explanation import changes_of_mind, why, why_not
+from hilt.inference.explanation import counterfactuals, explain_choice, explain_rejection
 from hilt.inference.settings import Settings
 from hilt.inference.types import Goal, Inference, Observation, Target
 from hilt.kb.interval import VACUOUS, Interval
@@ -94,7 +94,7 @@ def test_every_proof_rests_on_the_rules_that_apply(told: list[Rule]):
 
 def test_why_prints_the_proof_from_the_conclusion_down():
     """Each line has an interval, the step, and what it is about."""
-    text = why(decided([rule("knife", 0.95)]))
+    text = explain_choice(decided([rule("knife", 0.95)]))
 
     lines = [line.strip() for line in text.splitlines()]
     assert lines[0] == "[0.85, 1.00]  modus ponens  knife affords affordance:cutting"
@@ -113,20 +113,20 @@ def test_why_not_tells_what_was_concluded_of_the_other(name: str, reason: str):
     """A rejected thing is explained by its own proof."""
     inference = decided([rule("knife", 0.95), rule("spoon", 0.5)])
 
-    assert reason in why_not(inference, name)
+    assert reason in explain_rejection(inference, name)
 
 
 def test_why_not_of_something_not_considered_lists_what_was():
     """A thing that was not seen has no proof."""
     with pytest.raises(UnknownNameError, match="Known: cutting, knife, screwdriver, spoon"):
-        why_not(decided([rule("knife", 0.95)]), "hammer")
+        explain_rejection(decided([rule("knife", 0.95)]), "hammer")
 
 
 def test_smallest_change_of_mind_is_where_the_rival_draws_level():
     """A spoon at .5 wins as soon as its rule is believed like the knife's."""
     inference = decided([rule("knife", 0.75), rule("spoon", 0.5)], sure=1.0)
 
-    change = changes_of_mind(inference, Settings())[0]
+    change = counterfactuals(inference, Settings())[0]
 
     assert change.chosen == "spoon"
     assert change.size == pytest.approx(0.25, abs=1e-6)
@@ -139,7 +139,7 @@ def test_each_change_of_mind_turns_the_decision(told: list[Rule]):
     settings = Settings()
     inference = decided(told)
 
-    for change in changes_of_mind(inference, settings):
+    for change in counterfactuals(inference, settings):
         instead = {change.evidence: change.after}
         again = [
             (c.proof.evaluate(settings.operators, instead), c.name) for c in inference.candidates
@@ -157,11 +157,11 @@ STEPS = 12  # of the grid on which brute force looks for a smaller change
 def test_no_smaller_change_of_one_interval_turns_the_decision(told: list[Rule], sure: float):
     """Brute force over every interval on a grid finds nothing nearer, for any leaf."""
     inference = decided(told, sure)
-    judge = Judge(inference.node, inference.threshold, Operators())
+    decision = DecisionRule(inference.node, inference.threshold, Operators())
     found = {
-        change.evidence: change.size for change in reversed(changes_of_mind(inference, Settings()))
+        change.evidence: change.size for change in reversed(counterfactuals(inference, Settings()))
     }
-    now = judge.first([each.interval for each in inference.candidates])
+    now = decision.best_index([each.interval for each in inference.candidates])
 
     for leaf in {leaf for each in inference.candidates for leaf in each.proof.leaves}:
         for low, high in combinations_with_replacement(range(STEPS + 1), 2):
@@ -173,14 +173,14 @@ def test_no_smaller_change_of_one_interval_turns_the_decision(told: list[Rule], 
                 then = [
                     c.proof.evaluate(Operators(), {leaf: instead}) for c in inference.candidates
                 ]
-                assert judge.first(then) == now, (leaf, instead)
+                assert decision.best_index(then) == now, (leaf, instead)
 
 
 def test_denial_needs_both_bounds_to_move():
     """From never to likely the lower bound alone cannot move: it would pass the upper one."""
     denied = decided([functional("knife", "cutting", interval=Interval(0, 0.05))], sure=1.0)
 
-    change = next(c for c in changes_of_mind(denied, Settings()) if c.evidence.rule)
+    change = next(c for c in counterfactuals(denied, Settings()) if c.evidence.rule)
 
     assert change.chosen == "knife"
     assert change.after.lower == pytest.approx(change.after.upper)
@@ -192,7 +192,7 @@ def test_what_is_absent_is_proved_and_would_change_the_mind():
     inference = Affordances(Told([rule("hammer", 0.95)])).infer("pass/findObject", CUTTING, [])
 
     (absent,) = inference.absent
-    (change,) = changes_of_mind(inference, Settings())
+    (change,) = counterfactuals(inference, Settings())
 
     assert (absent.verdict, absent.interval) == ("absent", VACUOUS)
     assert (change.evidence.label, change.chosen) == ("object:hammer not seen", "hammer")

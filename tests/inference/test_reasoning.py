@@ -3,9 +3,9 @@
 
 import pytest
 
-from hilt.inference.abduction import hypotheses
-from hilt.inference.conflicts import conflicts
-from hilt.inference.induction import CAUTION, Induced, induce
+from hilt.inference.abduction import find_hypotheses
+from hilt.inference.conflicts import find_conflicts
+from hilt.inference.induction import CAUTION, InducedRule, induce
 from hilt.inference.types import Conclusion
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
@@ -25,7 +25,7 @@ def test_assertion_and_denial_conflict_by_their_mass():
     """K is what Dempster's rule would give to the empty set."""
     denial = functional("knife", "cutting", interval=NEVER, speaker="kim")
 
-    (found,) = conflicts([CUTS, denial, HANDLE])
+    (found,) = find_conflicts([CUTS, denial, HANDLE])
 
     assert {found.first, found.second} == {CUTS, denial}
     assert found.weight == pytest.approx(0.95 * 0.95)
@@ -33,7 +33,7 @@ def test_assertion_and_denial_conflict_by_their_mass():
 
 def test_more_of_the_same_is_no_conflict():
     """Often and generally agree; two parts for two contexts have nothing to do with each other."""
-    assert conflicts([CUTS, functional("knife", "cutting", interval=S), BLADE, HANDLE]) == []
+    assert find_conflicts([CUTS, functional("knife", "cutting", interval=S), BLADE, HANDLE]) == []
 
 
 # --- Abduction -----------------------------------------------------------------------------
@@ -46,7 +46,7 @@ def test_what_would_have_to_be_true_to_be_used_for_cutting():
         Atom("affordance", "cutting"), S,
     )  # fmt: skip
 
-    found = hypotheses([sharp, CUTS, BLADE], CUTTING)
+    found = find_hypotheses([sharp, CUTS, BLADE], CUTTING)
 
     assert [each.features for each in found] == [
         frozenset({Atom("object", "knife")}),
@@ -58,7 +58,7 @@ def test_context_that_explains_a_grasp():
     """Passing explains that the knife was taken by the blade."""
     given = frozenset({Atom("object", "knife")})
 
-    (found,) = hypotheses(
+    (found,) = find_hypotheses(
         [BLADE, HANDLE], Conclusion("graspObject", Atom("part", "blade")), given=given
     )
 
@@ -69,13 +69,13 @@ def test_denied_conclusion_explains_nothing():
     """A rule that speaks against the conclusion is no way to it."""
     denial = functional("spoon", "cutting", interval=NEVER)
 
-    assert hypotheses([denial], CUTTING) == []
+    assert find_hypotheses([denial], CUTTING) == []
 
 
 # --- Induction -----------------------------------------------------------------------------
 
 
-def induced(*rules: Rule) -> dict[tuple[str | None, str | None], Induced]:
+def induced(*rules: Rule) -> dict[tuple[str | None, str | None], InducedRule]:
     """What is induced over the household, by object and context."""
     household = load_household()
     found = induce(rules, household.objects, classes=household.classes)

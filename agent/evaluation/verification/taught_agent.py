@@ -60,7 +60,9 @@ class Taught:
         self.base = open_base("memory:")
         self.base.believe("", "", DEFAULT_SPEAKER, rules)
         self._traced = Traced(self.base)
-        self._affordances = Affordances(self._traced, Settings.load(), Taxonomy.of(self.base))
+        self._affordances = Affordances(
+            self._traced, Settings.load(), Taxonomy.from_base(self.base)
+        )
 
     def decide(self, action: str, target: Target, scene: Sequence[str]) -> Decided:
         """Decide about a command, all of a scene being seen with certainty.

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
-from ....inference.decision import Judge
+from ....inference.decision import DecisionRule
 from ....inference.proof import Proof
 from ....inference.types import Candidate
 from ....kb.interval import VACUOUS, Interval
@@ -118,7 +118,7 @@ class _Chooser:
         ranked = [Proof("seen", Interval(i / 1000, 1.0)) for i in range(1, levels + 1)]
         proofs = [*ranked, NOT_TOLD]
         scores = {proof.interval: Opaque(level) for level, proof in enumerate(proofs)}
-        self._judge = Judge(NODE, 0.0, BlindOperators(scores=scores))
+        self._judge = DecisionRule(NODE, 0.0, BlindOperators(scores=scores))
         self._candidates = [[_candidate(proof) for proof in proofs] for _ in range(objects)]
         self._bits = {id(each): 1 << i for i, row in enumerate(self._candidates) for each in row}
 

@@ -22,7 +22,7 @@ from hilt.agent.evaluation.verification.space import Cell, Space, belief
 from hilt.agent.evaluation.verification.taught_agent import Taught
 from hilt.agent.evaluation.verification.tracing import Opaque, Traced
 from hilt.agent.evaluation.verification.weak_orders import OrderShape, blocks, surjections
-from hilt.inference.decision import Judge
+from hilt.inference.decision import DecisionRule
 from hilt.inference.evidence import EPSILON, Operators
 from hilt.inference.settings import Settings
 from hilt.inference.types import Inference, Target
@@ -173,9 +173,9 @@ def test_base_that_forgets_is_found_out(monkeypatch):
 
 def test_choice_that_drops_ties_is_found_out(monkeypatch):
     """A program that hides what ties with the best is not right."""
-    ranked = Judge.ranked
+    ranked = DecisionRule.ranked
     monkeypatch.setattr(
-        Judge,
+        DecisionRule,
         "ranked",
         lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
     )

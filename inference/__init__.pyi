@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+from .affordance import Affordances, RuleSource
+from .evidence import Operators
+from .settings import Settings
+from .types import Candidate, Conclusion, Goal, Inference, Observation, Target
+
+__all__ = [
+    "Affordances",
+    "Candidate",
+    "Conclusion",
+    "Goal",
+    "Inference",
+    "Observation",
+    "Operators",
+    "RuleSource",
+    "Settings",
+    "Target",
+]
