@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The agent: knowledge base, language, inference and body joined into one that can be talked to.
 
-    with Agent.open("memory:", scene="objects:knife,mug", seed=7) as agent:
+    with Agent.open("memory:", AgentConfig(scene="objects:knife,mug", seed=7)) as agent:
         agent.hear("A knife is used for cutting")
         agent.hear("pass me something used for cutting").said
 
@@ -20,25 +20,22 @@ from typing import TYPE_CHECKING
 
 from ..inference.affordance import Affordances
 from ..inference.induction import InducedRuleSource
-from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
-from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.rule import Atom
 from ..nlu.language import Language
 from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType
 from . import protocols
-from .config import EYES, ROBOT, Embodiment
+from .config import AgentConfig, open_base
 from .dialogue.manager import Dialogue
 from .dialogue.reply import Reply
-from .episodes.keeping import file_as_json, settings_as_choices
+from .dialogue.translation import words_of
 from .episodes.recorder import EpisodeRecorder
+from .episodes.serialization import embodiment_as_json, file_as_json, settings_as_choices
+from .execution.embodiment import Embodiment
 from .execution.goal_manager import GoalManager, Request
 from .execution.outcome import GoalResult, Json
-from .opening import actions_with, language_of, open_base
 from .protocols import Motion, Vision
-from .translation import words_of
 
 if TYPE_CHECKING:
     from ..sim.body import Body
@@ -47,20 +44,19 @@ if TYPE_CHECKING:
 
 
 class Agent:
-    """One robot, or one mind without a robot.
+    """A robot that learns from sentences and acts on what it learned; also one that only decides.
+
+    Most programs make one by `Agent.open`.
 
     Args:
-        base: where it keeps what it is told.
+        base: the knowledge base.
         language: what it understands and speaks.
         actions: what it can do.
-        embodiment: the table, the robot and its eyes.
-        induces: whether it also acts on what follows by likeness from what it was told.
-        settings: the choices of the inference.
-        vision: somebody else's eyes, instead of the simulator's.
-        motion: the hands that go with them; None decides but does not move.
-        dialogue: somebody else's language part, which is asked first.
-        contexts: what holds in this situation: places, roles, with how surely.
-        actions_file: where the user's own ones among the actions come from, if there are any.
+        embodiment: its scene, its robot and its vision.
+        config: the other choices: induction, settings of the inference, contexts.
+        vision: replaces the simulator's vision.
+        motion: the motion that goes with `vision`; without one the agent decides but does not act.
+        dialogue: a language part that is asked before Hilt's own.
     """
 
     def __init__(
@@ -69,31 +65,27 @@ class Agent:
         language: Language,
         actions: Actions,
         embodiment: Embodiment,
+        config: AgentConfig | None = None,
         *,
-        induces: bool = False,
-        settings: Settings | None = None,
         vision: Vision | None = None,
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
-        contexts: Mapping[Atom, Interval] | None = None,
-        actions_file: Path | None = None,
     ) -> None:
         self.base = base
         self.actions = actions
         self.embodiment = embodiment
+        self.config = config = config or AgentConfig()
         self.scene = embodiment.scene
         self.objects = embodiment.household.objects
         self.affordances = Affordances(
             InducedRuleSource(base, self.objects, embodiment.household.classes)
-            if induces
+            if config.induce
             else base,
-            settings or Settings.load(),
+            config.load_settings(),
             Taxonomy.from_base(base),
         )
-        self.induces = induces
         self.simulate = embodiment.simulate and vision is None
         self._vision, self._motion = vision, motion
-        self._actions_file = actions_file
         self._film: Film | None = None
         diary = EpisodeRecorder(base, self.circumstances, self.state)
         self.dialogue = Dialogue(
@@ -105,79 +97,46 @@ class Agent:
             seed=self.scene.seed,
             other=dialogue,
         )
-        self.dialogue.contexts.update(contexts or {})
+        self.dialogue.contexts.update(config.context_intervals())
 
     @classmethod
     def open(
         cls,
         location: str | None = None,
+        config: AgentConfig | None = None,
         *,
-        scene: str = "all",
-        seed: int = 0,
-        objects: Path | None = None,
-        robot: str = ROBOT,
-        eyes: str = EYES,
-        noise: str = "",
-        simulate: bool = True,
-        gui: bool = False,
-        induces: bool = False,
-        settings: Settings | None = None,
         vision: Vision | None = None,
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
-        actions: Path | None = None,
-        contexts: Mapping[Atom, Interval] | None = None,
-        lexicon: Path | None = None,
     ) -> Agent:
-        """An agent over a knowledge base.
+        """Return an agent over a knowledge base.
 
         Args:
-            location: `memory:`, a folder, or an endpoint; None is the user's own base.
-            scene: a YAML file, `objects:knife,mug`, `random:SEED`, or `all`.
-            seed: of everything random.
-            objects: a YAML file with the user's own objects, besides Hilt's.
-            robot: which one; see `sim/robots.yaml`.
-            eyes: where percepts come from: "mask" or "learned".
-            noise: how the eyes fail: "missed=0.1,confused=0.05".
-            simulate: whether it has a simulated body.
-            gui: whether the simulator shows a window.
-            induces: whether it also acts on what follows by likeness from what it was told.
-            settings: the choices of the inference; None reads `ontology/settings.yaml`.
-            vision: somebody else's eyes, instead of the simulator's.
-            motion: the hands that go with them; None decides but does not move.
-            dialogue: somebody else's language part, which is asked first.
-            actions: a YAML file with actions of one's own.
-            contexts: what holds in this situation: places, roles, with how surely.
-            lexicon: a YAML file with words and turns of phrase of one's own.
+            location: `memory:`, a folder, or an endpoint; None for the user's own base.
+            config: scene, robot, language and inference; None for the defaults.
+            vision: replaces the simulator's vision.
+            motion: the motion that goes with it; without one the agent decides but does not act.
+            dialogue: a language part that is asked before Hilt's own.
 
         Raises:
             DataError: the scene, the objects, the noise, the actions or the lexicon are wrong.
-            UnknownNameError: there is no such object, robot or source of vision.
+            UnknownNameError: there is no such object, robot or source of percepts.
             StoreError: the base cannot be opened.
         """
-        embodiment = Embodiment.of(
-            scene=scene,
-            seed=seed,
-            objects=objects,
-            robot=robot,
-            eyes=eyes,
-            noise=noise,
-            simulate=simulate,
-            gui=gui,
-        )
-        trees = actions_with(actions)
+        config = config or AgentConfig()
+        embodiment = Embodiment.from_config(config)
+        actions = config.load_actions()
+        base = open_base(location, embodiment.household, actions)
+        language = config.load_language(embodiment.household)
         return cls(
-            open_base(location, embodiment.household, trees),
-            language_of(embodiment.household, lexicon),
-            trees,
+            base,
+            language,
+            actions,
             embodiment,
-            induces=induces,
-            settings=settings,
+            config,
             vision=vision,
             motion=motion,
             dialogue=dialogue,
-            contexts=contexts,
-            actions_file=actions,
         )
 
     def hear(
@@ -225,10 +184,10 @@ class Agent:
         if self._vision or self._motion:
             return None
         return {
-            "embodiment": self.embodiment.as_json(),
-            "actions": file_as_json(self._actions_file),
+            "embodiment": embodiment_as_json(self.embodiment),
+            "actions": file_as_json(self.config.actions),
             "settings": settings_as_choices(self.affordances.settings),
-            "induces": self.induces,
+            "induces": self.config.induce,
         }
 
     def state(self) -> str:
@@ -261,7 +220,7 @@ class Agent:
         Raises:
             MissingExtraError: the simulator is not installed.
         """
-        return self.embodiment.body()
+        return self.embodiment.open_body()
 
     @cached_property
     def goals(self) -> GoalManager:
@@ -270,7 +229,7 @@ class Agent:
         return GoalManager(
             self.actions,
             self.affordances,
-            self._vision or self.embodiment.vision(body),
+            self._vision or self.embodiment.open_vision(body),
             body or self._motion,
             grips=_grips(self.objects),
             parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
@@ -289,8 +248,7 @@ class Agent:
             self.dialogue.language,
             self.actions,
             replace(self.embodiment, scene=scene, simulate=simulate),
-            induces=self.induces,
-            settings=self.affordances.settings,
+            replace(self.config, contexts=()),
         )
         try:
             yield other

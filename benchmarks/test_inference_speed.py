@@ -19,6 +19,7 @@ from typing import Any
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.agent.evaluation.scenarios import load_scenarios
 from hilt.inference import Affordances, Goal, Observation, Target
 from hilt.kb.interval import Interval
@@ -38,7 +39,7 @@ TIMES_PROBLOG = 20
 def affordances(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Affordances]:
     """Inference over the 32 rules of Scenario A."""
     location = "memory:" if request.param == "memory" else str(tmp_path / "kb")
-    with Agent.open(location, simulate=False) as agent:
+    with Agent.open(location, AgentConfig(simulate=False)) as agent:
         for sentence in load_scenarios()[0].sentences():
             agent.hear(sentence)
         yield agent.affordances

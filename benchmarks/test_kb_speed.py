@@ -24,6 +24,7 @@ import pytest
 from rdflib import Graph, URIRef
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.migration import FORMAT, version_quad
@@ -140,7 +141,7 @@ def test_sentence_to_durable(benchmark: Any, tmp_path: Path, most_to_durable: fl
         for thing in objects for part in parts for verb in ("pass", "use", "pick up")
     )  # fmt: skip
 
-    with Agent.open(str(tmp_path / "kb"), simulate=False) as agent:
+    with Agent.open(str(tmp_path / "kb"), AgentConfig(simulate=False)) as agent:
         replies = benchmark.pedantic(
             lambda: agent.hear(next(sentences)), rounds=300, warmup_rounds=10
         )

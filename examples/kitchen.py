@@ -7,14 +7,11 @@ has the trees "cut", "stir" and "serve". Run: python examples/kitchen.py
 
 from pathlib import Path
 
-from hilt.agent import Agent
+from hilt.agent import Agent, AgentConfig
 from hilt.inference.explanation import explain_choice
-from hilt.kb import Interval
 from hilt.kb.formats.transfer import import_file
-from hilt.kb.rule import Atom
 
 HERE = Path(__file__).parent
-KITCHEN, CHILD = Atom("place", "kitchen"), Atom("role", "child")
 SAID = (
     "cut the bread",
     "cut the mug",
@@ -24,11 +21,12 @@ SAID = (
 )
 
 
-def converse(contexts: dict[Atom, Interval]) -> None:
+def converse(*contexts: str) -> None:
     """Say all sentences where these contexts hold, and prove the first decision."""
-    print(f"--- {', '.join(f'{atom} {sure}' for atom, sure in contexts.items()) or 'anywhere'}")
+    print(f"--- {', '.join(contexts) or 'anywhere'}")
     actions = HERE / "kitchen_actions.yaml"
-    with Agent.open("memory:", simulate=False, actions=actions, contexts=contexts) as agent:
+    config = AgentConfig(simulate=False, actions=actions, contexts=contexts)
+    with Agent.open("memory:", config) as agent:
         import_file(agent.base, HERE / "kitchen_rules.yaml")
         for sentence in SAID:
             reply = agent.hear(sentence)
@@ -39,8 +37,8 @@ def converse(contexts: dict[Atom, Interval]) -> None:
 
 def main() -> None:
     """The same sentences anywhere, and in what is probably a kitchen with a child in it."""
-    converse({})
-    converse({KITCHEN: Interval(0.9, 1.0), CHILD: Interval(1.0, 1.0)})
+    converse()
+    converse("place:kitchen=0.9", "role:child")
 
 
 if __name__ == "__main__":

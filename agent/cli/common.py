@@ -19,10 +19,7 @@ from ..presentation.wording import printable
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ...inference.settings import Settings
-    from ...kb.interval import Interval
     from ...kb.knowledge_base import KnowledgeBase
-    from ...kb.rule import Atom
     from ..agent import Agent
     from ..dialogue.reply import Reply
     from ..execution.outcome import Json
@@ -32,71 +29,11 @@ STDIN = "-"  # in place of a text
 MOST_MISTAKES = 20  # that are told one by one
 
 
-def open_agent(
-    kb: str | None,
-    *,
-    scene: str = "all",
-    seed: int = 0,
-    objects: Path | None = None,
-    robot: str = "panda",
-    vision: str = "mask",
-    noise: str = "",
-    gui: bool = False,
-    no_sim: bool = False,
-    induces: bool = False,
-    actions: Path | None = None,
-    contexts: Iterable[str] | None = None,
-    settings: Path | None = None,
-    choices: Iterable[str] | None = None,
-    lexicon: Path | None = None,
-) -> Agent:
-    """An agent over a knowledge base, as the options of a command say."""
-    from ..agent import Agent
-
-    return Agent.open(
-        kb,
-        scene=scene,
-        seed=seed,
-        objects=objects,
-        robot=robot,
-        eyes=vision,
-        noise=noise,
-        gui=gui,
-        simulate=not no_sim,
-        induces=induces,
-        actions=actions,
-        contexts=dict(_held(text) for text in contexts or ()),
-        settings=settings_of(settings, choices),
-        lexicon=lexicon,
-    )
-
-
-def settings_of(path: Path | None, choices: Iterable[str] | None) -> Settings:
-    """The choices of the inference: those of a file, with single ones changed."""
-    from ...inference.settings import SETTINGS_FILE, Settings
-
-    return Settings.load(path or SETTINGS_FILE).with_choices(choices or ())
-
-
-def _held(text: str) -> tuple[Atom, Interval]:
-    """A context and how surely it holds: "place:kitchen", "place:kitchen=0.9"."""
-    from ...kb.interval import Interval
-    from ...kb.rule import Atom
-
-    name, equals, sure = text.partition("=")
-    try:
-        return Atom.parse(name), Interval(float(sure) if equals else 1.0, 1.0)
-    except (HiltError, ValueError) as error:
-        raise DataError(
-            f'expected KIND:NAME or KIND:NAME=DEGREE, as "place:kitchen=0.9": {error}', source=text
-        ) from error
-
-
 def open_base(kb: str | None) -> KnowledgeBase:
     """Open a knowledge base; None is the user's own."""
-    from .. import opening
+    from .. import config
 
-    return opening.open_base(kb)
+    return config.open_base(kb)
 
 
 def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
@@ -107,20 +44,20 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
         must_exist: whether a folder without one is an error; else it is read as an empty base.
     """
     from ...kb.knowledge_base import KnowledgeBase
-    from .. import opening
+    from .. import config
 
-    location = kb or str(opening.default_location())
+    location = kb or str(config.default_location())
     if location == "memory:" or location.startswith(("http://", "https://")):
-        return opening.open_base(location)
+        return config.open_base(location)
     try:
         return KnowledgeBase.open(location, read_only=True)
     except StoreError:
         if _holds_something(Path(location).expanduser()):
-            return opening.open_base(location)  # of an older format, perhaps; or it says what it is
+            return config.open_base(location)  # of an older format, perhaps; or it says what it is
         if must_exist or ":" in location:
             raise
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
-    return opening.open_base("memory:")
+    return config.open_base("memory:")
 
 
 def _holds_something(folder: Path) -> bool:

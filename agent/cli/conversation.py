@@ -5,36 +5,29 @@ from __future__ import annotations
 
 import sys
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
-from .common import STDIN, converse, finish, open_agent, open_for_reading, show, terminal
+from ..config import AgentConfig
+from .common import STDIN, converse, finish, open_for_reading, show, terminal
 from .options import (
-    ActionsFile,
+    EVERY,
+    LANGUAGE,
+    ROBOT,
+    SCENE,
     AsJson,
-    Choices,
-    Contexts,
-    Eyes,
-    Gui,
     Heard,
-    Induce,
     Kb,
-    NoiseText,
-    NoSim,
-    Objects,
     Out,
     Record,
-    Robot,
-    SceneSpec,
-    Seed,
-    SettingsFile,
     Speaker,
-    UserLexicon,
     Utterance,
     app,
     example,
+    with_config,
 )
 
 if TYPE_CHECKING:
@@ -44,24 +37,15 @@ if TYPE_CHECKING:
 
 
 @app.command(epilog=example("demo --no-sim"))
+@with_config("seed", *ROBOT)
 def demo(
-    *,
-    kb: Kb = "memory:",
-    seed: Seed = 0,
-    robot: Robot = "panda",
-    vision: Eyes = "mask",
-    noise: NoiseText = "",
-    out: Out = Path("out/demo"),
-    gui: Gui = False,
-    no_sim: NoSim = False,
-    as_json: AsJson = False,
+    *, config: AgentConfig, kb: Kb = "memory:", out: Out = Path("out/demo"), as_json: AsJson = False
 ) -> None:
     """Run the paper's running example: three sentences, and a knife passed by the blade."""
     from .. import demo as example
+    from ..agent import Agent
 
-    with open_agent(
-        kb, seed=seed, robot=robot, vision=vision, noise=noise, gui=gui, no_sim=no_sim
-    ) as agent:
+    with Agent.open(kb, config) as agent:
         came = example.run(agent, terminal(stderr=True), out)
         if as_json:
             show(came.as_json())
@@ -71,19 +55,20 @@ def demo(
 
 
 @app.command(epilog=example('tell "To pass a knife, grab it by the blade"'))
+@with_config(*LANGUAGE)
 def tell(
     text: Utterance,
     *,
+    config: AgentConfig,
     kb: Kb = None,
-    objects: Objects = None,
-    actions: ActionsFile = None,
-    lexicon: UserLexicon = None,
     speaker: Speaker = "sam",
     heard: Heard = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
-    with open_agent(kb, objects=objects, actions=actions, lexicon=lexicon) as agent:
+    from ..agent import Agent
+
+    with Agent.open(kb, config) as agent:
         done = converse(
             agent,
             text,
@@ -94,50 +79,21 @@ def tell(
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
+@with_config(*EVERY)
 def do(
     text: Utterance,
     *,
+    config: AgentConfig,
     kb: Kb = None,
-    scene: SceneSpec = "all",
-    objects: Objects = None,
-    seed: Seed = 0,
     speaker: Speaker = "sam",
-    robot: Robot = "panda",
-    vision: Eyes = "mask",
-    noise: NoiseText = "",
-    as_json: AsJson = False,
-    record: Record = None,
-    gui: Gui = False,
-    no_sim: NoSim = False,
-    induce: Induce = False,
-    actions: ActionsFile = None,
-    context: Contexts = None,
-    settings: SettingsFile = None,
-    choices: Choices = None,
-    lexicon: UserLexicon = None,
     heard: Heard = 1.0,
+    record: Record = None,
+    as_json: AsJson = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
-    with (
-        open_agent(
-            kb,
-            scene=scene,
-            objects=objects,
-            seed=seed,
-            robot=robot,
-            vision=vision,
-            noise=noise,
-            gui=gui,
-            no_sim=no_sim,
-            induces=induce,
-            actions=actions,
-            contexts=context,
-            settings=settings,
-            choices=choices,
-            lexicon=lexicon,
-        ) as agent,
-        _filmed(agent, record),
-    ):
+    from ..agent import Agent
+
+    with Agent.open(kb, config) as agent, _filmed(agent, record):
         done = converse(
             agent,
             text,
@@ -157,21 +113,19 @@ def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))
+@with_config(*SCENE, "lexicon")
 def ask(
     text: Utterance,
     *,
+    config: AgentConfig,
     kb: Kb = None,
-    scene: SceneSpec = "all",
-    objects: Objects = None,
-    seed: Seed = 0,
     speaker: Speaker = "sam",
-    lexicon: UserLexicon = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask what is known: "what is a knife used for?"."""
-    with open_agent(
-        kb, scene=scene, objects=objects, seed=seed, no_sim=True, lexicon=lexicon
-    ) as agent:
+    from ..agent import Agent
+
+    with Agent.open(kb, replace(config, simulate=False)) as agent:
         done = converse(
             agent,
             text,
@@ -182,45 +136,13 @@ def ask(
 
 
 @app.command(epilog=example("chat --no-sim"))
-def chat(
-    *,
-    kb: Kb = None,
-    scene: SceneSpec = "all",
-    objects: Objects = None,
-    seed: Seed = 0,
-    speaker: Speaker = "sam",
-    robot: Robot = "panda",
-    vision: Eyes = "mask",
-    noise: NoiseText = "",
-    gui: Gui = False,
-    no_sim: NoSim = False,
-    induce: Induce = False,
-    actions: ActionsFile = None,
-    context: Contexts = None,
-    settings: SettingsFile = None,
-    choices: Choices = None,
-    lexicon: UserLexicon = None,
-) -> None:
+@with_config(*EVERY)
+def chat(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> None:
     """Talk: teach, ask and command, a line each; /rules, /why, /scene, /speaker and /quit."""
+    from ..agent import Agent
     from ..chat import run
 
-    with open_agent(
-        kb,
-        scene=scene,
-        objects=objects,
-        seed=seed,
-        robot=robot,
-        vision=vision,
-        noise=noise,
-        gui=gui,
-        no_sim=no_sim,
-        induces=induce,
-        actions=actions,
-        contexts=context,
-        settings=settings,
-        choices=choices,
-        lexicon=lexicon,
-    ) as agent:
+    with Agent.open(kb, config) as agent:
         run(agent, terminal(), sys.stdin, speaker)
 
 

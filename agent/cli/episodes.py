@@ -47,8 +47,8 @@ def replay(
     as_json: AsJson = False,
 ) -> None:
     """Run an episode again from its seed and its rules; exit code 1 when it comes out otherwise."""
-    from ..episodes.replay import replay as run
     from ..presentation import history
+    from ..replay import replay as run
 
     with open_for_reading(kb) as base:
         with busy(f"Running {which} again"):

@@ -179,7 +179,7 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
 
 
 def _location(kb: str | None) -> str:
-    from ..opening import default_location
+    from ..config import default_location
 
     return kb or str(default_location())
 

@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+
+from ..config import OPTIONS, AgentConfig, Option
 
 app = typer.Typer(
     name="hilt",
@@ -54,71 +60,95 @@ Kb = Annotated[
         "endpoint. By default a folder in your data directory.",
     ),
 ]
-SceneSpec = Annotated[
-    str,
-    typer.Option(
-        "--scene", help="What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
-    ),
-]
-Objects = Annotated[
-    Path | None,
-    typer.Option("--objects", help="A YAML file with objects of your own, besides Hilt's."),
-]
-Robot = Annotated[
-    str, typer.Option("--robot", help="The robot: panda, kuka, or one of a file, FILE.yaml:NAME.")
-]
-Eyes = Annotated[
-    str,
-    typer.Option(
-        "--vision",
-        metavar="mask|learned[:FILE]",
-        help="Where percepts come from: the simulator's mask, or what was learned from pictures.",
-    ),
-]
-NoiseText = Annotated[
-    str,
-    typer.Option(
-        "--noise",
-        metavar="KEY=VALUE,...",
-        help="How the eyes fail: missed, confused, confidence (shares), depth_m (metres).",
-    ),
-]
 Record = Annotated[
     Path | None,
     typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file."),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="The seed of everything random.")]
 Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
 Heard = Annotated[
     float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
-Gui = Annotated[bool, typer.Option("--gui", help="Show the simulator's window.")]
-NoSim = Annotated[bool, typer.Option("--no-sim", help="Decide, but do not move a robot.")]
-Induce = Annotated[
-    bool,
-    typer.Option("--induce", help="Also act on what follows by likeness from what was told."),
-]
 Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]
-ActionsFile = Annotated[
-    Path | None, typer.Option("--actions", help="A YAML file with actions of your own.")
+Seed = Annotated[int, typer.Option("--seed", min=0, help=OPTIONS["seed"].help)]
+Gui = Annotated[bool, typer.Option("--gui", help=OPTIONS["gui"].help)]
+UserLexicon = Annotated[Path | None, typer.Option("--lexicon", help=OPTIONS["lexicon"].help)]
+ConfigFile = Annotated[
+    Path | None,
+    typer.Option("--config", help="A YAML file with options; those given here replace its own."),
 ]
-Contexts = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--context",
-        help="What holds now: place:kitchen, role:guest; place:kitchen=0.9 where it is not sure.",
-    ),
-]
-SettingsFile = Annotated[
-    Path | None, typer.Option("--settings", help="A YAML file with choices of the inference.")
-]
-Choices = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", help="One choice of the inference: fusion=dempster, threshold.pass=0.1, ..."
-    ),
-]
-UserLexicon = Annotated[
-    Path | None, typer.Option("--lexicon", help="A lexicon file of your own, added to English.")
-]
+
+SCENE = ("scene", "seed", "objects")
+ROBOT = ("robot", "vision", "noise", "gui", "simulate")
+LANGUAGE = ("objects", "actions", "lexicon")
+INFERENCE = ("induce", "contexts", "settings", "overrides")
+EVERY = tuple(OPTIONS)
+
+
+def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`.
+
+    Args:
+        names: fields of `AgentConfig`.
+    """
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def run(**given: Any) -> None:
+            file: Path | None = given.pop("config")
+            config = AgentConfig.from_yaml(file) if file else AgentConfig()
+            chosen = {name: given.pop(name) for name in dict.fromkeys(names)}
+            command(config=replace(config, **dict(_given(chosen))), **given)
+
+        parameters = _parameters(command, dict.fromkeys(names))
+        setattr(run, "__signature__", inspect.Signature(parameters))  # noqa: B010 - typer reads it
+        run.__annotations__ = {each.name: each.annotation for each in parameters}
+        return run
+
+    return decorate
+
+
+def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, object]]:
+    """The options that stand on the command line, as values of `AgentConfig`."""
+    for name, value in chosen.items():
+        if value is not None and value != []:
+            yield name, tuple(value) if OPTIONS[name].kind is tuple else value
+
+
+def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[inspect.Parameter]:
+    """The parameters of a command with options in place of `config`."""
+    signature = inspect.signature(command, eval_str=True)
+    own = [each for each in signature.parameters.values() if each.name != "config"]
+    options = [_parameter(OPTIONS[name]) for name in names]
+    options.append(_keyword("config", ConfigFile))
+    return [
+        *(each for each in own if each.kind is not inspect.Parameter.KEYWORD_ONLY),
+        *options,
+        *(
+            each
+            for each in own
+            if each.kind is inspect.Parameter.KEYWORD_ONLY and each.name != "config"
+        ),
+    ]
+
+
+def _parameter(option: Option) -> inspect.Parameter:
+    """An option of the command line; what it is without is left to the configuration."""
+    kind = list[str] if option.kind is tuple else option.kind
+    declared = typer.Option(
+        option.flag,
+        help=option.help + (f" [default: {option.default}]" if _is_shown(option.default) else ""),
+        metavar=option.metavar,
+        min=0 if option.kind is int else None,
+    )
+    return _keyword(option.name, Annotated[kind | None, declared])
+
+
+def _is_shown(default: object) -> bool:
+    return isinstance(default, str | int) and not isinstance(default, bool) and default != ""
+
+
+def _keyword(name: str, annotation: Any) -> inspect.Parameter:
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation
+    )

@@ -3,28 +3,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .common import finish, open_agent, open_base, open_for_reading, show, terminal, write_picture
-from .options import (
-    ActionsFile,
-    AsJson,
-    Choices,
-    Contexts,
-    Induce,
-    Kb,
-    Objects,
-    SceneSpec,
-    Seed,
-    SettingsFile,
-    Speaker,
-    UserLexicon,
-    app,
-    example,
-)
+from ..config import AgentConfig
+from .common import finish, open_base, open_for_reading, show, terminal, write_picture
+from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
     from ...inference.explanation import Counterfactual
@@ -33,41 +20,23 @@ if TYPE_CHECKING:
 
 
 @app.command(epilog=example('explain "pass me something used for cutting"'))
+@with_config(*SCENE, "actions", "lexicon", *INFERENCE)
 def explain(
     text: Annotated[str, typer.Argument(help="A command; it is decided, not carried out.")],
     *,
+    config: AgentConfig,
     kb: Kb = None,
-    scene: SceneSpec = "all",
-    objects: Objects = None,
-    seed: Seed = 0,
     speaker: Speaker = "sam",
     svg: Annotated[
         Path | None, typer.Option("--svg", help="Also draw the proof into this file.")
     ] = None,
-    induce: Induce = False,
-    actions: ActionsFile = None,
-    context: Contexts = None,
-    settings: SettingsFile = None,
-    choices: Choices = None,
-    lexicon: UserLexicon = None,
     as_json: AsJson = False,
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
+    from ..agent import Agent
     from ..presentation import console, proof_svg
 
-    with open_agent(
-        kb,
-        scene=scene,
-        objects=objects,
-        seed=seed,
-        no_sim=True,
-        induces=induce,
-        actions=actions,
-        contexts=context,
-        settings=settings,
-        choices=choices,
-        lexicon=lexicon,
-    ) as agent:
+    with Agent.open(kb, replace(config, simulate=False)) as agent:
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
         decision = reply.achievement.decision if reply.achievement else None
         changes = _changes(agent, decision)

@@ -59,7 +59,8 @@ def _flag(parameter: Any) -> str:
     if parameter.param_type_name == "argument":
         return parameter.name.upper()
     takes = "" if parameter.is_flag else f" {parameter.name.upper()}"
-    return f"{parameter.opts[0]}{takes}"
+    names = "/".join((*parameter.opts[:1], *parameter.secondary_opts))
+    return f"{names}{takes}"
 
 
 if __name__ == "__main__":

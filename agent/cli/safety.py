@@ -40,7 +40,7 @@ def restore(
 ) -> None:
     """Make a backup the knowledge base: whole or not at all."""
     from ...kb.backup import restore as put_back
-    from ..opening import default_location
+    from ..config import default_location
 
     location = kb or str(default_location())
     number = put_back(folder, location, replace=replace)

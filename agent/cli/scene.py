@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..config import AgentConfig
 from .common import busy, terminal
 from .common import show as print_json
-from .options import AsJson, Objects, Robot, SceneSpec, Seed, app, example
+from .options import SCENE, AsJson, app, example, with_config
 
 if TYPE_CHECKING:
     from ...sim.body import Body
@@ -20,12 +21,10 @@ app.add_typer(scene_app, name="scene")
 
 
 @scene_app.command(epilog=example("scene show --scene random:7 --out table.png"))
+@with_config(*SCENE, "robot")
 def show(
     *,
-    scene: SceneSpec = "all",
-    seed: Seed = 0,
-    objects: Objects = None,
-    robot: Robot = "panda",
+    config: AgentConfig,
     out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(
         "out/scene.png"
     ),
@@ -34,11 +33,11 @@ def show(
 ) -> None:
     """Render a scene with the robot at its table, and list what stands where."""
     from ...sim.media.pictures import refuse_unwritable
-    from ..config import Embodiment
+    from ..execution.embodiment import Embodiment
 
     refuse_unwritable(out)
-    embodiment = Embodiment.of(scene=scene, seed=seed, objects=objects, robot=robot)
-    with busy("Setting the table"), embodiment.body() as body:
+    embodiment = Embodiment.from_config(config)
+    with busy("Setting the table"), embodiment.open_body() as body:
         _picture(body, out, names=names)
         things = _things(body)
     if as_json:

@@ -27,11 +27,11 @@ from .. import protocols
 from ..episodes.recorder import EpisodeRecorder
 from ..execution.goal_manager import GoalManager, Request
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
-from ..translation import request_of, said_of
 from .knowledge import Knowledge
 from .questions import answer
 from .reply import Reply
 from .teaching import Lesson, known, learned, lesson, to_forget
+from .translation import request_of, said_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction"),

@@ -17,7 +17,7 @@ from ...kb.learned_words import Word
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics.meaning import Retraction, Statement
-from ..translation import rule_of
+from .translation import rule_of
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
 ROLES = {kind: role for role, kind in KINDS.items()}

@@ -18,7 +18,7 @@ from ...kb.rule import Atom
 from ..dialogue.reply import Reply
 from ..execution.goal_manager import Request
 from ..execution.outcome import Json, WalkStep
-from .keeping import request_as_json
+from .serialization import request_as_json
 
 AGAIN = "again"  # key of the document
 

@@ -16,8 +16,8 @@ from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.actions import Actions, Affords
-from ..dialogue import answers
 from ..protocols import Motion, Vision
+from . import answers
 from .outcome import GoalResult, SpokenAnswer, WalkStep
 from .tree_executor import Argument, Walk
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from ...inference.types import Target
 from ...sim.manipulation.report import MotionReport
 from ...sim.vision.percept import Percept
-from ..dialogue import answers
 from ..protocols import Motion, Skills, Vision
+from . import answers
 from .outcome import Constraint, ExecutionResult, SpokenAnswer
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way

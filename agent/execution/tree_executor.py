@@ -20,7 +20,7 @@ from ...ontology.actions import FIXED, ActionTree, Condition, Loop
 from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError
 from ...sim.vision.percept import Percept
-from ..dialogue import answers
+from . import answers
 from .outcome import Constraint, Decision, ExecutionResult, Rejected, SpokenAnswer, WalkStep
 from .perception import observed
 from .primitives import Hands, Task

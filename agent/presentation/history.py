@@ -19,12 +19,12 @@ from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
 from ...kb.rule import Rule
-from ..merge_report import MergeReport
 from .console import Quote, achievement, conflicts, rule_text, whole
 from .wording import counted, printable
 
 if TYPE_CHECKING:
-    from ..episodes.replay import Replay
+    from ..merge_report import MergeReport
+    from ..replay import Replay
 
 
 def history(found: Sequence[Utterance]) -> Table:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 
 LESSONS = (
     "A knife is used for cutting",
@@ -17,7 +18,7 @@ LESSONS = (
 @pytest.fixture
 def agent() -> Iterator[Agent]:
     """A mind that was taught nothing, with all eight objects in view."""
-    with Agent.open("memory:", simulate=False) as mind:
+    with Agent.open("memory:", AgentConfig(simulate=False)) as mind:
         yield mind
 
 

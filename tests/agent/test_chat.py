@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from hilt.agent import Agent
+from hilt.agent import Agent, AgentConfig
 from hilt.agent.chat import run
 from hilt.agent.prompt import completions, lines
 
@@ -104,7 +104,7 @@ def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
 def piped(lines: list[str]) -> str:
     """What is shown when these lines come down a pipe."""
     shown = StringIO()
-    with Agent.open("memory:", simulate=False) as agent:
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
         run(agent, Console(file=shown, width=200), StringIO("\n".join(lines)), "sam")
     return shown.getvalue()
 

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from hilt.agent.agent import Agent
-from hilt.agent.config import Embodiment
+from hilt.agent.config import AgentConfig
+from hilt.agent.episodes.serialization import embodiment_as_json, embodiment_from_json
+from hilt.agent.execution.embodiment import Embodiment
 from hilt.ontology.errors import DataError, UnknownNameError
 
 ROLLING_PIN = """
@@ -33,34 +35,34 @@ def mine(tmp_path: Path) -> Path:
 
 def test_same_embodiment_is_made_from_what_was_kept(mine: Path):
     """As JSON it goes and comes back whole, but for the window."""
-    made = Embodiment.of(
-        scene="objects:rolling pin,nail", seed=4, objects=mine, robot="kuka", eyes="learned",
+    made = Embodiment.from_config(AgentConfig(
+        scene="objects:rolling pin,nail", seed=4, objects=mine, robot="kuka", vision="learned",
         noise="missed=0.1", gui=True,
-    )  # fmt: skip
+    ))  # fmt: skip
 
-    again = Embodiment.from_json(json.loads(json.dumps(made.as_json())))
+    again = embodiment_from_json(json.loads(json.dumps(embodiment_as_json(made))))
 
-    assert (again.scene, again.robot, again.eyes) == (made.scene, "kuka", "learned")
+    assert (again.scene, again.robot, again.vision) == (made.scene, "kuka", "learned")
     assert again.household.objects == made.household.objects
-    assert again.errors() == made.errors()
+    assert again.noise_model() == made.noise_model()
     assert not again.gui
 
 
 def test_changed_file_of_objects_is_refused(mine: Path):
     """Other objects would be another embodiment."""
-    kept = Embodiment.of(objects=mine).as_json()
+    kept = embodiment_as_json(Embodiment.from_config(AgentConfig(objects=mine)))
 
     mine.write_text(ROLLING_PIN.replace("0.4", "0.5"), encoding="utf-8")
 
     with pytest.raises(DataError, match="changed since"):
-        Embodiment.from_json(kept)
+        embodiment_from_json(kept)
 
 
 @pytest.mark.parametrize(
     ("option", "error"),
     [
         ({"robot": "r2d2"}, 'no robot "r2d2".* Known: kuka, panda'),
-        ({"eyes": "xray"}, 'no source of vision "xray".* Known: learned, learned:FILE, mask'),
+        ({"vision": "xray"}, 'no source of vision "xray".* Known: learned, learned:FILE, mask'),
         ({"noise": "blind=1"}, "expected one of missed, confused, confidence, depth_m"),
         ({"noise": "missed=2"}, r"missed must be in \[0, 1\], found 2"),
         ({"objects": Path("nowhere.yaml")}, "nowhere.yaml"),
@@ -72,13 +74,76 @@ def test_wrong_options_are_refused_before_anything_is_made(
 ):
     """What there is instead is told."""
     with pytest.raises((DataError, UnknownNameError), match=error):
-        Embodiment.of(**option)  # pyright: ignore[reportArgumentType]
+        Embodiment.from_config(AgentConfig(**option))  # pyright: ignore[reportArgumentType]
+
+
+def test_configuration_is_read_from_yaml(tmp_path: Path):
+    """Keys are the names of the options; files are looked up beside the configuration."""
+    path = tmp_path / "agent.yaml"
+    path.write_text(
+        "scene: table.yaml\nseed: 3\nsimulate: false\nactions: kitchen.yaml\n"
+        "overrides: [fusion=dempster]\ncontexts: role:child=0.9\n",
+        encoding="utf-8",
+    )
+
+    assert AgentConfig.from_yaml(path) == AgentConfig(
+        scene=str(tmp_path / "table.yaml"),
+        seed=3,
+        simulate=False,
+        actions=tmp_path / "kitchen.yaml",
+        overrides=("fusion=dempster",),
+        contexts=("role:child=0.9",),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        (
+            "scene: all\nrobott: kuka",
+            r'agent.yaml:2:9: unknown key "robott" .did you mean "robot',
+        ),
+        ("seed: high", r'agent.yaml:1:7: expected a whole number, found "high"'),
+        ("gui: 1", r"agent.yaml:1:6: expected true or false, found 1"),
+        ("contexts: [place:kitchen=2]", r"agent.yaml:1:12: expected KIND:NAME or KIND:NAME=DEGREE"),
+    ],
+)
+def test_wrong_configuration_file_is_refused_with_its_place(tmp_path: Path, text: str, error: str):
+    """Unknown keys and wrong values are reported with file, line and column."""
+    path = tmp_path / "agent.yaml"
+    path.write_text(text, encoding="utf-8")
+
+    with pytest.raises(DataError, match=error):
+        AgentConfig.from_yaml(path)
+
+
+@pytest.mark.parametrize(
+    ("option", "error"),
+    [
+        ({"seed": -1}, r"AgentConfig.seed: expected a whole number of at least 0, found -1"),
+        ({"objects": "mine.yaml"}, r"AgentConfig.objects: expected a path, found 'mine.yaml'"),
+        ({"settings": 3}, r"AgentConfig.settings: expected a path"),
+        ({"contexts": ("kitchen",)}, "expected KIND:NAME"),
+    ],
+)
+def test_wrong_values_of_a_configuration_are_refused(option: dict[str, object], error: str):
+    """A configuration of the wrong type cannot exist."""
+    with pytest.raises(DataError, match=error):
+        AgentConfig(**option)  # pyright: ignore[reportArgumentType]
+
+
+def test_embodiment_of_an_earlier_version_is_read():
+    """Episodes said "simulated" until version 0.1."""
+    kept = embodiment_as_json(Embodiment.from_config(AgentConfig(simulate=False)))
+    kept["simulated"] = kept.pop("simulate")
+
+    assert not embodiment_from_json(kept).simulate
 
 
 def test_own_objects_are_understood_and_decided_about(mine: Path):
     """A word from the file needs no learning: its plural and its parts are known."""
     with Agent.open(
-        "memory:", scene="objects:rolling pin,mug", objects=mine, simulate=False
+        "memory:", AgentConfig(scene="objects:rolling pin,mug", objects=mine, simulate=False)
     ) as mind:
         learned = mind.hear("Rolling pins are used for flattening")
         mind.hear("To pass a rolling pin, grab it by the roller")
@@ -92,7 +157,7 @@ def test_own_objects_are_understood_and_decided_about(mine: Path):
 
 def test_eyes_that_miss_everything_find_nothing():
     """Noise also blurs what is seen without a simulator."""
-    with Agent.open("memory:", noise="missed=1", simulate=False) as mind:
+    with Agent.open("memory:", AgentConfig(noise="missed=1", simulate=False)) as mind:
         reply = mind.hear("pass me the knife")
 
     assert (reply.ending, reply.said) == ("failed", "I do not see a knife.")
@@ -101,7 +166,9 @@ def test_eyes_that_miss_everything_find_nothing():
 @pytest.mark.sim
 def test_own_object_is_grasped_by_the_part_that_was_told(mine: Path):
     """The fingers touch the grip of the rolling pin, and it is lifted."""
-    with Agent.open("memory:", scene="objects:rolling pin", objects=mine, seed=3) as robot:
+    with Agent.open(
+        "memory:", AgentConfig(scene="objects:rolling pin", objects=mine, seed=3)
+    ) as robot:
         robot.hear("To pick up a rolling pin grab it by the grip")
         came = robot.hear("pick up the rolling pin").achievement
 
@@ -114,7 +181,7 @@ def test_own_object_is_grasped_by_the_part_that_was_told(mine: Path):
 def test_eyes_that_are_not_sure_make_the_robot_ask(mine: Path):
     """A rolling pin is nothing that was learned: it is not taken for anything unasked."""
     with Agent.open(
-        "memory:", scene="objects:rolling pin", objects=mine, eyes="learned", seed=1
+        "memory:", AgentConfig(scene="objects:rolling pin", objects=mine, vision="learned", seed=1)
     ) as robot:
         taken_for = robot.body.search([f"object:{name}" for name in robot.objects])[0].object
         reply = robot.hear(f"pick up the {taken_for}")

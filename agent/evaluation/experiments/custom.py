@@ -13,8 +13,8 @@ from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
 from ....sim.scene.scene import scene_of
 from ...agent import Agent
-from ...config import Embodiment
-from ...opening import language_of, open_base
+from ...config import load_language, open_base
+from ...execution.embodiment import Embodiment
 from ..case import Case
 from ..scenarios import Scenario
 from .custom_file import CustomFile, load_custom
@@ -56,7 +56,9 @@ class Custom(Decisions):
         kinds, actions = self._said.kinds, load_actions()
         nothing = scene_of((), seed=self.seed, objects=kinds.objects)
         base = open_base("memory:", kinds, actions)
-        return Agent(base, language_of(kinds), actions, Embodiment(nothing, kinds, simulate=False))
+        return Agent(
+            base, load_language(kinds), actions, Embodiment(nothing, kinds, simulate=False)
+        )
 
     @cached_property
     def _said(self) -> CustomFile:

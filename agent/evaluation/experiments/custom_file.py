@@ -25,7 +25,7 @@ from ....nlu.semantics import meaning
 from ....ontology.objects import Household, read_household
 from ....ontology.yaml_reader import Field, read_yaml
 from ....sim.scene.scene import graspable
-from ...opening import household, language_of
+from ...config import household, load_language
 from ..scenarios import (
     ACTIONS,
     LEVELS,
@@ -74,7 +74,7 @@ def load_custom(path: Path, *, seed: int = 0) -> CustomFile:
     kinds = household()
     if "household" in top:
         kinds = read_household(top["household"], added_to=kinds)
-    scenario = _Reader(kinds, language_of(kinds)).scenario(top)
+    scenario = _Reader(kinds, load_language(kinds)).scenario(top)
     objects = tuple(scenario.grasps)
     mirrored = "mirrored" in top and top["mirrored"].truth()
     actions = top["actions"].texts(choices=ACTIONS) if "actions" in top else tuple(ACTIONS)

@@ -18,6 +18,7 @@ from typing import cast
 
 from ....sim.scene.scene import Scene, scene_of
 from ...agent import Agent
+from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ..case import Case, Result
 from ..experiment import Experiment
@@ -110,7 +111,7 @@ class Decisions(Experiment):
 
     def mind(self) -> Agent:
         """An agent without a body that was told nothing yet, over a base in memory."""
-        return Agent.open("memory:", simulate=False)
+        return Agent.open("memory:", AgentConfig(simulate=False))
 
     @cached_property
     def _taught(self) -> Mapping[str, Agent]:

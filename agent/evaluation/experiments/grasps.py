@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar, cast
 
 from ...agent import Agent
+from ...config import AgentConfig
 from ..case import Case, Result
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, grasp_sentence, load_scenarios
@@ -44,7 +45,7 @@ class Grasps(Experiment):
         spec = cast("dict[str, str]", case.spec)
         name, context, part = spec["object"], spec["context"], spec["part"]
         seed = cast("int", case.spec["seed"])
-        with Agent.open("memory:", scene=f"objects:{name}", seed=seed, simulate=True) as agent:
+        with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
             agent.hear(grasp_sentence(name, context, part), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
         return grasped(case, name, part, reply)

@@ -18,10 +18,10 @@ from itertools import islice
 from random import Random
 from typing import ClassVar, Literal, cast
 
-from ....inference.settings import Settings
 from ....ontology.errors import HiltError, UnknownNameError
 from ....sim.scene.scene import scene_of
 from ...agent import Agent
+from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ...execution.outcome import Json
 from ..case import Case, Result
@@ -224,8 +224,8 @@ def _contradicted(scenario: str, trust: float, share: float, choices: str, seed:
 
 
 def _taught(sentences: Sequence[str], *, noise: str = "", choices: str = "") -> Agent:
-    settings = Settings.load().with_choices([choices] if choices else [])
-    pupil = Agent.open("memory:", noise=noise, simulate=False, settings=settings)
+    overrides = (choices,) if choices else ()
+    pupil = Agent.open("memory:", AgentConfig(noise=noise, simulate=False, overrides=overrides))
     for sentence in sentences:
         with suppress(HiltError):  # a sentence that was heard wrongly may say what cannot be
             pupil.hear(sentence, only="tell")

@@ -18,9 +18,9 @@ from ....nlu.language import Language
 from ....nlu.semantics import meaning
 from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
+from ...dialogue.translation import request_of, rule_of
 from ...execution.outcome import Json
 from ...execution.perception import PerfectVision
-from ...translation import request_of, rule_of
 from ..scenarios import ACTIONS, LEVELS
 from .space import CONTEXTS, NUMBERS, Cell, Space, belief, levels_of
 from .taught_agent import Decided, Statement, Taught, acceptable, believed

@@ -20,6 +20,7 @@ from random import Random
 from ....inference.types import Target
 from ....kb.rule import Rule
 from ...agent import Agent
+from ...config import AgentConfig
 from ..scenarios import ACTIONS
 from .finite_cases import Found, TaughtSpace, best, parts_mask
 from .space import CONTEXTS, NUMBERS, Cell, Codes, Space, code_of
@@ -51,7 +52,7 @@ def teaching(lexis: TaughtSpace, seed: int) -> Found:
 
 def _told(sentences: Sequence[str]) -> tuple[frozenset[Rule], frozenset[Statement]]:
     """The rules and the statements that a base holds after hearing sentences."""
-    with Agent.open("memory:", scene="all", simulate=False) as agent:
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
         for sentence in sentences:
             agent.hear(sentence, only="tell")
         rules = frozenset(replace(r, utterance=None, time=None) for r in agent.base.rules())

@@ -23,10 +23,10 @@ from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....ontology.actions import load_actions
 from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
+from ...config import open_base
 from ...execution.goal_manager import GoalManager, Request
 from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
-from ...opening import open_base
 from .space import Cell
 from .tracing import Traced
 

@@ -210,6 +210,19 @@ def test_chat_talks_down_a_pipe(hilt: Hilt, monkeypatch: pytest.MonkeyPatch):
     assert "not understood" not in out
 
 
+def test_options_of_the_command_line_replace_those_of_the_file(taught: Hilt, tmp_path: Path):
+    """`--config` reads options from YAML; those that are given explicitly win."""
+    file = tmp_path / "agent.yaml"
+    file.write_text("scene: objects:mug\nsimulate: false\nseed: 4\n", encoding="utf-8")
+    request = ("do", "--json", "pass me something used for cutting", "--config", str(file))
+
+    alone = taught(*request).document
+    replaced = taught(*request, "--scene", "objects:knife").document
+
+    assert (alone["outcome"], alone["seed"]) == ("failed", 4)
+    assert (replaced["decision"]["object"], replaced["seed"]) == ("knife", 4)
+
+
 # --- Bad input -----------------------------------------------------------------------------
 
 

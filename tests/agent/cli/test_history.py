@@ -10,6 +10,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
+from hilt.agent.config import AgentConfig
 
 Run = Callable[..., tuple[int, str, str]]
 CUT, PASS = "A knife is used for cutting", "To pass a knife grab the knife by the blade"
@@ -32,7 +33,7 @@ def hilt(capfd: pytest.CaptureFixture[str]) -> Run:
 def taught(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a base that was taught two sentences; only for copying."""
     folder = tmp_path_factory.mktemp("taught") / "kb"
-    with Agent.open(str(folder), simulate=False) as agent:
+    with Agent.open(str(folder), AgentConfig(simulate=False)) as agent:
         for sentence in (CUT, PASS):
             agent.hear(sentence)
     return folder

@@ -11,6 +11,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
+from hilt.agent.config import AgentConfig
 from hilt.inference.evidence import ACCEPTANCES, CONJUNCTIONS, FUSIONS, MODUS_PONENS, RANKINGS
 from hilt.inference.settings import DETECTIONS, STAGES
 
@@ -26,7 +27,7 @@ TAUGHT = (
 def taught(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A base that was taught the three sentences, to be copied."""
     folder = tmp_path_factory.mktemp("taught") / "kb"
-    with Agent.open(str(folder), simulate=False) as agent:
+    with Agent.open(str(folder), AgentConfig(simulate=False)) as agent:
         for sentence in TAUGHT:
             agent.hear(sentence)
     return folder

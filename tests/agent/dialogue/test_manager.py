@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.agent.dialogue.reply import Reply
 
 
@@ -496,7 +497,7 @@ def test_untrusted_speaker_teaches_no_words(agent: Agent):
 
 def test_robot_that_induces_passes_what_is_like_a_knife_like_a_knife():
     """It acts on likeness when asked to, says so, and drops the guess when it is taught."""
-    with Agent.open("memory:", simulate=False, induces=True) as inducing:
+    with Agent.open("memory:", AgentConfig(simulate=False, induce=True)) as inducing:
         inducing.hear("To pass a knife grab it by the blade")
         guessed = part(inducing.hear("pass me the screwdriver"))
         why = inducing.hear("why?").said
@@ -562,10 +563,10 @@ def test_what_is_forgotten_is_what_was_last_spoken_of(taught: Agent):
 
 def test_a_speaker_known_to_the_base_may_be_asked_about(tmp_path: Path):
     """The name needs no capital letter."""
-    with Agent.open(str(tmp_path / "kb"), simulate=False) as before:
+    with Agent.open(str(tmp_path / "kb"), AgentConfig(simulate=False)) as before:
         before.base.set_trust("kim", 0.5)
 
-    with Agent.open(str(tmp_path / "kb"), simulate=False) as agent:
+    with Agent.open(str(tmp_path / "kb"), AgentConfig(simulate=False)) as agent:
         reply = agent.hear("do you trust kim?")
 
     assert "kim" in reply.said.lower()

@@ -6,6 +6,7 @@ import random
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.kb.interval import Interval
 
 LESSONS = [
@@ -22,7 +23,7 @@ LESSONS = [
 
 def concluded(lessons: list[tuple[str, str]]) -> dict[tuple[str, str], Interval]:
     """What a mind concludes about each thing and each part, after these lessons."""
-    with Agent.open("memory:", simulate=False) as agent:
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
         for speaker, trust in (("kim", 0.8), ("ann", 0.6)):
             agent.base.set_trust(speaker, trust)
         for sentence, speaker in lessons:

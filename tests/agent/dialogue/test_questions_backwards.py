@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.kb.formats.transfer import import_file
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -60,7 +61,9 @@ def test_what_nothing_explains_is_told(pupil: Agent, question: str):
 
 def test_reasons_of_what_came_from_a_file_are_its_rules():
     """A file says no sentence; and the next best is told apart by how sure it is."""
-    with Agent.open("memory:", simulate=False, actions=EXAMPLES / "kitchen_actions.yaml") as agent:
+    with Agent.open(
+        "memory:", AgentConfig(simulate=False, actions=EXAMPLES / "kitchen_actions.yaml")
+    ) as agent:
         import_file(agent.base, EXAMPLES / "kitchen_rules.yaml")
         agent.hear("A fork is used for stirring")
         agent.hear("A mug is sometimes used for stirring")

@@ -8,6 +8,7 @@ from PIL import Image
 
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
+from hilt.agent.config import AgentConfig
 from hilt.agent.execution.outcome import ExecutionResult
 from hilt.sim.body import MEETING
 
@@ -28,7 +29,7 @@ def world(agent: Agent, command: str) -> ExecutionResult:
 )
 def test_fingers_touch_the_part_that_was_said(pick_up: str, hand_over: str):
     """With handle and blade exchanged in the sentences the robot does the exchange."""
-    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+    with Agent.open("memory:", AgentConfig(scene=ALONE, seed=3)) as agent:
         agent.hear("A knife is used for cutting")
         agent.hear(f"To pickup a knife grab the knife by the {pick_up}")
         agent.hear(f"To pass a knife grab the knife by the {hand_over}")
@@ -45,7 +46,7 @@ def test_fingers_touch_the_part_that_was_said(pick_up: str, hand_over: str):
 
 def test_robot_does_not_move_for_what_it_was_not_told():
     """Without the sentences nothing is touched, and the answer says why."""
-    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+    with Agent.open("memory:", AgentConfig(scene=ALONE, seed=3)) as agent:
         reply = agent.hear("pass me something used for cutting")
 
     assert (reply.ending, reply.said) == ("failed", "I see nothing that is used for cutting.")
@@ -55,7 +56,7 @@ def test_robot_does_not_move_for_what_it_was_not_told():
 
 def test_robot_does_not_look_for_a_part_that_is_not_there():
     """It says so, and leaves the thing where it is."""
-    with Agent.open("memory:", scene=ALONE, seed=3) as agent:
+    with Agent.open("memory:", AgentConfig(scene=ALONE, seed=3)) as agent:
         reply = agent.hear("pass me the knife by the stem")
 
     assert (reply.ending, reply.said) == ("failed", "A knife has no stem.")
@@ -67,7 +68,7 @@ def test_same_seed_gives_the_same_run():
     """Every number of what happened repeats."""
     runs: list[ExecutionResult] = []
     for _ in range(2):
-        with Agent.open("memory:", scene=ALONE, seed=5) as agent:
+        with Agent.open("memory:", AgentConfig(scene=ALONE, seed=5)) as agent:
             agent.hear("To pass a knife grab the knife by the blade")
             runs.append(world(agent, "pass me the knife"))
 
@@ -97,7 +98,7 @@ def test_demo_shows_the_example_and_writes_its_pictures(
 
 def test_nail_is_pounded_with_what_is_used_for_it():
     """Told what pounds, the robot drives the nail in with it, and takes it by its handle."""
-    with Agent.open("memory:", scene="objects:hammer,knife,nail", seed=3) as agent:
+    with Agent.open("memory:", AgentConfig(scene="objects:hammer,knife,nail", seed=3)) as agent:
         agent.hear("A hammer is used for pounding")
 
         reply = agent.hear("pound the nail")

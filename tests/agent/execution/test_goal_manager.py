@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.agent.dialogue.reply import Reply
 from hilt.agent.execution.outcome import Constraint
 from hilt.inference.settings import Settings
@@ -126,7 +127,9 @@ def robot(
 ) -> Iterator[tuple[Agent, Arm]]:
     """An agent with scripted hands that sees these things."""
     arm = arm or Arm({})
-    with Agent.open("memory:", vision=Eyes(**things), motion=arm, actions=actions) as agent:
+    with Agent.open(
+        "memory:", AgentConfig(actions=actions), vision=Eyes(**things), motion=arm
+    ) as agent:
         for lesson in (
             "A hammer is used for pounding",
             "A shoe is sometimes used for pounding",
@@ -365,7 +368,7 @@ def test_rule_of_any_functor_binds_a_primitive_of_ones_own(own: Path, tmp_path: 
 def test_guess_that_is_not_sure_enough_is_asked_about_first():
     """What follows by likeness alone is asked about before its first use, and "yes" settles it."""
     careful = Settings(threshold=0.5)
-    with Agent.open("memory:", simulate=False, induces=True, settings=careful) as agent:
+    with Agent.open("memory:", AgentConfig(simulate=False, induce=True, settings=careful)) as agent:
         agent.hear("To pass a knife grab it by the blade")
         asked = agent.hear("pass me the screwdriver")
         done = agent.hear("yes")

@@ -8,6 +8,7 @@ from PIL import Image
 
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
+from hilt.agent.config import AgentConfig
 from hilt.agent.presentation.video import LEGEND
 from hilt.sim.media.recording import Recorder
 
@@ -24,7 +25,7 @@ def test_film_says_what_the_robot_thinks(tmp_path: Path, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Recorder, "take", take)
     monkeypatch.setattr(Recorder, "_write", lambda _: None)
-    with Agent.open("memory:", scene="objects:knife", seed=3) as agent:
+    with Agent.open("memory:", AgentConfig(scene="objects:knife", seed=3)) as agent:
         agent.hear("To pass a knife grab the knife by the blade")
         with agent.filmed(tmp_path / "out.gif"):
             reply = agent.hear("pass me the knife")

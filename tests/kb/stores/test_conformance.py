@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 from hilt.agent.agent import Agent
-from hilt.agent.config import Embodiment
+from hilt.agent.config import AgentConfig
+from hilt.agent.execution.embodiment import Embodiment
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Literal, Quad, Term
@@ -390,7 +391,7 @@ def test_whole_agent_works_on_every_store(opener: Opener):
     """It learns by sentences, decides by what it learned, and keeps what it did."""
     base = KnowledgeBase(opener())
     base.load_domain(load_objects(), load_actions())
-    bodiless = Embodiment.of(simulate=False)
+    bodiless = Embodiment.from_config(AgentConfig(simulate=False))
 
     with Agent(base, Language.load(), load_actions(), bodiless) as agent:
         for text, _, _ in PAPER:

@@ -11,14 +11,15 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
-from hilt.agent.episodes.keeping import (
+from hilt.agent.config import AgentConfig
+from hilt.agent.episodes.serialization import (
     request_as_json,
     request_from_json,
     settings_as_choices,
 )
-from hilt.agent.episodes.replay import find_episode, replay
 from hilt.agent.execution.goal_manager import Request
 from hilt.agent.execution.perception import PerfectVision
+from hilt.agent.replay import find_episode, replay
 from hilt.inference.settings import Settings
 from hilt.inference.types import Conclusion, Target
 from hilt.kb.interval import Interval
@@ -26,7 +27,7 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Atom
 from hilt.ontology.errors import HiltError, UnknownNameError
 
-from ..conftest import LESSONS
+from .conftest import LESSONS
 
 OTHERWISE = "To pass a knife grab the knife by the handle"
 
@@ -80,7 +81,7 @@ def test_episode_comes_out_the_same_with_the_rules_of_then(base: KnowledgeBase):
 def test_episode_after_a_yes_comes_out_the_same():
     """What was asked back and confirmed is part of the request, and settings are kept."""
     careful = Settings.load().with_choices(["threshold=0.9"])
-    with Agent.open("memory:", settings=careful, simulate=False) as agent:
+    with Agent.open("memory:", AgentConfig(settings=careful, simulate=False)) as agent:
         agent.hear("A knife is used for cutting")
         asked = agent.hear("pass me something used for cutting")
         done = agent.hear("yes")
@@ -105,7 +106,7 @@ def test_other_outcome_is_told(base: KnowledgeBase):
 
 def test_episode_of_other_eyes_is_not_run_again():
     """Nobody knows what they would see now."""
-    with Agent.open("memory:", simulate=False) as plain:
+    with Agent.open("memory:", AgentConfig(simulate=False)) as plain:
         eyes = PerfectVision(plain.scene, plain.objects)
     with Agent.open("memory:", vision=eyes) as agent:
         agent.hear("pass me the knife")
@@ -129,7 +130,7 @@ def test_episode_is_found_by_the_start_of_its_id(base: KnowledgeBase):
 
 def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
     """`hilt episodes --json` has the documents, and `hilt replay` exits with 0 for the same."""
-    with Agent.open(str(tmp_path / "kb"), simulate=False) as mind:
+    with Agent.open(str(tmp_path / "kb"), AgentConfig(simulate=False)) as mind:
         for sentence in (*LESSONS, "pass me something used for cutting"):
             mind.hear(sentence)
     found: list[object] = []
@@ -150,7 +151,8 @@ def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[s
 def test_second_command_of_a_conversation_is_run_again_bit_for_bit():
     """What the first one moved is moved first; noise and learned eyes come again too."""
     with Agent.open(
-        "memory:", scene="objects:knife", seed=5, eyes="learned", noise="depth_m=0.001"
+        "memory:",
+        AgentConfig(scene="objects:knife", seed=5, vision="learned", noise="depth_m=0.001"),
     ) as agent:
         agent.hear("To pass a knife grab the knife by the blade")
         agent.hear("pass me the knife")

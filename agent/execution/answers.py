@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
-from ..execution.outcome import Decision, Slot, SpokenAnswer
+from .outcome import Decision, Slot, SpokenAnswer
 
 _DONE = {
     "pass": ("passed", "passed_by", "passed_as_told"),

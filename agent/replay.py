@@ -14,22 +14,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...inference.affordance import Affordances
-from ...inference.induction import InducedRuleSource
-from ...inference.settings import Settings
-from ...inference.taxonomy import Taxonomy
-from ...kb.episodes import Episode
-from ...kb.knowledge_base import KnowledgeBase
-from ...kb.learned_words import Word
-from ...kb.views import RuleView, view
-from ...ontology.errors import HiltError, NotFoundError
-from ..agent import Agent
-from ..config import Embodiment
-from ..dialogue.teaching import known
-from ..execution.outcome import GoalResult, Json
-from ..opening import actions_with, language_of, open_base
-from .keeping import file_from_json, request_from_json
-from .recorder import AGAIN
+from ..inference.affordance import Affordances
+from ..inference.induction import InducedRuleSource
+from ..inference.settings import Settings
+from ..inference.taxonomy import Taxonomy
+from ..kb.episodes import Episode
+from ..kb.knowledge_base import KnowledgeBase
+from ..kb.learned_words import Word
+from ..kb.views import RuleView, view
+from ..ontology.errors import HiltError, NotFoundError
+from .agent import Agent
+from .config import AgentConfig, actions_with, load_language, open_base
+from .dialogue.teaching import known
+from .episodes.recorder import AGAIN
+from .episodes.serialization import embodiment_from_json, file_from_json, request_from_json
+from .execution.outcome import GoalResult, Json
 
 LAST = "last"
 COMPARED = ("outcome", "said", "decision", "steps", "world")
@@ -138,13 +137,13 @@ def _again(episode: Episode) -> dict[str, Any]:
 
 def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool) -> Agent:
     """An agent under these circumstances, over an empty base of its own."""
-    embodiment = Embodiment.from_json(circumstances["embodiment"], gui=gui)
+    embodiment = embodiment_from_json(circumstances["embodiment"], gui=gui)
     return Agent(
         open_base("memory:", embodiment.household),
-        language_of(embodiment.household).with_words(map(known, words)),
+        load_language(embodiment.household).with_words(map(known, words)),
         actions_with(file_from_json(circumstances["actions"])),
         embodiment,
-        settings=Settings().with_choices(circumstances["settings"]),
+        AgentConfig(settings=Settings().with_choices(circumstances["settings"])),
     )
 
 

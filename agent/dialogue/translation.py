@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..inference.types import Target
-from ..kb.interval import Interval
-from ..kb.rule import Rule, functional, grasping
-from ..nlu.language import Language
-from ..nlu.lexicon.vocabulary import NewWord
-from ..nlu.semantics import meaning
-from ..nlu.semantics.interpretation import GOALS
-from ..ontology.actions import Actions
-from .execution.goal_manager import Argument, Request
+from ...inference.types import Target
+from ...kb.interval import Interval
+from ...kb.rule import Rule, functional, grasping
+from ...nlu.language import Language
+from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.semantics import meaning
+from ...nlu.semantics.interpretation import GOALS
+from ...ontology.actions import Actions
+from ..execution.goal_manager import Argument, Request
 
 
 def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Requests, settings and files as an episode keeps them: in JSON, whole, there and back."""
+"""JSON forms of what an episode keeps to be run again: request, embodiment, settings, files."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,9 @@ from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.errors import DataError
+from ...sim.scene.scene import Placement, Scene
+from ..config import AgentConfig
+from ..execution.embodiment import Embodiment
 from ..execution.goal_manager import Request
 from ..execution.outcome import Json
 
@@ -73,6 +77,53 @@ def _target_from_json(kept: dict[str, Any]) -> Target:
         frozenset(kept["properties"]),
         kept["is_confirmed"],
     )
+
+
+def embodiment_as_json(embodiment: Embodiment) -> Json:
+    """Return all that is needed to make the same embodiment again, but for the window."""
+    scene = embodiment.scene
+    return {
+        "scene": {
+            "placements": [asdict(placement) for placement in scene.placements],
+            "seed": scene.seed,
+            "gap": scene.gap,
+        },
+        "objects": file_as_json(embodiment.objects_file),
+        "robot": embodiment.robot,
+        "vision": embodiment.vision,
+        "noise": embodiment.noise,
+        "simulate": embodiment.simulate,
+    }
+
+
+def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embodiment:
+    """Return the embodiment that was kept.
+
+    Args:
+        kept: what `embodiment_as_json` returned, here or in an earlier version.
+        gui: whether the simulator shows a window.
+
+    Raises:
+        DataError: the user's own file of objects is gone, or was changed.
+        UnknownNameError: the robot is gone.
+    """
+    objects = file_from_json(kept["objects"])
+    scene = kept["scene"]
+    return Embodiment(
+        Scene(tuple(map(_placement, scene["placements"])), scene["seed"], scene["gap"]),
+        AgentConfig(objects=objects).load_household(),
+        objects,
+        kept["robot"],
+        kept["vision"],
+        kept["noise"],
+        kept["simulate"] if "simulate" in kept else kept["simulated"],  # until version 0.1
+        gui,
+    )
+
+
+def _placement(kept: dict[str, Any]) -> Placement:
+    placement = Placement(**kept)
+    return replace(placement, at=(kept["at"][0], kept["at"][1])) if kept["at"] else placement
 
 
 def settings_as_choices(settings: Settings) -> list[str]:

@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: Apache-2.0
+from .agent import Agent
+from .config import AgentConfig
+from .dialogue.reply import Reply
+from .protocols import Motion, Vision
+
+__all__ = ["Agent", "AgentConfig", "Motion", "Reply", "Vision"]

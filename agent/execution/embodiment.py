@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The embodiment of an agent: its scene, its robot, and how reliably it perceives.
+
+An `Embodiment` is what an `AgentConfig` says about the robot once all names in it are resolved; it
+makes the simulated body and the vision of the agent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...ontology.objects import Household
+from ...sim.scene.scene import Scene, parse_scene
+from ..config import AgentConfig
+from ..protocols import Vision
+from .perception import PerfectVision
+
+if TYPE_CHECKING:
+    from ...sim.body import Body
+    from ...sim.vision.noise import Noise
+
+_DEFAULTS = AgentConfig()
+
+
+@dataclass(frozen=True)
+class Embodiment:
+    """A scene, a robot and its vision.
+
+    Attributes:
+        scene: what is on the table; its seed is that of everything random.
+        household: the object types.
+        objects_file: the user's own file among them, if any.
+        robot: its name, or a file of robots and the name in it; see `find_robot`.
+        vision: the source of percepts: "mask", "learned" or "learned:FILE".
+        noise: how perception fails, as text ("missed=0.1,confused=0.05"); empty for not at all.
+        simulate: whether there is a simulated body; without one all is seen with certainty.
+        gui: whether the simulator shows a window.
+    """
+
+    scene: Scene
+    household: Household
+    objects_file: Path | None = None
+    robot: str = _DEFAULTS.robot
+    vision: str = _DEFAULTS.vision
+    noise: str = _DEFAULTS.noise
+    simulate: bool = True
+    gui: bool = False
+
+    def __post_init__(self) -> None:
+        # The modules that know the other names import numpy.
+        if self.robot != _DEFAULTS.robot:
+            from ...sim.robot.models import find_robot
+
+            find_robot(self.robot)
+        if self.vision != _DEFAULTS.vision:
+            from ...sim.vision import sensors
+
+            sensors.refuse_unknown(self.vision)
+        self.noise_model()
+
+    @classmethod
+    def from_config(cls, config: AgentConfig) -> Embodiment:
+        """Return the embodiment that a configuration names.
+
+        Raises:
+            DataError: the scene, the objects or the noise are wrong.
+            UnknownNameError: there is no such object, robot or source of percepts.
+        """
+        kinds = config.load_household()
+        scene = parse_scene(config.scene, seed=config.seed, objects=kinds.objects)
+        return cls(
+            scene,
+            kinds,
+            config.objects,
+            config.robot,
+            config.vision,
+            config.noise,
+            config.simulate,
+            config.gui,
+        )
+
+    def open_body(self) -> Body:
+        """Return a new simulated body.
+
+        Raises:
+            MissingExtraError: the simulator is not installed.
+            SimulationError: there is no room for all that is in the scene.
+        """
+        from ...sim.body import Body
+
+        return Body(
+            self.scene,
+            self.household.objects,
+            seed=self.scene.seed,
+            gui=self.gui,
+            robot=self.robot,
+            vision=self.vision,
+            noise=self.noise_model(),
+        )
+
+    def open_vision(self, body: Body | None) -> Vision:
+        """Return the vision of a body, or perfect vision without one; noise included."""
+        vision = body or PerfectVision(self.scene, self.household.objects)
+        noise = self.noise_model()
+        if noise is None:
+            return vision
+        from ...sim.vision.noise import NoisyVision
+
+        return NoisyVision(vision, noise, self.household.objects)
+
+    @property
+    def sees_all(self) -> bool:
+        """Whether perception cannot fail, so that the scene itself says what is in view."""
+        return not self.noise and (not self.simulate or self.vision == _DEFAULTS.vision)
+
+    def noise_model(self) -> Noise | None:
+        """Return how perception fails; None when it does not.
+
+        Raises:
+            DataError: the text is not of the expected form.
+        """
+        if not self.noise:
+            return None  # saves the import of numpy
+        from ...sim.vision.noise import Noise
+
+        return Noise.parse(self.noise, seed=self.scene.seed)
