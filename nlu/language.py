@@ -45,7 +45,6 @@ from .semantics.pragmatics import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
-_KNOWN_COST = 1.0  # a word of a turn of phrase hardly ever names something, too
 _WORD_FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 
 
@@ -136,9 +135,11 @@ class Language:
         added = tuple(word for word in dict.fromkeys(words) if word not in self.learned)
         if not added:
             return self
-        senses = [sense for word in added for sense in self.builder.named(word.role, word.word)]
+        senses = [sense for word in added for sense in self.builder.name(word.role, word.word)]
         uses = {
-            self.builder.bare(word.word): word.word for word in added if word.role == "affordance"
+            self.builder.bare_verb(word.word): word.word
+            for word in added
+            if word.role == "affordance"
         }
         interpreter = self.listener.interpreter.knowing(added)
         listener = replace(

@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lexicon: what each word may be, and what it then means.
+"""The lexicon: the categories and lambda terms of each word, found token by token.
 
-Entries are found by their words, from any token of an utterance on. They are made by `words` from
-`lexicon.yaml` of a language and from the vocabulary of the domain. A language has many more words
-than a conversation uses: an entry is made when its words are heard for the first time, and the
-graphs of all patterns are joined only along the words that were heard.
+A language has many more words than a conversation uses. So an entry is only made when its words
+are heard for the first time, and the graphs of all patterns are joined into one automaton only
+along the words that were heard.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
 from ..grammar.combinators import Combinator, Sign
@@ -25,8 +24,8 @@ class Entry(NamedTuple):
     """One reading of a word, or of several words that belong together.
 
     Attributes:
-        category: what it is.
-        term: what it means.
+        category: its syntactic category.
+        term: its meaning.
         value: the same, ready to be applied.
         sign: the combinator's number of the category.
         cost: how unlikely this reading is.
@@ -44,37 +43,30 @@ class Entry(NamedTuple):
     role: str = ""
     says: str = ""
 
-    def entry(self) -> Entry:
-        """This entry, which is made already."""
-        return self
+
+class Sense(NamedTuple):
+    """An entry that is made when its words are heard.
+
+    Attributes:
+        says: as that of the entry, like `category` and `name`.
+        category: the category.
+        name: the name.
+        entry: makes the entry.
+    """
+
+    says: str
+    category: Category
+    name: str
+    entry: Callable[[], Entry]
 
 
-class Sense(Protocol):
-    """What becomes an entry when its words are heard."""
-
-    @property
-    def category(self) -> Category:
-        """As that of the entry."""
-        ...
-
-    @property
-    def name(self) -> str:
-        """As that of the entry."""
-        ...
-
-    @property
-    def says(self) -> str:
-        """As that of the entry."""
-        ...
-
-    def entry(self) -> Entry:
-        """The entry, made now."""
-        ...
+Places: TypeAlias = Sequence[tuple[str, Steps] | int]
+"""Places in the graphs of patterns; a number is the end of a pattern."""
 
 
 @dataclass(frozen=True)
 class EntryIndex:
-    """The entries of some words, as a chart needs them.
+    """The entries of some words, sorted as a chart needs them.
 
     Attributes:
         plain: those that are no part of a construction, by sign.
@@ -86,74 +78,73 @@ class EntryIndex:
     words: Sequence[Entry]
     heads: Mapping[Sign, Sequence[Entry]]
 
-
-def _sorted(entries: Sequence[Entry], combinator: Combinator) -> EntryIndex:
-    plain: dict[Sign, list[Entry]] = defaultdict(list)
-    heads: dict[Sign, list[Entry]] = defaultdict(list)
-    words: list[Entry] = []
-    for entry in entries:
-        turn = combinator.turn(entry.sign)
-        if turn.is_words:
-            words.append(entry)
-        elif turn.needs:
-            heads[min(turn.needs)].append(entry)
-        else:
-            plain[entry.sign].append(entry)
-    return EntryIndex(dict(plain), tuple(words), dict(heads))
+    @classmethod
+    def of(cls, entries: Iterable[Entry], combinator: Combinator) -> EntryIndex:
+        """Sort entries."""
+        plain: dict[Sign, list[Entry]] = defaultdict(list)
+        heads: dict[Sign, list[Entry]] = defaultdict(list)
+        words: list[Entry] = []
+        for entry in entries:
+            turn = combinator.turn(entry.sign)
+            if turn.is_words:
+                words.append(entry)
+            elif turn.needs:
+                heads[min(turn.needs)].append(entry)
+            else:
+                plain[entry.sign].append(entry)
+        return cls(dict(plain), tuple(words), dict(heads))
 
 
 class LexiconNode:
-    """What was heard of the words of a lexicon so far: what it may be, and how it may go on.
+    """A state of the automaton: the entries of the words so far, and the words that may follow.
 
     Args:
-        steps: the places in the graphs of patterns.
+        places: the places in the graphs of patterns.
         lexicon: the lexicon.
     """
 
-    def __init__(self, steps: Sequence[tuple[str, Steps] | int], lexicon: Lexicon) -> None:
-        self._steps, self._lexicon = steps, lexicon
-        self._after: dict[str, LexiconNode] = {}
-        self._sorted: EntryIndex | None = None
+    def __init__(self, places: Places, lexicon: Lexicon) -> None:
+        self._places, self._lexicon = places, lexicon
+        self._next: dict[str, LexiconNode] = {}
+        self._index: EntryIndex | None = None
 
     @cached_property
     def entries(self) -> Sequence[Entry]:
-        """What the words that lead here are, each once."""
+        """The entries of the words that lead here, each once."""
         found: dict[tuple[Sign, Term], Entry] = {}
-        for step in self._steps:
-            for entry in self._lexicon.entries_at(step) if isinstance(step, int) else ():
+        for place in self._places:
+            for entry in self._lexicon.entries_at(place) if isinstance(place, int) else ():
                 found.setdefault((entry.sign, entry.term), entry)
         return tuple(found.values())
 
-    def after(self, word: str) -> LexiconNode | None:
+    def next(self, word: str) -> LexiconNode | None:
         """The node that a word leads to."""
-        found = self._after.get(word)
-        if found is None and word in self._below:
-            found = self._after[word] = self._lexicon.node(self._below[word])
+        found = self._next.get(word)
+        if found is None and word in self._following:
+            found = self._next[word] = self._lexicon.node(self._following[word])
         return found
 
-    def sorted(self, combinator: Combinator) -> EntryIndex:
+    def index(self, combinator: Combinator) -> EntryIndex:
         """The entries, sorted once."""
-        if self._sorted is None:
-            self._sorted = _sorted(self.entries, combinator)
-        return self._sorted
+        if self._index is None:
+            self._index = EntryIndex.of(self.entries, combinator)
+        return self._index
 
     @cached_property
-    def _below(self) -> Mapping[str, Sequence[tuple[str, Steps] | int]]:
+    def _following(self) -> Mapping[str, Places]:
         found: dict[str, list[tuple[str, Steps] | int]] = defaultdict(list)
-        for step in self._steps:
-            if not isinstance(step, int):
-                found[step[0]] += step[1]
+        for place in self._places:
+            if not isinstance(place, int):
+                found[place[0]] += place[1]
         return dict(found)
 
 
 class Lexicon:
-    """Entries found by their words; a lexicon may rest on another one, which it leaves alone.
-
-    It is filled while a language is read, and only read afterwards.
+    """Entries found by their words; it is filled while a language is loaded.
 
     Args:
-        senses: what becomes the entries.
-        base: a lexicon whose entries are found too.
+        senses: the entries, to be made when they are heard.
+        base: a lexicon whose entries are found too; it stays as it is.
     """
 
     def __init__(self, senses: Iterable[Sense] = (), base: Lexicon | None = None) -> None:
@@ -161,26 +152,26 @@ class Lexicon:
         self._senses: list[Sense] = []
         self._said: dict[str, list[Sense]] = {}
         self._numbers: list[list[Sense]] = []
-        self._steps: list[tuple[str, Steps] | int] = []
+        self._places: list[tuple[str, Steps] | int] = []
         self._nodes: dict[tuple[int, ...], LexiconNode] = {}
         self.add_all(senses)
 
     def add(self, sense: Sense) -> None:
-        """Know one more reading of some words.
+        """Add a reading of some words.
 
         Raises:
-            PatternError: its words are no pattern.
+            PatternError: a bracket is missing in its words.
         """
         known = self._said.get(sense.says)
         if known is None:
-            self._steps += steps_of(sense.says, len(self._numbers))
+            self._places += steps_of(sense.says, len(self._numbers))
             known = self._said[sense.says] = []
             self._numbers.append(known)
         known.append(sense)
         self._senses.append(sense)
 
     def add_all(self, senses: Iterable[Sense]) -> None:
-        """Know further readings of some words; as `add`."""
+        """Add readings of some words, as `add` does."""
         for sense in senses:
             self.add(sense)
 
@@ -199,14 +190,14 @@ class Lexicon:
         return frozenset(words_of(" ".join(self._said)))
 
     def senses(self) -> Iterator[Sense]:
-        """All that becomes an entry, in the order in which it was added, and the own first."""
+        """All senses in the order in which they were added, those of the base last."""
         yield from self._senses
         if self._base is not None:
             yield from self._base.senses()
 
     @cached_property
     def names(self) -> Mapping[str, frozenset[str]]:
-        """All that names something, in all its forms, by category."""
+        """All names of things, acts and uses, in all their forms, by category."""
         found: dict[str, set[str]] = defaultdict(set)
         for category, words in self._base.names.items() if self._base is not None else ():
             found[category] |= words
@@ -215,25 +206,29 @@ class Lexicon:
                 found[str(sense.category)].add(sense.says)
         return {category: frozenset(words) for category, words in found.items()}
 
+    def named(self, categories: Iterable[str]) -> frozenset[str]:
+        """All names that have one of some categories, in all their forms."""
+        return frozenset[str]().union(*(self.names.get(each, ()) for each in categories))
+
     def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""
-        node = self._root.after(tokens[start])
+        node = self._root.next(tokens[start])
         end = start + 1
         while node is not None:
             if node.entries:
                 yield end, node
-            node = node.after(tokens[end]) if end < len(tokens) else None
+            node = node.next(tokens[end]) if end < len(tokens) else None
             end += 1
         if self._base is not None:
             yield from self._base.nodes(tokens, start)
 
-    def node(self, steps: Sequence[tuple[str, Steps] | int]) -> LexiconNode:
+    def node(self, places: Places) -> LexiconNode:
         """The node of some places, the same one for the same places."""
-        places = {id(step): step for step in steps}
-        key = tuple(places)
+        distinct = {id(place): place for place in places}
+        key = tuple(distinct)
         found = self._nodes.get(key)
         if found is None:
-            found = self._nodes[key] = LexiconNode(tuple(places.values()), self)
+            found = self._nodes[key] = LexiconNode(tuple(distinct.values()), self)
         return found
 
     def entries_at(self, number: int) -> Iterator[Entry]:
@@ -242,22 +237,4 @@ class Lexicon:
 
     @cached_property
     def _root(self) -> LexiconNode:
-        return LexiconNode(self._steps, self)
-
-
-@dataclass(frozen=True)
-class EntryTemplate:
-    """One line of a template, checked, with its constants still to be filled in."""
-
-    category: Category
-    term: Term
-    cost: float
-
-
-@dataclass(frozen=True)
-class Template:
-    """All lines of a kind of word, by form ("base", "plural", "ing", ...)."""
-
-    name: str
-    constants: tuple[str, ...]
-    forms: Mapping[str, tuple[EntryTemplate, ...]]
+        return LexiconNode(self._places, self)

@@ -1,46 +1,60 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of the word files of a language, and maker of entries for the names of a vocabulary.
+"""Loader of the word files of a language, and builder of entries for new names.
 
-`LexiconBuilder` is what the file says, checked: contractions, templates, the entries of all words, and
-the templates that a new noun, part, use or act gets. One line of the file may stand for hundreds
-of entries, the frames and inflections of a verb: all lines are checked when they are read, and what
-follows from them is worked out when it is heard.
+One line of a file may stand for hundreds of entries: the frames and inflections of a verb. All
+lines are checked when they are read; the entries are made when their words are first heard.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
 from ...ontology.yaml_reader import Field, read_yaml
-from ..grammar.categories import AtomicCategory, Functor
+from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import Combinator
 from ..grammar.constructions import Construction, Run, pieces_of, runs
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
 from ..grammar.patterns import variants, words_in
-from ..grammar.terms import Constant, evaluate
+from ..grammar.terms import Constant, Term, evaluate, replace_constants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
-from .lexicon import Entry, EntryTemplate, Lexicon, Template
-from .senses import ConstructionSense, TemplateSense
+from .lexicon import Entry, Lexicon, Sense
 from .tokenizer import Tokens
 from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
 _NOTHING = Constant("something")
-_NOTHING_VALUE = evaluate(_NOTHING)
-_BINDER = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
+_WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "asides", "endings", "names_too", "denying", "denied"),
+    *("constructions", "asides", "endings", "nameable", "denying", "denied"),
 )
+
+
+@dataclass(frozen=True)
+class EntryTemplate:
+    """One line of a template, with its constants still to be replaced."""
+
+    category: Category
+    term: Term
+    cost: float
+
+
+@dataclass(frozen=True)
+class Template:
+    """The lines for a kind of word, by form ("base", "plural", "ing", ...)."""
+
+    name: str
+    constants: tuple[str, ...]
+    forms: Mapping[str, tuple[EntryTemplate, ...]]
 
 
 @dataclass(frozen=True)
@@ -59,32 +73,42 @@ class Verb:
 
 
 class LexiconBuilder:
-    """The words of a language, and how entries are made for new ones.
+    """The words of a language, and the maker of entries for new ones.
 
     Args:
         grammar: what the lines are checked against.
         inflection: how forms are made.
         combinator: numbers the categories.
+
+    Attributes:
+        contractions: short forms and the words that they stand for.
+        closed: words of grammar (closed-class words), which are no names.
+        verbs: the verbs, in the order of the files.
+        qualifiers: the words for each degree of confidence.
+        discourse_markers: the phrases that add nothing.
+        nameable: words of constructions that may be taught as names.
+        denying: words that deny the thing named after them.
+        denied: words for any thing, which can be denied so.
+        lexicon: the entries of all files.
     """
 
     def __init__(self, grammar: Grammar, inflection: Inflection, combinator: Combinator) -> None:
         self._grammar, self._inflection, self._combinator = grammar, inflection, combinator
-        self.templates: dict[str, Template] = {}
+        self._templates: dict[str, Template] = {}
+        self._endings: dict[str, str] = {}
         self.contractions: dict[str, tuple[str, ...]] = {}
         self.closed: frozenset[str] = frozenset()
         self.verbs: list[Verb] = []
         self.qualifiers: dict[str, tuple[str, ...]] = {}
-        self.nouns: dict[str, tuple[str, ...]] = {}
         self.discourse_markers = DiscourseMarkers()
-        self.endings: dict[str, str] = {}
-        self.names_too: frozenset[str] = frozenset()
+        self.nameable: frozenset[str] = frozenset()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
-        self.turns = Lexicon()
-        self.lexicon = Lexicon(base=self.turns)
+        self._constructions = Lexicon()
+        self.lexicon = Lexicon(base=self._constructions)
 
     def read(self, path: Path) -> None:
-        """Add all that a file says; a second file adds to the first.
+        """Add all words of a file; a second file adds to the first.
 
         Raises:
             DataError: a line is not as expected; says where.
@@ -93,19 +117,18 @@ class LexiconBuilder:
         for short, field in _entries(parts, "contractions"):
             self.contractions[short] = tuple(field.text().split())
         for short, field in _entries(parts, "endings"):
-            self.endings[short] = field.text()
-        for key in ("closed", "names_too", "denying", "denied"):
+            self._endings[short] = field.text()
+        for key in ("closed", "nameable", "denying", "denied"):
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):
-            self.templates[name] = self._template(name, field)
+            self._templates[name] = self._template(name, field)
         for field in _items(parts, "verbs"):
             self._read_verb(field)
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
         for kind, field in _entries(parts, "nouns"):
             self._template_named(kind, field)
-            self.nouns[kind] = (*self.nouns.get(kind, ()), *field.texts())
             for name in field.texts():
                 self.lexicon.add_all(self.noun(kind, name))
         for field in _items(parts, "words"):
@@ -116,39 +139,35 @@ class LexiconBuilder:
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
     def expand_endings(self, tokens: Tokens) -> Tokens:
-        """An utterance with its endings that may be short for a word written out: "a shoe's"."""
-        items = tuple(replace(t, word=self.endings.get(t.word, t.word)) for t in tokens.items)
+        """An utterance with its ambiguous short forms written out: "a shoe's" is "a shoe is"."""
+        items = tuple(replace(t, word=self._endings.get(t.word, t.word)) for t in tokens.items)
         return replace(tokens, items=items)
 
-    def verb_forms(
-        self, verb: Verb, *, role: str = "", cost: float = 0.0
-    ) -> Iterator[TemplateSense]:
-        """What a verb is: all frames of its templates in all inflections."""
+    def verb_forms(self, verb: Verb, role: str = "", cost: float = 0.0) -> Iterator[Sense]:
+        """The senses of a verb: all lines of its templates in all inflections."""
         gerund = self._inflection.form(verb.verb, "ing")
         names = {"ACT": verb.means or _constant(verb.verb), "USE": _constant(gerund)}
         for name in verb.templates:
-            yield from self._filled(self.templates[name], verb.verb, names, role=role, cost=cost)
+            yield from self._senses(self._templates[name], verb.verb, names, role, cost)
 
-    def noun(
-        self, kind: str, name: str, *, role: str = "", cost: float = 0.0
-    ) -> Iterator[TemplateSense]:
-        """What a noun, part, property or person is, by the name of its template."""
-        template = self.templates[kind]
-        yield from self._filled(template, name, {"THIS": _constant(name)}, role=role, cost=cost)
+    def noun(self, kind: str, name: str, role: str = "", cost: float = 0.0) -> Iterator[Sense]:
+        """The senses of a noun, part, property or person, by the name of its template."""
+        yield from self._senses(self._templates[kind], name, {"THIS": _constant(name)}, role, cost)
 
-    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[TemplateSense]:
-        """What all names of a vocabulary are."""
+    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[Sense]:
+        """The senses of all names of a vocabulary."""
         for role in ROLES:
             for name in vocabulary.names(role):
-                yield from self.named(role, name)
+                yield from self.name(role, name)
 
-    def named(self, role: str, name: str) -> Iterator[TemplateSense]:
-        """What one name is in a role, one of `ROLES`."""
+    def name(self, role: str, name: str) -> Iterator[Sense]:
+        """The senses of a name in a role, one of `ROLES`."""
         if role in NOUN_TEMPLATES:
             return self.noun(NOUN_TEMPLATES[role], name)
         if role == "affordance":
-            bare = self.bare(name)
-            templates = ("affordance",) if bare in self._known_verbs else ("affordance", "tool")
+            bare = self.bare_verb(name)
+            is_known = any(verb.verb == bare for verb in self.verbs)
+            templates = ("affordance",) if is_known else ("affordance", "tool")
             return self.verb_forms(Verb(bare, templates, _constant(bare)))
         return self.verb_forms(Verb(name, ("new_act",), _constant(name)))
 
@@ -170,41 +189,43 @@ class LexiconBuilder:
 
     def tool_phrases(self) -> dict[str, str]:
         """What is done with a tool as the object: "cut with" for `cut`."""
-        senses = self.lexicon.senses()
-        binder = next((sense.says for sense in senses if sense.category == _BINDER), "")
-        return {act: f"{self.act_names()[act]} {binder}" for act in self.tool_acts()}
+        senses, names = self.lexicon.senses(), self.act_names()
+        preposition = next((each.says for each in senses if each.category == _WITH), "")
+        return {act: f"{names[act]} {preposition}" for act in self.tool_acts()}
 
     @cached_property
     def qualifier_phrases(self) -> frozenset[tuple[str, ...]]:
         """All words of confidence."""
         return frozenset(tuple(each.split()) for said in self.qualifiers.values() for each in said)
 
-    @property
-    def _known_verbs(self) -> frozenset[str]:
-        return frozenset(verb.verb for verb in self.verbs)
-
-    def bare(self, gerund: str) -> str:
+    def bare_verb(self, gerund: str) -> str:
         """The verb of a gerund: "cut" for "cutting"."""
         for verb in self.verbs:
             if self._inflection.form(verb.verb, "ing") == gerund:
                 return verb.verb
         return next(iter(self._inflection.origins(gerund, "ing")), gerund)
 
-    def _filled(
-        self,
-        template: Template,
-        word: str,
-        names: Mapping[str, str],
-        *,
-        role: str = "",
-        cost: float = 0.0,
-    ) -> Iterator[TemplateSense]:
+    def _senses(
+        self, template: Template, word: str, names: Mapping[str, str], role: str, cost: float
+    ) -> Iterator[Sense]:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
         name = named.replace("_", " ")
-        for form, frames in template.forms.items():
+        for form, lines in template.forms.items():
             says = self._inflection.form(word, form)
-            for frame in frames:
-                yield TemplateSense(says, frame, names, self._combinator, name, role, cost)
+            for line in lines:
+                make = partial(self._filled, line, names, says, cost, name=name, role=role)
+                yield Sense(says, line.category, name, make)
+
+    def _filled(
+        self, line: EntryTemplate, names: Mapping[str, str], says: str, cost: float, **named: str
+    ) -> Entry:
+        """The entry of a line of a template, with the names in the place of its constants."""
+        term = replace_constants(line.term, names)
+        return self._entry(line.category, term, line.cost + cost, says)._replace(**named)
+
+    def _entry(self, category: Category, term: Term, cost: float, says: str) -> Entry:
+        sign = self._combinator.sign(category)
+        return Entry(category, term, evaluate(term), sign, cost, says=says)
 
     def _template(self, name: str, field: Field) -> Template:
         parts = field.entries(required=("constants", "forms"), optional=())
@@ -222,15 +243,15 @@ class LexiconBuilder:
             if form != "base" and form not in self._inflection.tables:
                 known = ", ".join(("base", *self._inflection.tables))
                 raise lines.fail(f'there is no form "{form}"; expected one of {known}.')
-        for frame in chain.from_iterable(forms.values()):
-            self._combinator.sign(frame.category)
+        for line in chain.from_iterable(forms.values()):
+            self._combinator.sign(line.category)
         return Template(name, tuple(constants), MappingProxyType(forms))
 
     def _template_named(self, name: str, field: Field) -> Template:
-        if name not in self.templates:
-            known = ", ".join(sorted(self.templates))
+        if name not in self._templates:
+            known = ", ".join(sorted(self._templates))
             raise field.fail(f'there is no template "{name}"; expected one of {known}.')
-        return self.templates[name]
+        return self._templates[name]
 
     def _read_verb(self, field: Field) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))
@@ -247,24 +268,21 @@ class LexiconBuilder:
         template = self._template_named("qualifier", field)
         self.qualifiers[degree] = field.texts()
         for word in field.texts():
-            self.lexicon.add_all(self._filled(template, word, {"DEG": degree}))
+            self.lexicon.add_all(self._senses(template, word, {"DEG": degree}, "", 0.0))
 
     def _read_word(self, field: Field) -> None:
         parts = field.entries(required=("says",), optional=("is", "like"))
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
-        lines = parts["is"].items() if "is" in parts else ()
-        frames = [EntryTemplate(*self._grammar.entry(line)) for line in lines]
+        given = parts["is"].items() if "is" in parts else ()
+        lines = [EntryTemplate(*self._grammar.entry(line)) for line in given]
         for name in parts["like"].items() if "like" in parts else ():
-            frames += self._template_named(name.text(), name).forms["base"]
-        values = [evaluate(frame.term) for frame in frames]
-        signs = [self._combinator.sign(frame.category) for frame in frames]
+            lines += self._template_named(name.text(), name).forms["base"]
+        entries = [self._entry(line.category, line.term, line.cost, "") for line in lines]
         for says in parts["says"].items():
             text = words_in(says)
-            for frame, value, sign in zip(frames, values, signs, strict=True):
-                self.lexicon.add(
-                    Entry(frame.category, frame.term, value, sign, frame.cost, says=text)
-                )
+            for entry in entries:
+                self._add(self.lexicon, entry._replace(says=text))
 
     def _read_construction(self, field: Field) -> None:
         parts = field.entries(required=("says", "is"), optional=())
@@ -279,17 +297,24 @@ class LexiconBuilder:
             for construction in found:
                 self._add_head(construction, cost)
         for run in dict.fromkeys(run for pieces in spelt for run in runs(pieces)[1:]):
-            sign = self._combinator.sign(run.category)
-            self.turns.add(Entry(run.category, _NOTHING, _NOTHING_VALUE, sign, says=run.text))
+            self._add(self._constructions, self._entry(run.category, _NOTHING, 0.0, run.text))
 
     def _add_head(self, construction: Construction, cost: float) -> None:
         head, category = construction.head, construction.category
         self._combinator.sign(category)
         if isinstance(head, Run):
-            self.turns.add(ConstructionSense(construction, cost, self._combinator, head.text))
+            make = partial(self._head_entry, construction, cost, head.text)
+            self._constructions.add(Sense(head.text, category, "", make))
         else:
             term = construction.functor()
             self._combinator.add(Unary(head.category, category, term, evaluate(term), cost))
+
+    def _head_entry(self, construction: Construction, cost: float, says: str) -> Entry:
+        """The entry of the first words of a construction, which take the rest."""
+        return self._entry(construction.category, construction.functor(), cost, says)
+
+    def _add(self, lexicon: Lexicon, entry: Entry) -> None:
+        lexicon.add(Sense(entry.says, entry.category, entry.name, lambda: entry))
 
 
 def _constant(name: str) -> str:

@@ -1,21 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words that the lexicon does not have: what they may be, or which known word they miss.
+"""Unknown words: the entries that a word may stand for, and the known word that it may misspell.
 
-The rest of a sentence tells the role of an unknown word: "a zib is used for cutting" can only be
-about an object. So an unknown word is given every role a name can have, and the chart finds which
-one fits (Scheutz et al. 2017). A word one slip away from a known one is not new: Hilt asks.
+The rest of a sentence shows the role of an unknown word: "a zib is used for cutting" can only be
+about an object. So an unknown word gets an entry for every role that a name can have, and the chart
+finds which one fits (Scheutz et al. 2017). A word one slip away from a known one is not taken for
+a new one: Hilt asks. The edit distance is that of optimal string alignment, in which two swapped
+letters are one slip.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from functools import lru_cache
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
 
 from .inflection import Inflection
-from .lexicon import Entry, Lexicon
+from .lexicon import Entry, Lexicon, Sense
 from .loader import LexiconBuilder, Verb
-from .senses import TemplateSense
-from .tokenizer import Token
+from .tokenizer import Token, Tokens
 from .vocabulary import NewWord
 
 MAX_NEW_WORDS = 3
@@ -24,10 +27,21 @@ MAX_LETTERS = 30
 TWO_SLIPS = 9
 """From this length on [letters] a word may be two slips away from a known one."""
 
+NOUNS = frozenset({"N", "NS", "P", "MS"})
+"""The categories of names of things."""
+
 _VERB_COST = 0.5  # a name is likelier than an act: there are more things than things to do
 _PERSON_COST = 1.0
 _COMPOUND_COST = 0.75
 _SINGULAR_COST = 0.25  # what looks like a plural is one
+_NAMEABLE_COST = 1.0  # a word of a construction hardly ever names something, too
+
+_LIKE = {
+    "object": NOUNS,
+    "part": frozenset({"P"}),
+    "affordance": frozenset({"K", "KB"}),
+    "context": frozenset({"CP/NP", "CG/NP", "C/NP"}),
+}
 
 
 def is_word(token: Token) -> bool:
@@ -40,15 +54,16 @@ def closest_word(word: str, known: frozenset[str]) -> str | None:
     """The known word that `word` is most likely a slip of, None when there is none."""
     if len(word) <= MIN_LETTERS:
         return None
-    allowed = 2 if len(word) >= TWO_SLIPS else 1
-    best: str | None = None
-    for other in sorted(known):
-        if len(other) <= MIN_LETTERS or abs(len(other) - len(word)) > allowed:
-            continue
-        found = edit_distance(word, other, allowed)
-        if found <= allowed:
-            best, allowed = other, found - 1
-    return best
+    from rapidfuzz import process  # here: most utterances have no unknown word
+    from rapidfuzz.distance import OSA
+
+    found = process.extractOne(
+        word,
+        sorted(other for other in known if len(other) > MIN_LETTERS),
+        scorer=OSA.distance,
+        score_cutoff=2 if len(word) >= TWO_SLIPS else 1,
+    )
+    return found[0] if found else None
 
 
 @lru_cache(maxsize=1024)
@@ -63,92 +78,16 @@ def misspelled_word(word: str, known: frozenset[str]) -> str | None:
     return closest_word(word, frozenset(each for each in near if each[0] == word[0]))
 
 
+def is_one_slip(word: str, other: str) -> bool:
+    """Whether at most one letter is added, lost, changed or swapped."""
+    from rapidfuzz.distance import OSA
+
+    return OSA.distance(word, other, score_cutoff=1) <= 1
+
+
 def names_for_role(role: str, lexicon: Lexicon) -> frozenset[str]:
     """The words, in all forms, that name what a role may be taken for."""
-    return frozenset[str]().union(*(lexicon.names.get(kind, ()) for kind in _LIKE[role]))
-
-
-NOUNS = frozenset({"N", "NS", "P", "MS"})
-
-_LIKE = {
-    "object": NOUNS,
-    "part": frozenset({"P"}),
-    "affordance": frozenset({"K", "KB"}),
-    "context": frozenset({"CP/NP", "CG/NP", "C/NP"}),
-}
-
-
-def edit_distance(one: str, other: str, limit: int) -> int:
-    """How many letters are added, lost, changed or swapped; more than `limit` is `limit + 1`."""
-    before: list[int] = []
-    row = list(range(len(other) + 1))
-    for i, letter in enumerate(one, start=1):
-        above, before, row = before, row, [i]
-        for j, wanted in enumerate(other, start=1):
-            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (letter != wanted))
-            swapped = i > 1 and j > 1 and letter == other[j - 2] and one[i - 2] == wanted
-            row.append(min(cost, above[j - 2] + 1) if swapped else cost)
-        if min(row) > limit:
-            return limit + 1
-    return min(row[-1], limit + 1)
-
-
-def guesses(
-    token: Token, builder: LexiconBuilder, inflection: Inflection, *, cost: float = 0.0
-) -> list[Entry]:
-    """All that an unknown word may be, each entry marked with its role and dictionary form.
-
-    Args:
-        token: the word.
-        book: how entries are made.
-        inflection: forms of words.
-        cost: how unlikely it is that it names anything at all.
-    """
-    word = token.word
-    found: list[TemplateSense] = []
-    singulars = inflection.origins(word, "plural")
-    for role in ("object", "part"):
-        found += builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
-        for name in singulars[:1]:
-            found += builder.noun(role, name, role=role)
-    if token.capital:
-        found += builder.noun("person", word, role="person", cost=_PERSON_COST)
-    for bare in _bare_forms(word, inflection):
-        verb = Verb(bare, ("new_act",), bare)
-        looks_inflected = bare == word and inflection.origins(word, "ing")
-        unlikely = _VERB_COST + (_SINGULAR_COST if looks_inflected else 0.0)
-        found += builder.verb_forms(verb, role="context", cost=unlikely)
-        verb = Verb(bare, ("new_affordance",), None)
-        found += builder.verb_forms(verb, role="affordance")
-    entries = (each.entry() for each in found if each.says == word)
-    return [entry._replace(cost=entry.cost + cost) for entry in entries]
-
-
-def compounds(
-    first: str, second: str, builder: LexiconBuilder, inflection: Inflection, lexicon: Lexicon
-) -> list[Entry]:
-    """What two neighbours may be as one name: "bread knife", "frying pans".
-
-    The second word, which carries the plural, must be an object or unknown, and the first an
-    object, a stuff or unknown; of words that are both known the pair is a kind of the second.
-    """
-    if (
-        first == second
-        or not _may_name(first, lexicon)
-        or not _may_name(second, lexicon, last=True)
-    ):
-        return []
-    singular = next(iter(inflection.origins(second, "plural")), second)
-    name = f"{first} {singular}"
-    found = builder.noun("object", name, role="object", cost=_COMPOUND_COST)
-    return [each.entry() for each in found if each.says == f"{first} {second}"]
-
-
-def _may_name(word: str, lexicon: Lexicon, *, last: bool = False) -> bool:
-    if word not in lexicon:
-        return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
-    kinds = ("N", "NS") if last else ("N", "MS", "K")
-    return any(word in lexicon.names.get(kind, ()) for kind in kinds)
+    return lexicon.named(_LIKE[role])
 
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
@@ -161,9 +100,125 @@ def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
     return tuple(dict.fromkeys(words))
 
 
-def _bare_forms(word: str, inflection: Inflection) -> Iterator[str]:
-    yield word
-    for form in ("ing", "third", "participle"):
-        origins = inflection.origins(word, form)
-        if origins:
-            yield origins[0]
+@dataclass(frozen=True, repr=False)
+class KnownWords:
+    """The words that are known, and the entries that all others may stand for.
+
+    Attributes:
+        lexicon: the words with their meanings.
+        framed: the words that add nothing in frames.
+        builder: makes entries for new words.
+        inflection: forms of words.
+    """
+
+    lexicon: Lexicon
+    framed: frozenset[str]
+    builder: LexiconBuilder
+    inflection: Inflection
+
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """Every single word that the lexicon has."""
+        return frozenset(self.lexicon.words())
+
+    @cached_property
+    def named(self) -> frozenset[str]:
+        """Every single word that is part of a name: of an object, a part or a stuff."""
+        return frozenset(word for name in self.lexicon.named(NOUNS) for word in name.split(" "))
+
+    def unknown(self, tokens: Tokens) -> list[Token]:
+        """The tokens that are not known."""
+        return [token for token in tokens.items if not self._has(token.word)]
+
+    def may_be_a_thing(self, word: str) -> bool:
+        """Whether a word names, or may name, a thing."""
+        names = self._things | self.builder.nameable | self.builder.denied
+        return word in names or not self._has(word)
+
+    def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
+        """The entries of new words, and of names of two words, by their places.
+
+        Args:
+            tokens: the utterance.
+            unknown: those of its tokens that are not known.
+        """
+        found = {
+            place: self._guesses(token, 0.0 if token in unknown else _NAMEABLE_COST)
+            for place, token in enumerate(tokens.items)
+            if token in unknown or token.word in self._unnamed
+        }
+        for place, (first, second) in enumerate(pairwise(tokens.words)):
+            is_cut = place + 1 in tokens.pauses or first in self.builder.closed
+            names = [] if is_cut else self._compounds(first, second)
+            if names:
+                found[place] = [*found.get(place, ()), *names]
+        return found
+
+    def _guesses(self, token: Token, cost: float) -> list[Entry]:
+        """The entries of one word, each marked with its role and dictionary form."""
+        entries = (each.entry() for each in self._senses(token) if each.says == token.word)
+        return [entry._replace(cost=entry.cost + cost) for entry in entries]
+
+    def _senses(self, token: Token) -> Iterator[Sense]:
+        word, builder = token.word, self.builder
+        singulars = self.inflection.origins(word, "plural")
+        for role in ("object", "part"):
+            yield from builder.noun(
+                role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0
+            )
+            for name in singulars[:1]:
+                yield from builder.noun(role, name, role=role)
+        if token.capital:
+            yield from builder.noun("person", word, role="person", cost=_PERSON_COST)
+        for bare in self._bare_forms(word):
+            looks_inflected = bare == word and self.inflection.origins(word, "ing")
+            cost = _VERB_COST + (_SINGULAR_COST if looks_inflected else 0.0)
+            yield from builder.verb_forms(Verb(bare, ("new_act",), bare), "context", cost)
+            yield from builder.verb_forms(Verb(bare, ("new_affordance",), None), "affordance")
+
+    def _bare_forms(self, word: str) -> Iterator[str]:
+        yield word
+        for form in ("ing", "third", "participle"):
+            yield from self.inflection.origins(word, form)[:1]
+
+    def _compounds(self, first: str, second: str) -> list[Entry]:
+        """The entries of two neighbours as one name: "bread knife", "frying pans".
+
+        The second word, which carries the plural, must be an object or unknown, and the first an
+        object, a stuff or unknown; of words that are both known the pair is a kind of the second.
+        """
+        if (
+            first == second
+            or not self._may_end_a_name(second)
+            or not self._may_name(first, {"N", "MS", "K"})
+            or not self._may_name(second, {"N", "NS"})
+        ):
+            return []
+        singular = next(iter(self.inflection.origins(second, "plural")), second)
+        found = self.builder.noun(
+            "object", f"{first} {singular}", role="object", cost=_COMPOUND_COST
+        )
+        return [each.entry() for each in found if each.says == f"{first} {second}"]
+
+    def _may_name(self, word: str, kinds: Iterable[str]) -> bool:
+        if word not in self.lexicon:
+            return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
+        return any(word in self.lexicon.names.get(kind, ()) for kind in kinds)
+
+    def _may_end_a_name(self, word: str) -> bool:
+        """Whether a word may end the name of a thing: "territory", which adds nothing, does not."""
+        is_named = word in self.lexicon or word in self.builder.nameable
+        return word not in self.builder.closed and (is_named or word not in self.framed)
+
+    def _has(self, word: str) -> bool:
+        return word in self.lexicon or word in self.builder.closed or word in self.framed
+
+    @cached_property
+    def _unnamed(self) -> frozenset[str]:
+        """Words of constructions that name nothing yet, and may be taught as names."""
+        return self.builder.nameable - self.named
+
+    @cached_property
+    def _things(self) -> frozenset[str]:
+        """The words, in all forms, that name objects and parts."""
+        return self.lexicon.named(("N", "NS", "P"))

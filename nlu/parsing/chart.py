@@ -118,7 +118,7 @@ class Chart:
         self, tokens: Sequence[str], lexicon: Lexicon, guesses: Mapping[int, Sequence[Entry]]
     ) -> None:
         found = [
-            (self._cells[start][end], node.sorted(self._combinator))
+            (self._cells[start][end], node.index(self._combinator))
             for start in range(self.length)
             for end, node in lexicon.nodes(tokens, start)
         ]

@@ -16,13 +16,13 @@ from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
 from ..generation.templates import AnswerTemplates
 from ..lexicon.inflection import Inflection
-from ..lexicon.familiar import KnownWords
 from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import (
     MAX_NEW_WORDS,
+    KnownWords,
     closest_word,
-    edit_distance,
+    is_one_slip,
     is_word,
     misspelled_word,
     names_for_role,
@@ -199,7 +199,7 @@ class Hearing:
 
     def _did_you_mean(self, word: str, close: str) -> AskBack:
         for singular in self.inflection.origins(close, "plural"):
-            if singular in self.known_words.named and edit_distance(word, singular, 1) <= 1:
+            if singular in self.known_words.named and is_one_slip(word, singular):
                 close = singular
         return AskBack(self.answers.say("did_you_mean", word=word, suggestion=close), (close,))
 
