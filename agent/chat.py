@@ -98,7 +98,7 @@ class Chat:
             check_speaker(speaker)
         except ValidationError as error:
             return Text(str(error))
-        self.speaker = speaker = self.agent.base.known_as(speaker)
+        self.speaker = speaker = self.agent.base.match_speaker(speaker)
         trust = self.agent.base.trust(speaker)
         doubt = "" if trust is not None and trust.upper > 0 else ", whom I do not trust yet"
         return Text(f"{speaker} is speaking now{doubt}.")

@@ -11,7 +11,7 @@ from ..kb.knowledge_base import KnowledgeBase
 from ..kb.merge import Merged
 from ..kb.merge import merge as take_over
 from ..kb.rule import Rule
-from ..kb.validation import lawful, refuse
+from ..kb.validation import check_invariants, raise_findings
 
 
 @dataclass(frozen=True)
@@ -56,14 +56,14 @@ def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool
     Raises:
         ValidationError: the other breaks the laws of a base; nothing has changed.
     """
-    refuse(lawful(other.store))
+    raise_findings(check_invariants(other.store))
     # Both are looked at first: what is merged cannot be told from what was there afterwards.
-    planned = take_over(base, other, source=name, dry_run=True)
+    planned = take_over(base, other.reader, source=name, dry_run=True)
     before = base.rules_at_nodes(sorted({rule.node for rule in planned.new}))
     coming = [_weighed(rule, base) for rule in planned.new if rule.status == "active"]
     found = _conflicts(before, coming)
     kept = tuple(rule for rule in planned.known if base.rule(rule.id).status != rule.status)
-    merged = planned if dry_run else take_over(base, other, source=name)
+    merged = planned if dry_run else take_over(base, other.reader, source=name)
     return MergeReport(merged, found, kept, dry_run)
 
 

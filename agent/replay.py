@@ -150,7 +150,7 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool
 def _run(
     agent: Agent, base: KnowledgeBase, episode: Episode, circumstances: Mapping[str, Any]
 ) -> Replay:
-    past = Past(view(base, at=episode.utterance or 0).all)
+    past = Past(view(base.reader, at=episode.utterance or 0).all)
     household = agent.embodiment.household
     agent.goals.affordances = Affordances(
         InducedRuleSource(past, household.objects, household.classes)

@@ -32,7 +32,8 @@ from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.reader import BASE_GRAPH, BASE_NODE
 from hilt.kb.rule import Rule, grasping
-from hilt.kb.stores.oxigraph import save_quads, write_rdf
+from hilt.kb.stores.oxigraph import save_quads
+from hilt.kb.stores.rdf_text import write_rdf
 from hilt.ontology.vocabulary import iri, term
 
 FEW = 1_000
@@ -54,8 +55,8 @@ def statements(count: int) -> Iterator[Quad]:
     yield Quad(BASE_NODE, rule_mapping.TYPE, term("Base"), BASE_GRAPH)
     yield version_quad(FORMAT)
     for rule in rules(count):  # without the names of what they speak of, which nobody asks here
-        yield from rule_mapping.star(rule)
-        yield rule_mapping.hanging(rule)
+        yield from rule_mapping.property_quads(rule)
+        yield rule_mapping.node_edge(rule)
         yield from rule_mapping.plain_edges(rule)
 
 
@@ -172,7 +173,7 @@ def test_opening(benchmark: Any, folder_of: Callable[[int], Path]):
 
 def test_question_in_a_process_of_its_own(benchmark: Any, folder_of: Callable[[int], Path]):
     """What it costs that a query can be stopped: by the running worker, and the first time."""
-    from hilt.kb.sparql.limits import Limits
+    from hilt.kb.sparql.results import Limits
 
     with KnowledgeBase.open(folder_of(MANY)) as kb:
         start = time.perf_counter()

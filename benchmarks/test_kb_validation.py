@@ -19,7 +19,7 @@ import pytest
 
 from hilt.kb.formats.transfer import write_text
 from hilt.kb.interval import Interval
-from hilt.kb.rdf.rule_mapping import statements
+from hilt.kb.rdf.rule_mapping import rule_quads
 from hilt.kb.rule import grasping
 
 pytestmark = pytest.mark.timeout(0)  # a busy machine takes several times as long
@@ -52,7 +52,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
         grasping(f"thing {n}", f"part {n % 50}", f"act {n % 70}", interval=Interval(n / RULES, 1))
         for n in range(RULES)
     ]
-    quads = [quad for rule in rules for quad in statements(rule)]
+    quads = [quad for rule in rules for quad in rule_quads(rule)]
     (folder / "rules.trig").write_bytes(write_text(quads, format="trig"))
     rows = (
         f"{rule.object},{rule.context},graspObject,{rule.part},{rule.interval.lower}\n"

@@ -42,7 +42,7 @@ class RuleChange:
 
 
 @dataclass(frozen=True)
-class Altered:
+class AlteredRule:
     """The same rule of the same speaker, with another interval or status."""
 
     before: Rule
@@ -54,7 +54,7 @@ class Altered:
 
 
 @dataclass(frozen=True)
-class Difference:
+class BaseDifference:
     """How what one base believes differs from what another believes.
 
     Attributes:
@@ -66,7 +66,7 @@ class Difference:
 
     removed: tuple[Rule, ...]
     added: tuple[Rule, ...]
-    altered: tuple[Altered, ...]
+    altered: tuple[AlteredRule, ...]
     trust: tuple[tuple[str, Interval | None, Interval | None], ...]
     words_removed: tuple[Word, ...]
     words_added: tuple[Word, ...]
@@ -92,7 +92,7 @@ class Difference:
         }
 
 
-def changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
+def rule_changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
     """What was said after an utterance, with what it did."""
     for utterance in base.history(since=since):
         touched = (utterance.asserts, utterance.retracts, utterance.supersedes)
@@ -100,16 +100,16 @@ def changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
         yield RuleChange(utterance, told, retracted, superseded)
 
 
-def difference(before: RuleReader, after: RuleReader) -> Difference:
+def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
     """How the beliefs of one base differ from those of another, however they came to be."""
     active = [(rule_mapping.STATUS, rule_mapping.status_iri("active"))]
-    left, right = before.having(active), after.having(active)
+    left, right = before.nodes_with(active), after.nodes_with(active)
     removed, added = _read(before, left - right), _read(after, right - left)
     altered = [*_ended(removed, after), *_revived(added, before)]
     altered += _moved(_without(removed, altered), _without(added, altered))
     words = [set(base.words()) for base in (before, after)]
     taught = [{(word.atom, word.speaker) for word in some} for some in words]
-    return Difference(
+    return BaseDifference(
         tuple(_without(removed, altered)),
         tuple(_without(added, altered)),
         tuple(altered),
@@ -132,7 +132,7 @@ def find_rule(base: RuleReader, name: str) -> Rule:
     if digits is None or len(digits[1]) == len("0123456789abcdef"):
         return base.rule(f"rule/{digits[1]}" if digits else name)
     start = rule_mapping.rule_iri(f"rule/{digits[1]}")
-    found = [node for node in base.having([]) if node.startswith(start)]
+    found = [node for node in base.nodes_with([]) if node.startswith(start)]
     if not found:
         return base.rule(f"rule/{digits[1]}")  # which says what there is
     if len(found) > 1:
@@ -141,7 +141,7 @@ def find_rule(base: RuleReader, name: str) -> Rule:
     return base.rule(rule_mapping.rule_id(found[0]))
 
 
-def last_told(base: RuleReader, speaker: str) -> list[Rule]:
+def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
     """The rules of the last sentence of a speaker that taught something which still holds.
 
     Raises:
@@ -164,28 +164,28 @@ def _still_holds(rule: Rule, said: Utterance) -> bool:
 
 
 def _read(base: RuleReader, nodes: set[Iri]) -> list[Rule]:
-    return sorted(base.read_rules((node, base.star(node)) for node in nodes), key=_matter)
+    return sorted(base.read_rules((node, base.properties(node)) for node in nodes), key=_matter)
 
 
-def _ended(removed: list[Rule], after: RuleReader) -> list[Altered]:
+def _ended(removed: list[Rule], after: RuleReader) -> list[AlteredRule]:
     """Rules of the first that the second knows and believes no more."""
-    return [Altered(rule, other) for rule in removed for other in _known(after, rule)]
+    return [AlteredRule(rule, other) for rule in removed for other in _known(after, rule)]
 
 
-def _revived(added: list[Rule], before: RuleReader) -> list[Altered]:
-    return [Altered(other, rule) for rule in added for other in _known(before, rule)]
+def _revived(added: list[Rule], before: RuleReader) -> list[AlteredRule]:
+    return [AlteredRule(other, rule) for rule in added for other in _known(before, rule)]
 
 
 def _known(base: RuleReader, rule: Rule) -> list[Rule]:
     node = rule_mapping.rule_iri(rule.id)
-    return base.read_rules([(node, star)]) if (star := base.star(node)) else []
+    return base.read_rules([(node, star)]) if (star := base.properties(node)) else []
 
 
-def _moved(removed: list[Rule], added: list[Rule]) -> list[Altered]:
+def _moved(removed: list[Rule], added: list[Rule]) -> list[AlteredRule]:
     """Rules that say the same of the same matter, by the same speaker, with another interval."""
     free = {_matter(rule): rule for rule in removed}
     pairs = [(free.pop(_matter(rule), None), rule) for rule in added]
-    return [Altered(before, after) for before, after in pairs if before]
+    return [AlteredRule(before, after) for before, after in pairs if before]
 
 
 def _matter(rule: Rule) -> tuple[str, ...]:
@@ -193,7 +193,7 @@ def _matter(rule: Rule) -> tuple[str, ...]:
     return (*left, rule.functor, str(rule.argument), rule.speaker)
 
 
-def _without(rules: list[Rule], altered: list[Altered]) -> list[Rule]:
+def _without(rules: list[Rule], altered: list[AlteredRule]) -> list[Rule]:
     gone = {rule.id for each in altered for rule in (each.before, each.after)}
     return [rule for rule in rules if rule.id not in gone]
 

@@ -25,8 +25,8 @@ from .rdf.rule_mapping import (
     PART,
     TYPE,
     UPPER,
+    atom_from_iri,
     atom_iri,
-    atom_of,
     rule_id,
 )
 from .rdf.rule_mapping import rule_iri as _rule_iri
@@ -221,7 +221,7 @@ def _read_step(found: dict[Iri, list[Term]]) -> EpisodeStep:
     bounds = [cast(float, found[key][0]) for key in (LOWER, UPPER) if found[key]]
     return EpisodeStep(
         _text(found[PATH]),
-        tuple(sorted(atom_of(cast(Iri, node)) for node in found[FEATURE])),
+        tuple(sorted(atom_from_iri(cast(Iri, node)) for node in found[FEATURE])),
         _name(found[OBJECT]),
         _name(found[PART]),
         Interval(*bounds) if bounds else None,

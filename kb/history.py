@@ -19,7 +19,6 @@ from typing import TypeVar, cast
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, iri, shortened, split, term
-from .formats.registry import STREAM
 from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
@@ -93,7 +92,7 @@ class Utterance:
         }
 
 
-def import_of(
+def import_utterance(
     source: str, sequence: int, time: datetime, *, some: str = "", asserts: tuple[str, ...] = ()
 ) -> Utterance:
     """What stands for a file whose rules do not say where they come from: the file said them.
@@ -105,7 +104,7 @@ def import_of(
         some: which of its rules, where it stands for some of them only.
         asserts: ids of the rules.
     """
-    name = "standard input" if source == STREAM else PurePath(source).name
+    name = "standard input" if source == "-" else PurePath(source).name
     speaker = f"file {_UNFIT.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")
     return Utterance(
         sequence, f"import of {source}{some}", "", speaker, time, IMPORT, asserts=asserts

@@ -11,25 +11,26 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from datetime import datetime
+from functools import wraps
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar, cast
 
 from ..ontology.errors import QueryError, StoreError
 from ..ontology.vocabulary import HILT, Iri, term
 from .episodes import Episode, episode_quads, read_episodes
 from .interval import CERTAIN
-from .migration import FORMAT, format_of, migrate, version_quad
+from .migration import FORMAT, base_format, migrate, version_quad
 from .rdf.rule_mapping import TYPE
 from .rdf.terms import Quad
-from .reader import BASE_GRAPH, BASE_NODE
+from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
-from .sparql.limits import Limits
 from .sparql.named_queries import named_query
-from .sparql.results import BooleanResult, Found, Solutions, Statements
-from .sparql.safety import refuse_outside
-from .sparql.text import bind, form
-from .stores.base import Bindings, Store, open_store
+from .sparql.results import BooleanResult, Limits, QueryResult, Solutions, Statements
+from .sparql.safety import refuse_external_access
+from .sparql.text import Bindings, bind_variables, query_form
+from .stores.base import Store
+from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
 
 if TYPE_CHECKING:
@@ -37,13 +38,64 @@ if TYPE_CHECKING:
     from ..ontology.objects import ObjectType
 
 
-class KnowledgeBase(RuleWriter):
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def _reads(
+    method: Callable[Concatenate[RuleReader, P], R],
+) -> Callable[Concatenate[KnowledgeBase, P], R]:
+    """The method of a base that calls a method of its reader."""
+
+    @wraps(method)
+    def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
+        return method(base.reader, *args, **kwargs)
+
+    return call
+
+
+def _writes(
+    method: Callable[Concatenate[RuleWriter, P], R],
+) -> Callable[Concatenate[KnowledgeBase, P], R]:
+    """The method of a base that calls a method of its writer."""
+
+    @wraps(method)
+    def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
+        return method(base.writer, *args, **kwargs)
+
+    return call
+
+
+class KnowledgeBase:
     """A knowledge base, in memory or in a folder; close it, or use it in a `with` block.
 
     >>> with KnowledgeBase.open("memory:") as kb:
     ...     kb.trust("sam"), kb.rules(), kb.sequence
     (Interval(1.0, 1.0), [], 0)
+
+    Attributes:
+        store: where everything is kept.
+        reader: reads the rules and the history.
+        writer: changes them.
     """
+
+    rules_at_nodes = _reads(RuleReader.rules_at_nodes)
+    rules = _reads(RuleReader.rules)
+    rules_with_premises_of = _reads(RuleReader.rules_with_premises_of)
+    rule = _reads(RuleReader.rule)
+    utterance = _reads(RuleReader.utterance)
+    history = _reads(RuleReader.history)
+    words = _reads(RuleReader.words)
+    trust = _reads(RuleReader.trust)
+    trust_by_speaker = _reads(RuleReader.trust_by_speaker)
+    speakers = _reads(RuleReader.speakers)
+    match_speaker = _reads(RuleReader.match_speaker)
+
+    believe = _writes(RuleWriter.believe)
+    record = _writes(RuleWriter.record)
+    retract = _writes(RuleWriter.retract)
+    set_trust = _writes(RuleWriter.set_trust)
+    forget_word = _writes(RuleWriter.forget_word)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store; an empty one becomes a base.
@@ -53,16 +105,18 @@ class KnowledgeBase(RuleWriter):
             clock: gives the time of what is said; the system's by default.
 
         Raises:
-            StoreError: the store holds something else, or was written by a later Hilt.
-                What an earlier one wrote is brought to the format of today.
+            StoreError: the store holds other data, or was written by a later version of Hilt.
+                The format of an earlier version is migrated.
         """
-        super().__init__(store, clock=clock)
+        self.store = store
+        self.reader = RuleReader(store)
+        self.writer = RuleWriter(self.reader, clock=clock)
         with store.writing():
             self._check_format()
 
     @classmethod
     def open(cls, location: str | Path, *, read_only: bool = False) -> KnowledgeBase:
-        """Open a base, or make a new one.
+        """Open a base, or create one.
 
         Args:
             location: `memory:`, a folder, or the address of a SPARQL endpoint.
@@ -78,6 +132,16 @@ class KnowledgeBase(RuleWriter):
         except BaseException:
             store.close()
             raise
+
+    @property
+    def sequence(self) -> int:
+        """The number of the last utterance; 0 before the first."""
+        return self.reader.sequence
+
+    @property
+    def clock(self) -> Callable[[], datetime]:
+        """Gives the time of what is said."""
+        return self.writer.clock
 
     def close(self) -> None:
         """Release the base; it cannot be used any more."""
@@ -101,7 +165,7 @@ class KnowledgeBase(RuleWriter):
 
     def query(
         self, text: str, bindings: Bindings | None = None, *, limits: Limits | None = None
-    ) -> Found:
+    ) -> QueryResult:
         """Ask anything in SPARQL; the prefixes of the vocabulary are declared already.
 
         Outside `GRAPH` a query sees all graphs as one.
@@ -119,15 +183,15 @@ class KnowledgeBase(RuleWriter):
             QueryError: the query is wrong, reaches outside, or was stopped.
         """
         bound = self._prepared(text, bindings)
-        if limits and form(bound):
+        if limits and query_form(bound):
             return self.store.run(bound, limits)
-        match form(bound):
+        match query_form(bound):
             case "SELECT":
                 return self.store.select(bound)
             case "ASK":
                 return BooleanResult(self.store.ask(bound))
             case "CONSTRUCT" | "DESCRIBE":
-                return Statements.of(self.store.construct(bound))
+                return Statements.from_quads(self.store.construct(bound))
             case _:
                 raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
 
@@ -219,11 +283,11 @@ class KnowledgeBase(RuleWriter):
     # How it is made
 
     def _prepared(self, text: str, bindings: Bindings | None) -> str:
-        refuse_outside(text)
-        return bind(text, bindings or {})
+        refuse_external_access(text)
+        return bind_variables(text, bindings or {})
 
     def _check_format(self) -> None:
-        found = format_of(self.store)
+        found = base_format(self.store)
         if found is None:
             self._found()
         elif found != FORMAT:

@@ -14,7 +14,15 @@ from typing import cast
 
 from ..ontology.vocabulary import Iri, external, iri, split, term
 from .history import utterance_iri
-from .rdf.rule_mapping import ATTRIBUTED_TO, LABEL, STATUS, TYPE, atom_iri, atom_of, status_iri
+from .rdf.rule_mapping import (
+    ATTRIBUTED_TO,
+    LABEL,
+    STATUS,
+    TYPE,
+    atom_from_iri,
+    atom_iri,
+    status_iri,
+)
 from .rdf.terms import Quad, Term
 from .rule import Atom, Status
 from .stores.base import Store
@@ -81,7 +89,7 @@ def read_words(store: Store) -> list[Word]:
 def _read(store: Store, node: Iri) -> Word:
     found = {q.predicate: q.object for q in store.quads(node, None, None, LEXICON)}
     return Word(
-        atom_of(cast(Iri, found[DENOTES])),
+        atom_from_iri(cast(Iri, found[DENOTES])),
         cast(str, found[TEXT]),
         split(cast(Iri, found[ATTRIBUTED_TO]))[1],
         int(split(cast(Iri, found[DERIVED_FROM]))[1]),

@@ -14,8 +14,17 @@ from dataclasses import dataclass, field, replace
 
 from ..ontology.vocabulary import Iri, iri
 from .episodes import EPISODES
-from .history import HISTORY, SEQUENCE, TEXT, Utterance, import_of, utterance_iri, utterance_quads
+from .history import (
+    HISTORY,
+    SEQUENCE,
+    TEXT,
+    Utterance,
+    import_utterance,
+    utterance_iri,
+    utterance_quads,
+)
 from .interval import Interval
+from .knowledge_base import KnowledgeBase
 from .learned_words import LEXICON
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH
@@ -24,7 +33,7 @@ from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import Rule
 from .validation import rule_nodes
-from .writer import RuleWriter, speaker_quads, to_milliseconds, trust_quads
+from .writer import speaker_quads, to_milliseconds, trust_quads
 
 MAX_LISTED = 20  # contradictions that a summary names
 
@@ -137,7 +146,7 @@ class Plan:
         self.insert += speaker_quads(utterance.speaker, HISTORY)
 
 
-def merge(base: RuleWriter, other: RuleReader, *, source: str, dry_run: bool = False) -> Merged:
+def merge(base: KnowledgeBase, other: RuleReader, *, source: str, dry_run: bool = False) -> Merged:
     """Take over what another base knows, as one unit.
 
     Args:
@@ -156,7 +165,7 @@ def merge(base: RuleWriter, other: RuleReader, *, source: str, dry_run: bool = F
         if plan.last > before:
             plan.delete += base.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
-        found = tuple(conflicts(base, plan.new))
+        found = tuple(conflicts(base.reader, plan.new))
         if not dry_run:
             base.store.apply(insert=plan.insert, delete=plan.delete)
     trusted = {*base.speakers(), *other.speakers()}
@@ -201,7 +210,7 @@ def are_apart(one: Interval, other: Interval) -> bool:
     return one.lower > other.upper or one.upper < other.lower
 
 
-def plan_trust(plan: Plan, base: RuleWriter, other: RuleReader) -> None:
+def plan_trust(plan: Plan, base: KnowledgeBase, other: RuleReader) -> None:
     """Adopt trust in whom the base says nothing about; a base just made adopts all."""
     is_fresh = base.sequence == 0
     for speaker in other.speakers():
@@ -211,10 +220,10 @@ def plan_trust(plan: Plan, base: RuleWriter, other: RuleReader) -> None:
             plan.insert += trust_quads(speaker, theirs)
 
 
-def plan_history(plan: Plan, base: RuleWriter, other: RuleReader) -> None:
+def plan_history(plan: Plan, base: KnowledgeBase, other: RuleReader) -> None:
     """Add the utterances that the base has not, after its own."""
     for utterance in sorted(_utterances(other), key=lambda one: one.sequence):
-        there = _same_utterance(base, utterance)
+        there = _same_utterance(base.reader, utterance)
         if there:
             plan.numbers[utterance.sequence] = there
             continue
@@ -223,11 +232,11 @@ def plan_history(plan: Plan, base: RuleWriter, other: RuleReader) -> None:
         plan.add(replace(utterance, sequence=plan.last))
 
 
-def _plan_rules(plan: Plan, base: RuleWriter, other: RuleReader, source: str) -> None:
+def _plan_rules(plan: Plan, base: KnowledgeBase, other: RuleReader, source: str) -> None:
     nameless: list[Rule] = []
     for node in rule_nodes(other.store):
-        rule = other.read_rules([(node, other.star(node))])[0]
-        if base.star(node):
+        rule = other.read_rules([(node, other.properties(node))])[0]
+        if base.reader.properties(node):
             plan.known.append(rule)
         elif rule.utterance in plan.numbers:
             plan.new.append(replace(rule, utterance=plan.numbers[rule.utterance]))
@@ -236,7 +245,7 @@ def _plan_rules(plan: Plan, base: RuleWriter, other: RuleReader, source: str) ->
     if nameless:
         ids = tuple(sorted(rule.id for rule in nameless))
         plan.last += 1
-        utterance = import_of(source, plan.last, to_milliseconds(base.clock()), asserts=ids)
+        utterance = import_utterance(source, plan.last, to_milliseconds(base.clock()), asserts=ids)
         plan.numbers[-1] = utterance.sequence  # it stands for no number of the other's
         plan.add(utterance)
         plan.new += [
@@ -244,10 +253,10 @@ def _plan_rules(plan: Plan, base: RuleWriter, other: RuleReader, source: str) ->
             for rule in nameless
         ]
     for rule in plan.new:
-        plan.insert += rule_mapping.statements(rule)
+        plan.insert += rule_mapping.rule_quads(rule)
 
 
-def plan_rest(plan: Plan, base: RuleWriter, other: RuleReader) -> None:
+def plan_rest(plan: Plan, base: KnowledgeBase, other: RuleReader) -> None:
     """Episodes and words are added; the domain is taken over where the base has none."""
     renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
     for graph in (EPISODES, LEXICON):

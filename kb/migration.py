@@ -16,7 +16,7 @@ from ..ontology.errors import StoreError
 from ..ontology.vocabulary import term
 from .rdf.terms import Quad, Term
 from .reader import BASE_GRAPH, BASE_NODE
-from .sparql.text import delete_insert, joined
+from .sparql.text import delete_insert, join_updates
 from .stores.base import Store
 
 FORMAT = 1  # raised when earlier programs would misread what is written
@@ -26,7 +26,7 @@ FORMAT_VERSION = term("formatVersion")
 STEPS: Mapping[int, str] = {}
 
 
-def format_of(store: Store) -> Term | None:
+def base_format(store: Store) -> Term | None:
     """In which format a store was written; None when it holds no base."""
     found = store.quads(BASE_NODE, FORMAT_VERSION, None, BASE_GRAPH)
     return next((quad.object for quad in found), None)
@@ -57,7 +57,7 @@ def migrate(
             f"to bring it to format {to}."
         )
     for number in range(found, to):
-        store.update(joined(steps[number], _renumber(number)))
+        store.update(join_updates(steps[number], _renumber(number)))
 
 
 def version_quad(number: int) -> Quad:

@@ -22,7 +22,7 @@ from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Term, as_sparql
 from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query, node_iri
-from .sparql.text import bind
+from .sparql.text import bind_variables
 from .stores.base import Store
 
 BASE_NODE = Iri("https://w3id.org/hilt/base")
@@ -88,7 +88,7 @@ class RuleReader:
         found = self._stars([(key, value) for key, value in wanted if value is not None])
         return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
 
-    def rules_like(self, rule: Rule) -> list[Rule]:
+    def rules_with_premises_of(self, rule: Rule) -> list[Rule]:
         """The active rules of the same speaker with the same premises, as `rules` orders them.
 
         It takes as long as many rules have its first feature; the size of the base does not count.
@@ -123,7 +123,7 @@ class RuleReader:
             UnknownNameError: there is none.
         """
         node = rule_mapping.rule_iri(rule_id)
-        found = self.star(node)
+        found = self.properties(node)
         if not found:
             raise NotFoundError("rule", rule_id, self._some_rule_ids())
         return self.read_rules([(node, found)])[0]
@@ -165,18 +165,18 @@ class RuleReader:
             return None
         return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
 
-    def known_as(self, speaker: str) -> str:
+    def match_speaker(self, speaker: str) -> str:
         """The name of a speaker as it was written when trust was given; capitals do not matter."""
         if self.trust(speaker) is not None:
             return speaker
-        alike = (name for name in self.trusts() if name.casefold() == speaker.casefold())
+        alike = (name for name in self.trust_by_speaker() if name.casefold() == speaker.casefold())
         return next(alike, speaker)
 
     def speakers(self) -> tuple[str, ...]:
         """Who is trusted, at least a little; sorted."""
-        return tuple(name for name, trust in self.trusts().items() if trust.upper > 0)
+        return tuple(name for name, trust in self.trust_by_speaker().items() if trust.upper > 0)
 
-    def trusts(self) -> dict[str, Interval]:
+    def trust_by_speaker(self) -> dict[str, Interval]:
         """Whom somebody said how far to trust, and how far; sorted by name."""
         nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
         names = sorted(split(node)[1] for node in nodes)
@@ -185,23 +185,23 @@ class RuleReader:
     def _hanging(self, nodes: Sequence[str]) -> Iterator[Star]:
         for node in dict.fromkeys(nodes):
             for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, BELIEFS):
-                yield cast(Iri, edge.object), self.star(cast(Iri, edge.object))
+                yield cast(Iri, edge.object), self.properties(cast(Iri, edge.object))
 
-    def star(self, node: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, node: Iri) -> list[tuple[Iri, Term]]:
         """Everything that stands at a rule's node."""
         return self.store.properties(node, BELIEFS)
 
     def _asked(self, name: str, **bindings: list[Iri]) -> list[Star]:
         """The stars that a named query found, as (rule, property, value) rows."""
-        return _gathered(self.store.select(bind(named_query(name).text, dict(bindings))))
+        return _gathered(self.store.select(bind_variables(named_query(name).text, dict(bindings))))
 
     def _stars(self, wanted: Sequence[tuple[Iri, Iri]]) -> list[Star]:
         """The stars of the rules that have all of these properties."""
         if self.store.has_cheap_patterns:
-            return [(node, self.star(node)) for node in self.having(wanted)]
+            return [(node, self.properties(node)) for node in self.nodes_with(wanted)]
         return _gathered(self.store.select(_having_query(wanted)))
 
-    def having(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
+    def nodes_with(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
         """The nodes of the rules that have all of these properties; of all when none are given.
 
         It takes as long as many have the first of them.

@@ -180,8 +180,12 @@ class Rule:
     def id(self) -> str:
         """Its name, made from its content: the same thing told twice by one speaker is one rule."""
         bounds = f"{self.interval.lower:.{DIGITS}f} {self.interval.upper:.{DIGITS}f}"
-        return name_of(
-            self.speaker, spelled(self.features), spelled(self.contexts), self.conclusion, bounds
+        return id_from_content(
+            self.speaker,
+            atoms_text(self.features),
+            atoms_text(self.contexts),
+            self.conclusion,
+            bounds,
         )
 
     @property
@@ -303,14 +307,16 @@ def _seen(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
 
 
-def name_of(speaker: str, features: str, contexts: str, conclusion: str, bounds: str) -> str:
+def id_from_content(
+    speaker: str, features: str, contexts: str, conclusion: str, bounds: str
+) -> str:
     """The id of a rule, from its content as `Rule.id` spells it."""
     content = f"{speaker}\n{features}\n{contexts}\n{conclusion}\n{bounds}"
     return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 @lru_cache(maxsize=2**16)
-def spelled(atoms: frozenset[Atom]) -> str:
+def atoms_text(atoms: frozenset[Atom]) -> str:
     """Atoms as they stand in the content that gives a rule its name."""
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 

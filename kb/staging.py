@@ -20,8 +20,9 @@ from .rdf.rule_mapping import BELIEFS, TYPE
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH
 from .rule import Rule
-from .stores.base import MEMORY, Store, open_store
-from .validation import Finding, Progress, lawful, rule_nodes, shapes
+from .stores.base import MEMORY, Store
+from .stores.opening import open_store
+from .validation import Finding, Progress, check_invariants, check_shapes, rule_nodes
 
 MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
 WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
@@ -53,7 +54,7 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
 def stage_rules(rules: Iterable[Rule]) -> Store:
     """Rules in a store of their own."""
     staging = open_store(MEMORY)
-    staging.apply(insert=(quad for rule in rules for quad in rule_mapping.statements(rule)))
+    staging.apply(insert=(quad for rule in rules for quad in rule_mapping.rule_quads(rule)))
     return staging
 
 
@@ -83,9 +84,9 @@ def check_graph(graph: Iri | None, *, source: str) -> None:
 
 
 def findings(staging: Store, *, progress: Progress | None = None) -> list[Finding]:
-    """Everything that is wrong with what was staged; `progress` as for `shapes`."""
+    """Everything that is wrong with what was staged; `progress` as for `check_shapes`."""
     few = sum(1 for _ in islice(staging.quads(), MAX_SHACL + 1)) <= MAX_SHACL
-    found = [*(shapes(staging, progress=progress) if few else ()), *lawful(staging)]
+    found = [*(check_shapes(staging, progress=progress) if few else ()), *check_invariants(staging)]
     # A rule that a person named could not be given its own name because something else is wrong.
     more = {finding.node for finding in found if not finding.problem.startswith(WRONG_NAME)}
     return [

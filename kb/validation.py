@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a graph keeps to the shapes and laws of a base, and what is wrong where it does not.
+"""Validation of a graph: the invariants of rules and utterances, and the SHACL shapes.
 
-Two checks, which find the same faults where both look. `lawful` reads every rule and utterance
-back as a value and compares what it would have written: fast, and strict about statements that
-belong to nothing. `shapes` runs SHACL over `shapes.ttl`: slower, and its messages are the ones
-that a person wrote for each constraint.
+Two checks, which find the same faults where both look. `check_invariants` reads every rule and
+utterance back as a value and compares what it would have written: fast, and strict about statements
+that belong to nothing. `check_shapes` runs SHACL over `shapes.ttl`: slower, and its messages are
+those that a person wrote for each constraint.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Finding:
         return {**where, "problem": self.problem}
 
 
-def refuse(findings: Iterable[Finding]) -> None:
+def raise_findings(findings: Iterable[Finding]) -> None:
     """Raise when anything was found.
 
     Raises:
@@ -72,7 +72,7 @@ def refuse(findings: Iterable[Finding]) -> None:
         raise ValidationError([str(finding) for finding in found])
 
 
-def lawful(store: Store) -> Iterator[Finding]:
+def check_invariants(store: Store) -> Iterator[Finding]:
     """What breaks the laws of rules and utterances, or belongs to none of them."""
     expected = {graph: set[Quad]() for graph in (BELIEFS, HISTORY)}
     for node in rule_nodes(store):
@@ -86,7 +86,7 @@ def lawful(store: Store) -> Iterator[Finding]:
                 yield Finding(shortened(quad.subject), problem, shortened(quad.predicate))
 
 
-def shapes(store: Store, *, progress: Progress | None = None) -> Iterator[Finding]:
+def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[Finding]:
     """What breaks the SHACL shapes.
 
     A shape looks at one node and what stands at it, so the nodes are checked in portions: that
@@ -111,7 +111,7 @@ def shapes(store: Store, *, progress: Progress | None = None) -> Iterator[Findin
             progress(min(start + PORTION, len(nodes)), len(nodes))
 
 
-def located(found: Iterable[Finding], text: str) -> list[Finding]:
+def locate_findings(found: Iterable[Finding], text: str) -> list[Finding]:
     """The findings about an RDF text with the lines at which their nodes are described.
 
     A node is described where a line begins with it, by its prefixed name or its whole address.
@@ -159,7 +159,7 @@ def _rule_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[
     rule = rule_mapping.read_rule(properties)
     if rule_mapping.rule_iri(rule.id) != node:
         raise ValidationError([f"Its content makes it {rule.id.replace('/', ':')}."])
-    yield from rule_mapping.statements(rule)
+    yield from rule_mapping.rule_quads(rule)
 
 
 def _utterance_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:

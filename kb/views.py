@@ -22,7 +22,7 @@ from .interval import CERTAIN, Interval
 from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id
 from .reader import RuleReader
 from .rule import DEFAULT_SPEAKER, Atom, Rule
-from .writer import trust_said
+from .writer import parse_trust
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
@@ -231,7 +231,7 @@ def _then(
 def _trusts(base: RuleReader, said: list[_Said]) -> Iterator[tuple[str, Interval]]:
     for one in said:
         if one.is_trust:
-            found = trust_said(base.utterance(one.sequence))
+            found = parse_trust(base.utterance(one.sequence))
             if found:
                 yield found
 

@@ -18,13 +18,12 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, term
 from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
 from .interval import Interval
-from .learned_words import LEXICON, Word, read_words, word_iri, word_quads
+from .learned_words import LEXICON, Word, word_iri, word_quads
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, TRUST_LOWER, TRUST_UPPER, RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
-from .stores.base import Store
 
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 
@@ -43,22 +42,21 @@ class _Change:
         self.insert += sorted(after - before, key=str)
 
 
-class RuleWriter(RuleReader):
-    """The rules and the history of a store, and what is said to change them.
+class RuleWriter:
+    """Writes rules and utterances into a store.
 
     Attributes:
-        store: where they are kept.
         clock: gives the time of what is said.
     """
 
-    def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
-        """Read and write the beliefs of a store.
+    def __init__(self, reader: RuleReader, *, clock: Callable[[], datetime] | None = None) -> None:
+        """Write into the store of a reader.
 
         Args:
-            store: an open store.
+            reader: reads what is there already.
             clock: gives the time of what is said; the system's by default.
         """
-        super().__init__(store)
+        self._reader, self._store = reader, reader.store
         self.clock = clock or _now
 
     # What is said
@@ -118,10 +116,10 @@ class RuleWriter(RuleReader):
             tuple(sorted(set(supersedes) - set(told))),
             heard,
         )
-        with self.store.writing():
+        with self._store.writing():
             change = _Change()
             for word in words:
-                change.insert += word_quads(word, self.sequence + 1)
+                change.insert += word_quads(word, self._reader.sequence + 1)
             return self._write(utterance, list(told.values()), change)
 
     def record(
@@ -152,7 +150,7 @@ class RuleWriter(RuleReader):
         utterance = Utterance(
             0, text, predicate, speaker, moment, kind, accepted, answer, heard=heard
         )
-        with self.store.writing():
+        with self._store.writing():
             return self._write(utterance, [])
 
     def retract(
@@ -199,8 +197,8 @@ class RuleWriter(RuleReader):
         said = f"trust {speaker} {trust}"
         form = f"trust({speaker},{trust.lower},{trust.upper})"
         utterance = Utterance(0, said, form, by, to_milliseconds(self.clock()), "trust")
-        with self.store.writing():
-            before = self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
+        with self._store.writing():
+            before = self._store.quads(iri("speaker", speaker), None, None, BELIEFS)
             change = _Change()
             change.replace(before, trust_quads(speaker, trust))
             self._write(utterance, [], change)
@@ -212,14 +210,14 @@ class RuleWriter(RuleReader):
         Raises:
             UnknownNameError: no word of that name was learned.
         """
-        with self.store.writing():
-            known = {word.atom.name: word for word in read_words(self.store)}
+        with self._store.writing():
+            known = {word.atom.name: word for word in self._reader.words()}
             if name not in known:
                 raise NotFoundError("learned word", name, known)
             change = _Change()
             node, word = word_iri(known[name].atom), known[name]
             kept = word_quads(word, word.utterance or 0, status="retracted")
-            change.replace(self.store.quads(node, None, None, LEXICON), kept)
+            change.replace(self._store.quads(node, None, None, LEXICON), kept)
             moment = to_milliseconds(self.clock())
             self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
         return word
@@ -230,7 +228,7 @@ class RuleWriter(RuleReader):
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None
     ) -> Utterance:
         """Number and write an utterance with all that it does; the lock is held."""
-        last = self.sequence
+        last = self._reader.sequence
         numbered = replace(utterance, sequence=last + 1)
         change = change or _Change()
         change.replace(
@@ -243,22 +241,25 @@ class RuleWriter(RuleReader):
             self._assert(change, numbered, rule)
         self._end(change, numbered.retracts, "retracted", rules)
         self._end(change, numbered.supersedes, "superseded", rules)
-        self.store.apply(insert=change.insert, delete=change.delete)
+        self._store.apply(insert=change.insert, delete=change.delete)
         return numbered
 
     def _assert(self, change: _Change, utterance: Utterance, rule: Rule) -> None:
         told = replace(rule, utterance=utterance.sequence, time=utterance.time, status="active")
-        before = self.store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
-        change.replace(before, rule_mapping.statements(told))
+        before = self._store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
+        change.replace(before, rule_mapping.rule_quads(told))
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]
     ) -> None:
-        ended = [self.rule(one) for one in rule_ids]
+        ended = [self._reader.rule(one) for one in rule_ids]
         gone = {rule.id for rule in ended}
         for rule in ended:
-            change.replace(rule_mapping.star(rule), rule_mapping.star(replace(rule, status=status)))
-            change.delete.append(rule_mapping.hanging(rule))
+            change.replace(
+                rule_mapping.property_quads(rule),
+                rule_mapping.property_quads(replace(rule, status=status)),
+            )
+            change.delete.append(rule_mapping.node_edge(rule))
             for edge in rule_mapping.plain_edges(rule):
                 if not self._is_asserted(edge, without=gone, new=new):
                     change.delete.append(edge)
@@ -268,12 +269,10 @@ class RuleWriter(RuleReader):
         if any(edge in rule_mapping.plain_edges(rule) for rule in new):
             return True
         active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
-        nodes = self.having([(rule_mapping.FEATURE, edge.subject), active])
+        nodes = self._reader.nodes_with([(rule_mapping.FEATURE, edge.subject), active])
         left = (node for node in nodes if rule_mapping.rule_id(node) not in without)
-        return any(
-            edge in rule_mapping.plain_edges(rule)
-            for rule in self.read_rules((node, self.star(node)) for node in left)
-        )
+        rules = self._reader.read_rules((node, self._reader.properties(node)) for node in left)
+        return any(edge in rule_mapping.plain_edges(rule) for rule in rules)
 
 
 def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
@@ -286,7 +285,7 @@ def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
     ]
 
 
-def trust_said(utterance: Utterance) -> tuple[str, Interval] | None:
+def parse_trust(utterance: Utterance) -> tuple[str, Interval] | None:
     """Whom an utterance says how far to trust; None when it speaks of something else."""
     found = _TRUST.fullmatch(utterance.predicate)
     if utterance.kind != "trust" or found is None:

@@ -61,7 +61,7 @@ def _as_json(error: DataError) -> dict[str, object]:
 def _of_file(file: str, file_format: str | None) -> list[Finding]:
     from ...kb.formats.transfer import read_file
     from ...kb.staging import findings
-    from ...kb.validation import located
+    from ...kb.validation import locate_findings
 
     staged = read_file(file, format=file_format)
     try:
@@ -69,7 +69,7 @@ def _of_file(file: str, file_format: str | None) -> list[Finding]:
             found = findings(staged, progress=progress)
     finally:
         staged.close()
-    return located(found, _text(file) if found else "")
+    return locate_findings(found, _text(file) if found else "")
 
 
 def _of_base(kb: str | None) -> list[Finding]:

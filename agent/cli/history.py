@@ -43,7 +43,7 @@ def history(
     from ..presentation import history
 
     with open_for_reading(kb) as base:
-        rule = find_rule(base, about) if about else None
+        rule = find_rule(base.reader, about) if about else None
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
         shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
     if as_json:
@@ -68,12 +68,12 @@ def forget(
     as_json: AsJson = False,
 ) -> None:
     """Take back a rule, the last thing that was told, or a learned word; the history keeps it."""
-    from ...kb.diff import changes
+    from ...kb.diff import rule_changes
 
     with open_base(kb) as base:
         before = base.sequence
         said = _forgotten(base, what, speaker)
-        done = list(changes(base, since=before))
+        done = list(rule_changes(base.reader, since=before))
     if as_json:
         show({"said": said, "retracted": [r.as_json() for one in done for r in one.retracted]})
     else:
@@ -111,11 +111,11 @@ def diff(
     as_json: AsJson = False,
 ) -> None:
     """Show how what B believes differs from what A believes; exit code 1 when it does."""
-    from ...kb.diff import difference
+    from ...kb.diff import compare_bases
     from ..presentation import history
 
     with _opened(one) as before, _opened(other) as after:
-        found = difference(before, after)
+        found = compare_bases(before.reader, after.reader)
     if as_json:
         show(found.as_json())
     else:
@@ -153,10 +153,10 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     """Forget what was named; what was done, as a sentence."""
-    from ...kb.diff import find_rule, last_told
+    from ...kb.diff import find_rule, last_taught_rules
     from ..presentation.console import rule_text
 
-    said, speaker = f"forget {' '.join(what)}", base.known_as(speaker)
+    said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:
         case ["word"]:
             raise typer.BadParameter('Which word? "hilt words" lists those that were learned.')
@@ -164,9 +164,9 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
             base.forget_word(name, said, speaker)
             return f'Forgot the word "{name}".'
         case ["last"]:
-            gone = last_told(base, speaker)
+            gone = last_taught_rules(base.reader, speaker)
         case [name]:
-            gone = [find_rule(base, name)]
+            gone = [find_rule(base.reader, name)]
         case _:
             raise typer.BadParameter('Expected RULE, "last", or "word" and a word.')
     over = [rule for rule in gone if rule.status != "active"]
@@ -191,7 +191,7 @@ def _changes(
 
     A folder is looked at through a snapshot each time, so that whoever writes to it may go on.
     """
-    from ...kb.diff import changes
+    from ...kb.diff import rule_changes
     from ...kb.knowledge_base import KnowledgeBase
 
     end = None if seconds is None else time.monotonic() + seconds
@@ -199,7 +199,7 @@ def _changes(
     while True:
         with KnowledgeBase.open(location, read_only=True) as base:
             last = base.sequence if last is None else last
-            found = list(changes(base, since=last))
+            found = list(rule_changes(base.reader, since=last))
         yield from found
         last = max((change.utterance.sequence for change in found), default=last)
         if end is not None and time.monotonic() >= end:

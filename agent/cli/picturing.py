@@ -42,7 +42,7 @@ def graph(
 
     moment = None if at is None else parse_moment(at)
     with open_for_reading(kb) as base:
-        source = base if moment is None else view(base, at=moment)
+        source = base if moment is None else view(base.reader, at=moment)
         rules = source.rules(
             object=name, affordance=affordance, context=context, part=part, speaker=speaker
         )

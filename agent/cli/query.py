@@ -14,7 +14,7 @@ from .options import AsJson, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
     from ...kb.sparql.named_queries import NamedQuery
-    from ...kb.sparql.results import Found
+    from ...kb.sparql.results import QueryResult
 
 TABLE = "table"
 Timeout = Annotated[
@@ -52,7 +52,7 @@ def query(
         return
     if question is None:
         raise QueryError("What is the question? Give its name or SPARQL; --list shows the names.")
-    from ...kb.sparql.limits import Limits
+    from ...kb.sparql.results import Limits
 
     asked = _asked(question)
     bindings = asked.bindings(_arguments(arg or ()))
@@ -73,8 +73,8 @@ def update(
     as_json: AsJson = False,
 ) -> None:
     """Change the graph by a SPARQL update, which is tried out and checked on a copy first."""
-    from ...kb.sparql.limits import Limits
-    from ...kb.sparql.update import update as apply
+    from ...kb.sparql.results import Limits
+    from ...kb.update import update as apply
 
     opened = open_for_reading if dry_run else open_base
     with opened(kb) as base:
@@ -107,15 +107,15 @@ def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
     return found
 
 
-def _print(found: Found, format_: str) -> None:
-    from ...kb.sparql.serialization import render
+def _print(found: QueryResult, format_: str) -> None:
+    from ...kb.stores.result_formats import write_result
 
     if format_ == TABLE:
         from ..presentation import console
 
         terminal().print(console.results(found))
     else:
-        typer.echo(render(found, format_), nl=False)
+        typer.echo(write_result(found, format_), nl=False)
 
 
 def _list(*, as_json: bool) -> None:

@@ -33,8 +33,8 @@ def rules(
     moment = None if at is None else parse_moment(at)
     with open_for_reading(kb) as base:
         is_now = moment is None and according_to is None
-        according_to = according_to and base.known_as(according_to)
-        source = base if is_now else view(base, at=moment, according_to=according_to)
+        according_to = according_to and base.match_speaker(according_to)
+        source = base if is_now else view(base.reader, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
     if as_json:
         show([rule.as_json() for rule in found])
@@ -58,14 +58,14 @@ def trust(
 
     if degree is None:
         with open_for_reading(kb) as base:
-            known = base.trusts()
-            speaker = speaker and base.known_as(speaker)
+            known = base.trust_by_speaker()
+            speaker = speaker and base.match_speaker(speaker)
         if speaker is not None and speaker not in known:
             raise NotFoundError("trusted speaker", speaker, known)
         shown = {name: known[name] for name in known if speaker in (None, name)}
     else:
         with open_base(kb) as base:
-            name = base.known_as(str(speaker))
+            name = base.match_speaker(str(speaker))
             shown = {name: base.set_trust(name, degree)}
     if as_json:
         show({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})

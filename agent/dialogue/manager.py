@@ -107,7 +107,7 @@ class Dialogue:
     ) -> None:
         self.base = base
         self._other = other
-        people = (_person(name) for name in base.trusts())
+        people = (_person(name) for name in base.trust_by_speaker())
         self.language = language.with_words((*(known(word) for word in base.words()), *people))
         self.seed = seed
         self.contexts: dict[Atom, Interval] = {}
@@ -153,7 +153,7 @@ class Dialogue:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        speaker = self.base.known_as(speaker)
+        speaker = self.base.match_speaker(speaker)
         understood = self._understood(text, speaker, insist, heard)
         self._discourse = understood.discourse
         turn = DialogueTurn(understood, heard, keep)

@@ -146,7 +146,7 @@ def _see(question: Question, known: Knowledge) -> Answered:
 def _trust(question: Question, known: Knowledge) -> Answered:
     if question.speaker is None:
         return say("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
-    trust = known.base.trust(known.base.known_as(question.speaker))
+    trust = known.base.trust(known.base.match_speaker(question.speaker))
     key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
     return say(key, done=True, speaker=question.speaker), ()
 

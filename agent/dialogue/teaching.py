@@ -84,7 +84,7 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list
 
 def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
     """What a speaker told before that can be the same matter as one of these rules."""
-    found = {old.id: old for rule in rules for old in base.rules_like(rule)}
+    found = {old.id: old for rule in rules for old in base.rules_with_premises_of(rule)}
     return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 
 

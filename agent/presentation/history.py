@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from ...kb.diff import Difference, RuleChange
+from ...kb.diff import BaseDifference, RuleChange
 from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
@@ -48,7 +48,7 @@ def change(found: RuleChange) -> RenderableType:
     return Group(head, *lines)
 
 
-def difference(found: Difference) -> RenderableType:
+def difference(found: BaseDifference) -> RenderableType:
     """How one base differs from another, as the lines of a patch."""
     lines = list(_lines(found))
     return Group(*lines) if lines else Text("They believe the same.")
@@ -104,7 +104,7 @@ def _effect(said: Utterance) -> str:
     return done or (said.kind if said.accepted else f"{said.kind}, not accepted")
 
 
-def _lines(found: Difference) -> Iterator[Text]:
+def _lines(found: BaseDifference) -> Iterator[Text]:
     yield from _marked("- ", "red", map(_weighed, found.removed))
     yield from _marked("+ ", "green", map(_weighed, found.added))
     for each in found.altered:

@@ -167,7 +167,7 @@ def _cell(place: int, value: str) -> str:
     if place == _CONTEXTS:
         return write_atom(_atom(value), CONTEXT_KIND)
     if place in {_FUNCTOR, _STATUS}:
-        return rule_mapping.functor_of(_node(value))
+        return rule_mapping.functor_from_iri(_node(value))
     if place == _SPEAKER:
         return split(_node(value))[1]
     if place == _ARGUMENT:
@@ -182,7 +182,7 @@ def _argument(value: str, functor: str) -> str:
 
 
 def _atom(value: str) -> Atom:
-    return rule_mapping.atom_of(_node(value))
+    return rule_mapping.atom_from_iri(_node(value))
 
 
 def _node(value: str) -> Iri:

@@ -107,7 +107,9 @@ class FastRuleReader:
             make_room(self._frames)
             pairs = [block.pair(tail)[0] for tail in tails]
             rule = rule_mapping.read_rule([*pairs, *_ANY])
-            _refuse_others(pairs, [q for q in rule_mapping.star(rule) if q.predicate not in OWN])
+            _refuse_others(
+                pairs, [q for q in rule_mapping.property_quads(rule) if q.predicate not in OWN]
+            )
             known = self._frames[tails] = self._stamps.frame(rule)
         return known
 
@@ -116,7 +118,9 @@ class FastRuleReader:
         if known is None:
             make_room(self._seen)
             pairs = [block.pair(tail)[0] for tail in tails]
-            atoms = {rule_mapping.atom_of(value) for _, value in pairs if isinstance(value, Iri)}
+            atoms = {
+                rule_mapping.atom_from_iri(value) for _, value in pairs if isinstance(value, Iri)
+            }
             written = [
                 Quad(Iri(""), rule_mapping.FEATURE, rule_mapping.atom_iri(atom)) for atom in atoms
             ]

@@ -24,7 +24,7 @@ from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
-from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_of
+from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..merge import (
     MAX_LISTED,
@@ -45,7 +45,7 @@ from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule
 from ..staging import check_graph, findings, stage
 from ..stores.base import Store
-from ..validation import refuse
+from ..validation import raise_findings
 from ..writer import to_milliseconds
 from .copying import FastRuleReader
 from .lines import LineWriter
@@ -200,7 +200,7 @@ def _lines(
     staging = stage(read.rest, source=source)
     read.rest.clear()
     try:
-        refuse(findings(staging))
+        raise_findings(findings(staging))
         other = _Staged(staging, read.asserted)
         plan_trust(plan, base, other)
         plan_history(plan, base, other)
@@ -307,7 +307,7 @@ def _finish(
     for some, which in _nameless(read, plan):
         plan.last += 1
         plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
-        plan.add(import_of(source, plan.last, moment, some=which))
+        plan.add(import_utterance(source, plan.last, moment, some=which))
         write.asserted(plan.last, some)
         write.told(some, plan.last)
         yield
@@ -352,7 +352,7 @@ def _load(store: Store, lines: Iterable[bytes], source: str) -> None:
 
 
 def _spooled(spool: BinaryIO, source: str) -> Iterator[Quad]:
-    from ..stores.oxigraph import read_rdf
+    from ..stores.rdf_text import read_rdf
 
     for one in read_rdf(spool, format="nquads", source=source, default=BELIEFS):
         if isinstance(one, Quad):

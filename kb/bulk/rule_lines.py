@@ -18,7 +18,7 @@ from ..interval import DIGITS, Interval
 from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, Quad, as_sparql
-from ..rule import Atom, Rule, Status, name_of, spelled
+from ..rule import Atom, Rule, Status, atoms_text, id_from_content
 
 MAX_KNOWN = 100_000  # of each kind that are remembered
 _RULES = PREFIXES["rule"]
@@ -177,7 +177,7 @@ class RuleSerializer:
         rule, _, conclusion, ends, *_ = frame
         if not (seen.atoms or rule.contexts):
             raise ValidationError(["A rule needs at least one feature or context."])
-        name = name_of(
+        name = id_from_content(
             *(rule.speaker, seen.spelled, frame.contexts, conclusion, f"{lower} {upper}")
         ).removeprefix("rule/")
         said = (
@@ -254,11 +254,11 @@ def frame_of(rule: Rule) -> RuleTemplate:
     edges = rule_mapping.plain_edges(one)
     named = one.contexts | ({one.argument} if one.argument else frozenset())
     return RuleTemplate(
-        *(one, spelled(one.contexts), one.conclusion),
-        tuple(end(quad) for quad in rule_mapping.star(one) if quad.predicate not in OWN),
-        as_sparql(rule_mapping.hanging(one).subject),
+        *(one, atoms_text(one.contexts), one.conclusion),
+        tuple(end(quad) for quad in rule_mapping.property_quads(one) if quad.predicate not in OWN),
+        as_sparql(rule_mapping.node_edge(one).subject),
         end(edges[0]) if edges else "",
-        _lines([*rule_mapping.named(named), *rule_mapping.place_of(one)]),
+        _lines([*rule_mapping.atom_label_quads(named), *rule_mapping.node_label_quads(one)]),
     )
 
 
@@ -266,7 +266,9 @@ def seen_of(atoms: frozenset[Atom]) -> FeatureLines:
     """Features as text."""
     nodes = tuple(as_sparql(rule_mapping.atom_iri(atom)) for atom in sorted(atoms))
     ends = tuple(f" {as_sparql(rule_mapping.FEATURE)} {node}{_END}" for node in nodes)
-    return FeatureLines(atoms, spelled(atoms), ends, nodes, _lines(rule_mapping.named(atoms)))
+    return FeatureLines(
+        atoms, atoms_text(atoms), ends, nodes, _lines(rule_mapping.atom_label_quads(atoms))
+    )
 
 
 def end(quad: Quad) -> str:

@@ -55,8 +55,8 @@ _KEYS = (
         ASSERTS,
         rule_mapping.RULE,
         rule_mapping.LABEL,
-        rule_mapping.edge_of(USED_FOR),
-        rule_mapping.edge_of(GRASP_OBJECT),
+        rule_mapping.edge_property(USED_FOR),
+        rule_mapping.edge_property(GRASP_OBJECT),
     ),
     *(rule_mapping.TYPE, rule_mapping.STATUS, rule_mapping.FUNCTOR),
 )

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from decimal import Decimal
-from typing import NamedTuple, TypeAlias, TypeVar
+from typing import BinaryIO, NamedTuple, TypeAlias, TypeVar
 
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf import rule_mapping
@@ -24,6 +24,7 @@ from .texts import whole_lines
 Parse: TypeAlias = "Callable[[str], Sequence[Quad | Reified]]"
 T = TypeVar("T", bound="Term")
 
+_MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
 MAX_KNOWN = 200_000  # terms that are remembered
 _MAX_TOLD = 4  # characters of a bound as people say it: 0.95
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
@@ -96,6 +97,47 @@ class RuleBlock(NamedTuple):
             KeyError, ValueError: it is not written plainly.
         """
         return self.reader.pair(f"<{self.node}>", tail)
+
+
+def read_groups(
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+) -> Iterator[Group | RuleBlock | Reified]:
+    """The statements of an RDF text, those of one node together where they stand so.
+
+    Args:
+        stream: the text in UTF-8.
+        format: one of `hilt.kb.stores.rdf_text.RDF_FORMATS`.
+        source: its name in messages.
+        default: the graph of statements that name none.
+
+    Raises:
+        DataError: it is wrong; says where.
+    """
+    from ..stores.errors import translated_text_errors
+    from ..stores.rdf_text import line_format, read_lines  # pyoxigraph, only when it is needed
+
+    with translated_text_errors(source):
+        reader = line_reader(line_format(format), source=source, default=default)
+        for chunk in read_lines(stream, format=format, source=source):
+            yield from reader.feed(chunk)
+            if reader.held > _MAX_TERM:
+                raise MemoryError
+        yield from reader.finish()
+
+
+def line_reader(format: str, *, source: str, default: Iri) -> Reader:  # noqa: A002
+    """A reader of N-Quads or N-Triples; arguments and errors as for `read_groups`."""
+    from ..stores.rdf_text import has_graphs, read_line
+
+    def parse(line: str) -> list[Quad | Reified]:
+        return read_line(line, format=format, source=source, default=default, number=reader.line)
+
+    reader = Reader(parse, default=default, has_graphs=has_graphs(format))
+    return reader
 
 
 def in_full(things: Iterable[Group | RuleBlock | Reified]) -> Iterator[Group | Reified]:

@@ -21,18 +21,19 @@ from ..bulk.exporter import dump_statements, is_dumped, is_large
 from ..bulk.lines import LineWriter
 from ..bulk.rule_lines import RuleSerializer, SerializedRule
 from ..bulk.statements import Group, RuleBlock, in_full
+from ..bulk.statements import read_groups as read_statement_groups
 from ..history import HISTORY
 from ..knowledge_base import KnowledgeBase
 from ..merge import Merged, Summary, merge
 from ..rdf import rule_mapping
-from ..rdf.annotations import Reified, settled, write_annotated
+from ..rdf.annotations import Reified, expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS, TYPE
 from ..rdf.terms import Quad, as_sparql
 from ..reader import TRUST_LOWER, TRUST_UPPER, RuleReader
 from ..rule import Rule
 from ..staging import GRAPHS, findings, stage, stage_rules
 from ..stores.base import Store
-from ..validation import RULE_CLASSES, refuse, rule_nodes
+from ..validation import RULE_CLASSES, raise_findings, rule_nodes
 from .registry import FORMATS, RULE_FORMATS, Format, format_of
 from .streams import InputStream, Progress, reading, writing
 
@@ -211,7 +212,7 @@ def _flat(things: Iterable[Read]) -> Iterator[Quad | Reified]:
 
 def _take(base: KnowledgeBase, staging: Store, source: str, *, dry_run: bool) -> Merged:
     try:
-        refuse(findings(staging))
+        raise_findings(findings(staging))
         return merge(base, RuleReader(staging), source=source, dry_run=dry_run)
     finally:
         staging.close()
@@ -224,7 +225,7 @@ def _staged(source: InputStream, chosen: Format) -> Store:
 
 
 def _settled(statements: Iterable[Quad | Reified], source: str) -> Store:
-    return stage(settled(statements, source=source), source=source)
+    return stage(expand_annotations(statements, source=source), source=source)
 
 
 def read_all(source: InputStream, chosen: Format) -> int:
@@ -260,11 +261,9 @@ def read_rules(source: InputStream, chosen: Format) -> Iterator[SerializedRule]:
 
 def read_groups(source: InputStream, chosen: Format) -> Iterator[Read]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
-    from ..stores import oxigraph
-
     name = chosen.name.removesuffix("12")
     stream = cast(BinaryIO, source)
-    for one in oxigraph.read_groups(stream, format=name, source=source.name, default=BELIEFS):
+    for one in read_statement_groups(stream, format=name, source=source.name, default=BELIEFS):
         source.heard()
         yield one
 
@@ -278,7 +277,7 @@ def write_text(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
     """Statements as text in UTF-8."""
     if format == "turtle12":
         return "".join(write_annotated(quads)).encode()
-    from ..stores.oxigraph import write_rdf
+    from ..stores.rdf_text import write_rdf
 
     return write_rdf(quads, format=format)
 
@@ -319,7 +318,7 @@ def _write_statements(
     elif chosen.name == "turtle12":
         stream.writelines(line.encode() for line in write_annotated(quads))
     else:
-        from ..stores.oxigraph import write_rdf_to
+        from ..stores.rdf_text import write_rdf_to
 
         write_rdf_to(quads, stream, format=chosen.name)
     return count.total
@@ -347,7 +346,7 @@ def _write_rules(
     base: KnowledgeBase, stream: BinaryIO, chosen: Format, progress: Progress | None
 ) -> int:
     count = _Count(progress)
-    rules = count.over(all_rules(base))
+    rules = count.over(all_rules(base.reader))
     match chosen.name:
         case "csv":
             return _write_table(base, stream, progress)
@@ -384,7 +383,7 @@ def _write_table(base: KnowledgeBase, stream: BinaryIO, progress: Progress | Non
         from .csv_table import write_table
 
         count = _Count(progress)
-        write_table(count.over(all_rules(base)), text)
+        write_table(count.over(all_rules(base.reader)), text)
         return count.total
 
 
@@ -398,7 +397,7 @@ def _as_text(stream: BinaryIO) -> Generator[io.TextIOWrapper]:
 def all_rules(base: RuleReader) -> Iterator[Rule]:
     """Every rule, whatever its status, one after the other in the order of their ids."""
     for node in rule_nodes(base.store):
-        yield rule_mapping.read_rule(base.star(node))
+        yield rule_mapping.read_rule(base.properties(node))
 
 
 class _Count:

@@ -19,10 +19,9 @@ from typing import NamedTuple
 from ...ontology.errors import DataError
 from ...ontology.vocabulary import PREFIXES, Iri, external, iri, prefixed, shortened, split, term
 from ..rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR
-from ..sparql.results import BLANK
 from . import rule_mapping
 from .rule_mapping import BELIEFS
-from .terms import Quad, Term, as_sparql
+from .terms import BLANK, Quad, Term, as_sparql
 
 REIFIES = external("rdf:reifies")
 _FUNCTORS = {term("usedFor"): USED_FOR, term("graspedBy"): GRASP_OBJECT}
@@ -47,7 +46,7 @@ class Reified(NamedTuple):
     graph: Iri | None = None
 
 
-def settled(statements: Iterable[Quad | Reified], *, source: str) -> list[Quad]:
+def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> list[Quad]:
     """Statements with every annotated edge turned into the star of a rule.
 
     Raises:

@@ -66,7 +66,7 @@ def atom_iri(atom: Atom) -> Iri:
 
 
 @lru_cache(maxsize=2**16)
-def atom_of(node: Iri) -> Atom:
+def atom_from_iri(node: Iri) -> Atom:
     """The atom of a node.
 
     Raises:
@@ -78,7 +78,7 @@ def atom_of(node: Iri) -> Atom:
     return Atom(kind, name)
 
 
-def functor_of(node: Iri) -> str:
+def functor_from_iri(node: Iri) -> str:
     """The functor of a node."""
     return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
 
@@ -88,23 +88,23 @@ def status_iri(status: Status) -> Iri:
     return term(status)
 
 
-def statements(rule: Rule) -> Iterator[Quad]:
+def rule_quads(rule: Rule) -> Iterator[Quad]:
     """Everything that stands in the graph because of a rule."""
-    yield from star(rule)
-    yield from mentions(rule)
+    yield from property_quads(rule)
+    yield from label_quads(rule)
     if rule.status == "active":
-        yield hanging(rule)
+        yield node_edge(rule)
         yield from plain_edges(rule)
 
 
-def star(rule: Rule) -> Iterator[Quad]:
+def property_quads(rule: Rule) -> Iterator[Quad]:
     """The statements about the rule's own node."""
     node = rule_iri(rule.id)
     for predicate, value in _properties(rule):
         yield Quad(node, predicate, value, BELIEFS)
 
 
-def hanging(rule: Rule) -> Quad:
+def node_edge(rule: Rule) -> Quad:
     """The edge from the action-tree node to the rule."""
     return Quad(iri("node", rule.node), RULE, rule_iri(rule.id), BELIEFS)
 
@@ -113,23 +113,23 @@ def plain_edges(rule: Rule) -> list[Quad]:
     """The edges without annotation that the rule stands for; none when it speaks against them."""
     if rule.argument is None or not rule.asserts:
         return []
-    edge, end = edge_of(rule.functor), atom_iri(rule.argument)
+    edge, end = edge_property(rule.functor), atom_iri(rule.argument)
     return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]
 
 
-def edge_of(functor: str) -> Iri:
+def edge_property(functor: str) -> Iri:
     """The property of the plain edges of rules with a functor."""
     return _EDGES.get(functor, _OTHER_EDGE)
 
 
-def mentions(rule: Rule) -> Iterator[Quad]:
+def label_quads(rule: Rule) -> Iterator[Quad]:
     """Types and names of everything the rule speaks of, so that no node is without."""
     atoms = rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
-    yield from named(atoms)
-    yield from place_of(rule)
+    yield from atom_label_quads(atoms)
+    yield from node_label_quads(rule)
 
 
-def named(atoms: Iterable[Atom]) -> Iterator[Quad]:
+def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
     """Types and names of atoms."""
     for atom in sorted(atoms):
         node = atom_iri(atom)
@@ -137,7 +137,7 @@ def named(atoms: Iterable[Atom]) -> Iterator[Quad]:
         yield Quad(node, LABEL, atom.name, BELIEFS)
 
 
-def place_of(rule: Rule) -> Iterator[Quad]:
+def node_label_quads(rule: Rule) -> Iterator[Quad]:
     """Types and names of the action-tree node that a rule hangs on, and of its functor."""
     yield Quad(iri("node", rule.node), TYPE, term("Node"), BELIEFS)
     yield Quad(iri("node", rule.node), LABEL, rule.node, BELIEFS)
@@ -147,7 +147,7 @@ def place_of(rule: Rule) -> Iterator[Quad]:
 
 
 def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
-    """The rule of a star, as `star` wrote it.
+    """The rule of a star, as `property_quads` wrote it.
 
     Raises:
         ValidationError: something is missing or malformed.
@@ -190,8 +190,8 @@ def _read(found: dict[Iri, list[Term]]) -> Rule:
     return Rule(
         _atoms_of(tuple(found.get(FEATURE, ()))),
         _atoms_of(tuple(found.get(CONTEXT, ()))),
-        functor_of(cast(Iri, _one(found, FUNCTOR))),
-        atom_of(cast(Iri, arguments[0])) if arguments else None,
+        functor_from_iri(cast(Iri, _one(found, FUNCTOR))),
+        atom_from_iri(cast(Iri, arguments[0])) if arguments else None,
         Interval(cast(float, _one(found, LOWER)), cast(float, _one(found, UPPER))),
         split(cast(Iri, _one(found, ATTRIBUTED_TO)))[1],
         int(split(cast(Iri, source[0]))[1]) if source else None,
@@ -202,7 +202,7 @@ def _read(found: dict[Iri, list[Term]]) -> Rule:
 
 @lru_cache(maxsize=2**16)
 def _atoms_of(nodes: tuple[Term, ...]) -> frozenset[Atom]:
-    return frozenset(atom_of(cast(Iri, node)) for node in nodes)
+    return frozenset(atom_from_iri(cast(Iri, node)) for node in nodes)
 
 
 def _one(found: dict[Iri, list[Term]], predicate: Iri) -> Term:

@@ -24,6 +24,7 @@ LANGUAGE_TEXT = PREFIXES["rdf"] + "langString"
 STRING = XSD + "string"
 DECIMAL = XSD + "decimal"
 DATE_TIME = XSD + "dateTime"
+BLANK = "_:"  # what the name of a blank node begins with
 
 _TIME = re.compile(
     r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(?:\.(\d{1,6})\d*)?(Z|[+-]\d\d:\d\d)", re.ASCII

@@ -19,8 +19,7 @@ from urllib.parse import unquote
 from ...ontology.errors import QueryError, UnknownNameError
 from ...ontology.vocabulary import KINDS, PREFIXES, Iri, iri
 from ..rdf.terms import Term, read_time
-from ..stores.base import Bindings
-from .text import variables
+from .text import Bindings, variables
 
 QUERIES_FOLDER = Path(__file__).parents[1] / "queries"
 
@@ -97,7 +96,7 @@ class NamedQuery:
         known = variables(self.text)
         if name not in known:
             raise UnknownNameError("variable", name, known)
-        return term_of(text)
+        return parse_term(text)
 
 
 @lru_cache(maxsize=64)
@@ -126,10 +125,10 @@ def read_query(text: str, name: str = "") -> NamedQuery:
     return NamedQuery(name, question, parameters, text)
 
 
-def term_of(text: str) -> Term:
+def parse_term(text: str) -> Term:
     """The term that a person writes for a value whose kind nobody declared.
 
-    >>> term_of("object:wine glass"), term_of("0.5"), term_of("knife")
+    >>> parse_term("object:wine glass"), parse_term("0.5"), parse_term("knife")
     (Iri('https://w3id.org/hilt/object/wine_glass'), Decimal('0.5'), 'knife')
     """
     kind, _, name = text.partition(":")

@@ -7,17 +7,62 @@ Endpoints take liberties with that format; it is read by value and leniently.
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
 
-from ...ontology.errors import QueryError
-from ..rdf.terms import STRING, Iri, Quad, Term, lexical, literal
+from ...ontology.errors import QueryError, StoppedError
+from ..rdf.terms import BLANK, STRING, Iri, Quad, Term, lexical, literal
 
-BLANK = "_:"  # how the name of a blank node begins
 STATEMENT = ("subject", "predicate", "object")  # the columns of statements as rows
-RDF_12 = "A statement about a statement (RDF 1.2) cannot be read as RDF 1.1."
+RDF_12_UNSUPPORTED = "A statement about a statement (RDF 1.2) cannot be read as RDF 1.1."
 _ASK_COLUMN = "__ASK_RETVAL"  # Virtuoso answers ASK with a row
+
+SECONDS = 30.0
+MEGABYTES = 2048
+MAX_SECONDS = threading.TIMEOUT_MAX  # what a timer takes: some hundred years, days on Windows
+MAX_MEGABYTES = 10**9  # more than any machine has
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a query may use up before it is stopped.
+
+    Attributes:
+        seconds: time from asking to the last row, in ]0, `MAX_SECONDS`].
+        megabytes: memory of the process that works on it, and of what it answers, in
+            [1, `MAX_MEGABYTES`]; the embedded engine itself needs about 100.
+    """
+
+    seconds: float = SECONDS
+    megabytes: int = MEGABYTES
+
+    def __post_init__(self) -> None:
+        if not 0 < self.seconds <= MAX_SECONDS:
+            raise QueryError(
+                f"The time of a query is above 0 s and at most {MAX_SECONDS:.0f} s, "
+                f"not {self.seconds:g} s."
+            )
+        if not 1 <= self.megabytes <= MAX_MEGABYTES:
+            raise QueryError(
+                f"The memory of a query is between 1 MB and {MAX_MEGABYTES} MB, "
+                f"not {self.megabytes} MB."
+            )
+
+    def time_error(self) -> StoppedError:
+        """The error of a query that was stopped because of its time."""
+        return StoppedError(
+            f"The query took longer than {self.seconds:g} s and was stopped. "
+            "Narrow it, or give it more time."
+        )
+
+    def memory_error(self) -> StoppedError:
+        """The error of a query that was stopped because of its memory."""
+        return StoppedError(
+            f"The query needed more than {self.megabytes} MB and was stopped. "
+            "Narrow it, add a LIMIT, or give it more memory."
+        )
 
 
 @dataclass(frozen=True)
@@ -55,7 +100,7 @@ class Statements(Solutions):
     """The statements that a CONSTRUCT or DESCRIBE query made; also rows, one a statement."""
 
     @classmethod
-    def of(cls, quads: Iterable[Quad]) -> Statements:
+    def from_quads(cls, quads: Iterable[Quad]) -> Statements:
         """The statements, without their graphs."""
         return cls(STATEMENT, tuple(quad[:3] for quad in quads))
 
@@ -76,7 +121,7 @@ class BooleanResult:
         return {"head": {}, "boolean": self.value}
 
 
-Found: TypeAlias = "Solutions | Statements | BooleanResult"
+QueryResult: TypeAlias = "Solutions | Statements | BooleanResult"
 
 
 def read_solutions(body: bytes) -> Solutions:
@@ -97,7 +142,7 @@ def read_solutions(body: bytes) -> Solutions:
     return Solutions(names, rows)
 
 
-def read_answer(body: bytes) -> bool:
+def read_boolean(body: bytes) -> bool:
     """Yes or no, of a results document; errors as for `read_solutions`."""
     document = _parsed(body)
     if isinstance(document.get("boolean"), bool):
@@ -131,7 +176,7 @@ def _term(value: Mapping[str, Any]) -> Term:
             datatype = value.get("datatype", STRING)
             return literal(value["value"], datatype, value.get("xml:lang", ""))
         case _:
-            raise QueryError(RDF_12)
+            raise QueryError(RDF_12_UNSUPPORTED)
 
 
 def _value(term: Term) -> dict[str, str]:

@@ -29,7 +29,7 @@ _ESCAPES = re.compile(r"(?:[^\\]|\\[tbnrf\\\"'])*", re.DOTALL)  # those that all
 _OPEN, _CLOSE = frozenset("([{"), frozenset(")]}")
 
 
-def refuse_outside(text: str) -> None:
+def refuse_external_access(text: str) -> None:
     """Refuse a query or update that would read from the network or from files.
 
     Raises:
@@ -45,7 +45,7 @@ def refuse_outside(text: str) -> None:
             )
 
 
-def refuse_chance(update: str) -> None:
+def refuse_nondeterminism(update: str) -> None:
     """Refuse an update that would not do the same a second time.
 
     It is tried out on a copy before it is applied, and both must come to the same.

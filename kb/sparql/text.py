@@ -10,16 +10,17 @@ strings, IRIs and comments.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import groupby, pairwise
-from typing import cast
+from typing import TypeAlias, cast
 
 from ...ontology.errors import QueryError
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf.terms import Quad, Term, as_sparql
-from ..stores.base import Bindings
 
+# Variable -> its value, or several that are alternatives.
+Bindings: TypeAlias = "Mapping[str, Term | Sequence[Term]]"
 FORMS = ("SELECT", "ASK", "CONSTRUCT", "DESCRIBE")
 
 _TOKEN = re.compile(
@@ -41,7 +42,7 @@ _TOKEN = re.compile(
 _POSITION = re.compile(r"error at (\d+):(\d+): ")
 
 
-def bind(query: str, bindings: Bindings) -> str:
+def bind_variables(query: str, bindings: Bindings) -> str:
     """The query with values for some of its variables; several values are alternatives.
 
     Raises:
@@ -54,12 +55,12 @@ def bind(query: str, bindings: Bindings) -> str:
     return f"{query[:place]} {blocks}{query[place:]}"
 
 
-def form(query: str) -> str:
+def query_form(query: str) -> str:
     """SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
-    return next((word for word in words(query) if word in FORMS), "")
+    return next((word for word in keywords(query) if word in FORMS), "")
 
 
-def words(text: str) -> tuple[str, ...]:
+def keywords(text: str) -> tuple[str, ...]:
     """The keywords, in capitals: what is no name, variable, text, IRI or comment."""
     return tuple(token.group().upper() for token in tokens(text) if token.lastgroup == "word")
 
@@ -70,7 +71,7 @@ def variables(text: str) -> tuple[str, ...]:
     return tuple(sorted({name[1:] for name in found}))
 
 
-def declared(text: str) -> str:
+def with_prefixes(text: str) -> str:
     """The text with the prefixes of the vocabulary that it uses and does not declare itself.
 
     They stand on its first line, so that the line numbers of messages stay right.
@@ -80,13 +81,13 @@ def declared(text: str) -> str:
     return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
 
 
-def own_limit(query: str) -> int | None:
+def result_limit(query: str) -> int | None:
     """The LIMIT that a query sets for its result; None when it sets none."""
     found = [token.group().upper() for token in _modifiers(query)]
     return next((int(n) for word, n in pairwise(found) if word == "LIMIT" and n.isdigit()), None)
 
 
-def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
+def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
     """A query for some of the solutions of another one, in an order that stays.
 
     Args:
@@ -99,7 +100,7 @@ def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> st
         QueryError: the query cannot be read in parts.
     """
     modifiers = {token.group().upper() for token in _modifiers(query)}
-    if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in words(query):
+    if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in keywords(query):
         raise QueryError(
             f"The endpoint gives at most {size} rows at once, and a query with LIMIT, OFFSET, "
             f"FROM or VALUES at its end cannot be read in parts. Use a LIMIT of at most {size}."
@@ -115,7 +116,7 @@ def paged(query: str, variables: Sequence[str], *, size: int, offset: int) -> st
     return f"{head}SELECT {by} WHERE {{ {{ {body}\n{order} }} }} {page}"
 
 
-def syntax_problem(message: str, text: str) -> str:
+def syntax_message(message: str, text: str) -> str:
     """What is wrong with a text that the engine could not parse, in one line."""
     undeclared = _undeclared_prefix(text)
     if undeclared:
@@ -130,7 +131,7 @@ def syntax_problem(message: str, text: str) -> str:
     return f"The query is wrong at line {line}, column {column}: {found}."
 
 
-def joined(update: str, another: str) -> str:
+def join_updates(update: str, another: str) -> str:
     """An update followed by another one that declares no prefixes: one unit where it can be.
 
     Raises:

@@ -11,21 +11,24 @@ A store holds RDF 1.1 quads and knows nothing of rules. Its laws, tested for eve
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
-from ...ontology.errors import StoreError
 from ...ontology.vocabulary import Iri
 from ..rdf.terms import Quad, Term
-from ..sparql.limits import Limits
-from ..sparql.results import Found, Solutions
+from ..sparql.results import Limits, QueryResult, Solutions
 
 MEMORY = "memory:"
-_SCHEME = re.compile(r"[A-Za-z]{2,}:")  # of one letter it is a drive of Windows
-Bindings: TypeAlias = "Mapping[str, Term | Sequence[Term]]"
+
+
+class ByteSink(Protocol):
+    """What bytes can be written to."""
+
+    def write(self, chunk: bytes, /) -> int:
+        """Write some bytes; how many they were."""
+        ...
 
 
 class Store(Protocol):
@@ -63,7 +66,7 @@ class Store(Protocol):
         """The statements of a CONSTRUCT or DESCRIBE query; errors as for `select`."""
         ...
 
-    def run(self, query: str, limits: Limits) -> Found:
+    def run(self, query: str, limits: Limits) -> QueryResult:
         """The answer of any query, which is stopped when it goes beyond its limits.
 
         Raises:
@@ -118,28 +121,3 @@ class Store(Protocol):
     def close(self) -> None:
         """Release the store; it cannot be used any more. Closing twice is allowed."""
         ...
-
-
-def open_store(location: str | Path, *, read_only: bool = False) -> Store:
-    """Open or create a store.
-
-    Args:
-        location: `memory:`, a folder, or the address of an endpoint (`hilt.kb.stores.addresses`).
-        read_only: refuse writes; what it names must exist. A folder that another process
-            writes to is read as it is now.
-
-    Raises:
-        StoreError: it cannot be opened; says why and what to do.
-    """
-    text = str(location)
-    if text.startswith(("http://", "https://")):
-        from .remote import open_remote
-
-        return open_remote(text, read_only=read_only)
-    if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
-        raise StoreError(f'"{text}" is no store: expected memory:, a folder, or http(s)://...')
-    from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
-
-    if text == MEMORY:
-        return open_memory(read_only=read_only)
-    return open_folder(Path(text).expanduser(), read_only=read_only)

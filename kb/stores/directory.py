@@ -1,18 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The folder of a base on disk: whether it is one, and what a crash may have left beside it."""
+"""The folder of a base on disk: its files, its write-ahead log, and snapshots of it.
+
+The engine puts every change into a write-ahead log (`*.log` in the folder) before it returns, and
+replays it when the folder is opened; so what the disk has of the log survives a power failure. The
+engine's own `flush` rewrites its tables, which takes some twenty disk waits. `WriteAheadLog` syncs
+the log alone; the tables are written from time to time, so that the log stays short and a folder
+opens fast.
+
+A snapshot is the folder's content at one moment, for a reader in another process while the owner
+goes on writing. The engine's table files never change once they are written, so a snapshot links
+them and copies only the rest: milliseconds, whatever the size of the base. Snapshots live inside
+the folder (or, where that cannot be written or its disk is full, among the temporary files) until
+their reader is done; what a killed reader left is removed when the owner next opens the folder.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import os
+import shutil
+import sys
+import tempfile
+import time
 from pathlib import Path
 
 from ...ontology.errors import StoreError
 
-# A folder that has this file is one the engine made.
-MARK = "CURRENT"
+MARKER_FILE = "CURRENT"  # the engine writes it into every folder that it makes
+SNAPSHOTS = "snapshots"
+MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log begins anew
+_LOG_SUFFIX = ".log"
+# Elsewhere fdatasync does not promise what it does on Linux, so the engine's flush is used.
+_CAN_SYNC_LOG = sys.platform == "linux"
+_TRIES, _PAUSE_S = 100, 0.02
+_IMMUTABLE_SUFFIXES = {".sst"}
+_NOT_COPIED = {"LOCK", "LOG", SNAPSHOTS}
+_TRANSIENT = ("LOG.", "bulk-")  # earlier engine reports, and what is being loaded
 
 
 def is_base(folder: Path) -> bool:
-    """Whether a folder holds a base; not, where it is empty or not there.
+    """Whether a folder holds a base; False where it is empty or does not exist.
 
     Raises:
         StoreError: it is a file, or holds something else.
@@ -21,7 +49,7 @@ def is_base(folder: Path) -> bool:
         return False
     if not folder.is_dir():
         raise StoreError(f'"{folder}" is a file. A knowledge base is a folder.')
-    if (folder / MARK).exists():
+    if (folder / MARKER_FILE).exists():
         return True
     if any(folder.iterdir()):
         raise StoreError(
@@ -31,21 +59,180 @@ def is_base(folder: Path) -> bool:
 
 
 def undo_replacement(folder: Path) -> None:
-    """Take back the old folder, when a crash came before the new one was in its place."""
+    """Bring the old folder back if a crash happened before the new one was in its place."""
     if not folder.exists() and replaced_place(folder).exists():
         replaced_place(folder).rename(folder)
 
 
 def replaced_place(folder: Path) -> Path:
-    """Where a folder stands while another one takes its place."""
+    """Where a folder is kept while another one takes its place."""
     return folder.with_name(f".{folder.name}.replaced")
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove what nobody needs: reports of earlier openings, parts of a load that was not ended.
+    """Remove the engine's reports of earlier openings, and the parts of an unfinished bulk load.
 
-    Only who owns the folder may do so, and not while something is loaded.
+    Only the owner of the folder may do so, and not during a load.
     """
     for pattern in ("LOG.old.*", "bulk-*.sst"):
         for file in folder.glob(pattern):
             file.unlink(missing_ok=True)
+
+
+class WriteAheadLog:
+    """The engine's write-ahead log of one folder, as its owner sees it."""
+
+    def __init__(self, folder: Path | None) -> None:
+        """Watch the log of a folder; None for a store that is not on disk."""
+        self._folder = folder
+        self._synced: dict[str, int] = {}  # file -> how much of it the disk has [bytes]
+        self._changes = 0
+
+    @property
+    def has_changes(self) -> bool:
+        """Whether the log holds changes that are not in the tables yet."""
+        return self._changes > 0
+
+    def sync(self) -> bool:
+        """Wait until the log is on disk; False when the tables must be written instead.
+
+        Raises:
+            OSError: the disk is full or broken.
+        """
+        if self._folder is None:
+            return True
+        self._changes += 1
+        sizes = _log_sizes(self._folder) if _CAN_SYNC_LOG else {}
+        if not sizes or self._changes >= MAX_LOGGED_CHANGES:
+            return False
+        for name, size in sizes.items():
+            if self._synced.get(name) != size:
+                with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
+                    _sync(self._folder / name)
+        if not sizes.keys() <= self._synced.keys():
+            _sync(self._folder)  # a new file is safe only when its directory entry is on disk too
+        self._synced = sizes
+        return True
+
+    def reset(self) -> None:
+        """Note that the tables hold all changes."""
+        self._changes = 0
+
+
+def new_snapshot_folder(folder: Path) -> Path:
+    """A new, empty folder for a snapshot of a folder."""
+    prefix = f"{os.getpid()}-"
+    try:
+        (folder / SNAPSHOTS).mkdir(exist_ok=True)
+        return Path(tempfile.mkdtemp(prefix=prefix, dir=folder / SNAPSHOTS))
+    except OSError:
+        return Path(tempfile.mkdtemp(prefix="hilt-"))
+
+
+def take_snapshot(folder: Path) -> Path:
+    """A snapshot of a folder that another process may be writing to.
+
+    Raises:
+        StoreError: the folder cannot be read, or is written to without a pause.
+    """
+    try:
+        return _copy_until_consistent(folder, new_snapshot_folder(folder))
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+    return _copy_until_consistent(folder, Path(tempfile.mkdtemp(prefix="hilt-")))
+
+
+def remove_snapshot(snapshot: Path) -> None:
+    """Remove a snapshot, and the folder of snapshots when it was the last one."""
+    shutil.rmtree(snapshot, ignore_errors=True)
+    if snapshot.parent.name == SNAPSHOTS:
+        with contextlib.suppress(OSError):  # others are in it
+            snapshot.parent.rmdir()
+
+
+def remove_stale_snapshots(folder: Path) -> None:
+    """Remove the snapshots of processes that do not exist any more."""
+    for snapshot in list((folder / SNAPSHOTS).glob("*")):
+        if not _is_alive(snapshot.name.partition("-")[0]):
+            remove_snapshot(snapshot)
+
+
+def _copy_until_consistent(folder: Path, target: Path) -> Path:
+    try:
+        for _ in range(_TRIES):
+            if _copy(folder, target):
+                return target
+            time.sleep(_PAUSE_S)
+        raise StoreError(f'The knowledge base "{folder}" is too busy to be read. Try again.')
+    except BaseException:
+        remove_snapshot(target)
+        raise
+
+
+def _copy(folder: Path, target: Path) -> bool:
+    """Copy the files as they are now; False when they changed meanwhile in a way that matters."""
+    before = _state(folder)
+    try:
+        for name in before:
+            _copy_file(folder / name, target / name)
+    except FileNotFoundError:  # the engine has merged files meanwhile
+        pass
+    else:
+        if _state(folder) == before:
+            return True
+    for file in target.iterdir():
+        file.unlink()
+    return False
+
+
+def _state(folder: Path) -> dict[str, int]:
+    """The files, with the size of those that say which of the others count.
+
+    A log may grow: the part that was copied holds all that was acknowledged before. But no file
+    may come or go, or what it held would be looked for in the wrong place.
+    """
+    return {
+        entry.name: entry.stat().st_size if entry.name.startswith("MANIFEST") else 0
+        for entry in os.scandir(folder)
+        if entry.name not in _NOT_COPIED
+        and not entry.name.startswith(_TRANSIENT)
+        and entry.is_file()
+    }
+
+
+def _copy_file(source: Path, target: Path) -> None:
+    if source.suffix in _IMMUTABLE_SUFFIXES:
+        try:
+            os.link(source, target)
+        except FileNotFoundError:
+            raise
+        except OSError:  # another file system, or one without links
+            pass
+        else:
+            return
+    shutil.copyfile(source, target)
+
+
+def _is_alive(process: str) -> bool:
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return False
+    except (ValueError, OverflowError, PermissionError):
+        return True
+    return True
+
+
+def _log_sizes(folder: Path) -> dict[str, int]:
+    """The log files, and their sizes in bytes."""
+    with os.scandir(folder) as entries:
+        return {one.name: one.stat().st_size for one in entries if one.name.endswith(_LOG_SUFFIX)}
+
+
+def _sync(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle) if path.is_dir() else os.fdatasync(handle)
+    finally:
+        os.close(handle)

@@ -8,18 +8,20 @@ reach nobody else.
 
 from __future__ import annotations
 
+import os
 import re
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from urllib.parse import SplitResult, unquote, urldefrag, urljoin, urlsplit, urlunsplit
 
 import httpx
 
 from ...ontology.errors import QueryError, StoreError
-from ..sparql.limits import Limits
-from .addresses import PASSWORD, TOKEN, USER, Address
+from ..sparql.results import Limits
 
+USER, PASSWORD, TOKEN = "HILT_KB_USER", "HILT_KB_PASSWORD", "HILT_KB_TOKEN"
 TRIES = 4
 FIRST_PAUSE_S = 0.2  # doubled before each further try
 LONGEST_PAUSE_S = 5.0  # however long a server asks to wait
@@ -33,6 +35,81 @@ OUT_OF_TIME = "S1TAT"  # what Virtuoso says beside an answer that is not whole
 MAX_TOLD = 300  # characters of a server's message that are shown
 
 Form = Mapping[str, "str | Sequence[str]"]
+
+
+@dataclass(frozen=True)
+class Address:
+    """The addresses of one endpoint, and who asks.
+
+    Attributes:
+        query: where queries go; without credentials, as it is shown.
+        update: where updates go.
+        graphs: where whole graphs are put (Graph Store Protocol); None where that is not known.
+        is_update_given: whether somebody said where updates go.
+        user: name for basic or digest authentication; empty for none.
+        password: the password of that name.
+        token: for bearer authentication; empty for none.
+    """
+
+    query: str
+    update: str
+    graphs: str | None = None
+    is_update_given: bool = False
+    user: str = ""
+    password: str = field(default="", repr=False)
+    token: str = field(default="", repr=False)
+
+    @property
+    def has_credentials(self) -> bool:
+        """Whether there is anything to log in with."""
+        return bool(self.user or self.token)
+
+
+def parse_address(location: str, environment: Mapping[str, str] | None = None) -> Address:
+    """The addresses that a location stands for.
+
+    >>> found = parse_address("http://localhost:3030/ds/query#update,data", {})
+    >>> found.update, found.graphs
+    ('http://localhost:3030/ds/update', 'http://localhost:3030/ds/data')
+
+    Args:
+        location: what was given to `--kb`.
+        environment: where credentials are looked up; the process's by default.
+
+    Raises:
+        StoreError: it is no http or https address.
+    """
+    known = os.environ if environment is None else environment
+    bare, fragment = urldefrag(location)
+    parts = _split(bare)
+    query = urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, parts.query, ""))
+    update, _, graphs = (one.strip() for one in fragment.partition(","))
+    return Address(
+        query,
+        urljoin(query, update) if update else _update_beside(query),
+        urljoin(query, graphs) if graphs else None,
+        bool(update),
+        unquote(parts.username or "") or known.get(USER, ""),
+        unquote(parts.password or "") or known.get(PASSWORD, ""),
+        known.get(TOKEN, ""),
+    )
+
+
+def _split(location: str) -> SplitResult:
+    try:
+        parts = urlsplit(location)
+        valid = parts.scheme in {"http", "https"} and bool(parts.hostname) and parts.port != 0
+    except ValueError:
+        parts, valid = urlsplit(""), False
+    if not valid:
+        # Not shown: what cannot be read may hold a password all the same.
+        raise StoreError("The address of the endpoint is none: expected http(s)://host:port/path.")
+    return parts
+
+
+def _update_beside(query: str) -> str:
+    is_query = urlsplit(query).path.endswith("/query")
+    return query.removesuffix("query") + "update" if is_query else query
 
 
 @dataclass(frozen=True)
@@ -149,7 +226,7 @@ class Transport:
             else:
                 if status not in BUSY or is_last or not may_repeat:
                     if response.is_partial:
-                        raise limits.too_long()
+                        raise limits.time_error()
                     self._check(status, response.body, url)
                     return response
             self._pause(min(wait or FIRST_PAUSE_S * 2**attempt, LONGEST_PAUSE_S))
@@ -163,9 +240,9 @@ class Transport:
             for chunk in response.iter_bytes():
                 received += chunk
                 if time.monotonic() > deadline:
-                    raise limits.too_long()
+                    raise limits.time_error()
                 if len(received) > limits.megabytes * 1_000_000:
-                    raise limits.too_large()
+                    raise limits.memory_error()
             headers = response.headers
             most = headers.get("x-sparql-maxrows", "")
             wait = headers.get("retry-after", "")
@@ -190,7 +267,7 @@ class Transport:
     ) -> None:
         """Raise, unless another try makes sense."""
         if isinstance(error, (httpx.ReadTimeout, httpx.WriteTimeout)):
-            raise limits.too_long() from error
+            raise limits.time_error() from error
         never_arrived = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
         if is_last or not (never_arrived or may_repeat):
             raise StoreError(

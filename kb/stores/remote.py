@@ -23,18 +23,25 @@ from urllib.parse import urlencode, urljoin
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
 from ..rdf.terms import Quad, Term, as_sparql
-from ..sparql.limits import Limits
 from ..sparql.results import (
     BooleanResult,
-    Found,
+    Limits,
+    QueryResult,
     Solutions,
     Statements,
-    read_answer,
+    read_boolean,
     read_solutions,
 )
-from ..sparql.text import declared, delete_insert, form, insert_data, own_limit, paged, words
-from .addresses import Address, parse_address
-from .http import Response, Transport
+from ..sparql.text import (
+    delete_insert,
+    insert_data,
+    keywords,
+    page_query,
+    query_form,
+    result_limit,
+    with_prefixes,
+)
+from .http import Address, Response, Transport, parse_address
 
 BATCH = 1_000  # statements of one update; some engines take no more than 1,400
 MOST_BYTES_MB = 4_096  # of an answer to a call that nobody set limits for
@@ -82,13 +89,13 @@ class RemoteStore:
         """The statements of a CONSTRUCT or DESCRIBE query."""
         return self._construct(query, CALL)
 
-    def run(self, query: str, limits: Limits) -> Found:
+    def run(self, query: str, limits: Limits) -> QueryResult:
         """Any query; the endpoint's own limits hold beside these."""
-        match form(query):
+        match query_form(query):
             case "ASK":
                 return BooleanResult(self._ask(query, limits))
             case "CONSTRUCT" | "DESCRIBE":
-                return Statements.of(self._construct(query, limits))
+                return Statements.from_quads(self._construct(query, limits))
             case _:
                 return self._select(query, limits)
 
@@ -131,7 +138,7 @@ class RemoteStore:
     def update(self, update: str) -> None:
         """Run a SPARQL update, once."""
         with self._lock:
-            self._write(declared(update), may_repeat=False)
+            self._write(with_prefixes(update), may_repeat=False)
 
     def save(self, target: Path) -> None:
         """Write all statements into a folder on this machine."""
@@ -151,7 +158,7 @@ class RemoteStore:
     # Reading
 
     def _select(self, query: str, limits: Limits) -> Solutions:
-        if form(query) != "SELECT":
+        if query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
         found = read_solutions(response.body)
@@ -163,7 +170,7 @@ class RemoteStore:
         """The rows of a result that the endpoint cuts after `size`, page by page."""
         rows: list[tuple[Term | None, ...]] = []
         while len(rows) % size == 0:
-            text = paged(query, first.variables, size=size, offset=len(rows))
+            text = page_query(query, first.variables, size=size, offset=len(rows))
             page = read_solutions(self._read(text, ROWS, limits).body).rows
             rows += page
             if not page:
@@ -171,34 +178,34 @@ class RemoteStore:
         return Solutions(first.variables, tuple(rows))
 
     def _ask(self, query: str, limits: Limits) -> bool:
-        if form(query) != "ASK":
+        if query_form(query) != "ASK":
             raise QueryError("Expected an ASK query.")
-        return read_answer(self._read(query, ROWS, limits).body)
+        return read_boolean(self._read(query, ROWS, limits).body)
 
     def _construct(self, query: str, limits: Limits) -> list[Quad]:
-        if form(query) not in {"CONSTRUCT", "DESCRIBE"}:
+        if query_form(query) not in {"CONSTRUCT", "DESCRIBE"}:
             raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
-        is_cut = self._server.startswith(VIRTUOSO) and form(query) == "CONSTRUCT"
-        if not is_cut or (own_limit(query) or PAGE + 1) <= PAGE:
+        is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
+        if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
             return self._triples(query, limits)
         # It cuts statements without a word, so they are asked for in pages from the start.
         found: dict[Quad, None] = {}
         for offset in range(0, 10**9, PAGE):
-            page = self._triples(paged(query, (), size=PAGE, offset=offset), limits)
+            page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
             if not page:
                 break
             found.update(dict.fromkeys(page))
         return list(found)
 
     def _triples(self, query: str, limits: Limits) -> list[Quad]:
-        from .oxigraph import read_triples
+        from .rdf_text import read_triples
 
         return read_triples(self._read(query, TRIPLES, limits).body, source=self.location)
 
     def _read(self, query: str, accept: str, limits: Limits) -> Response:
         self._check_open()
-        fields: dict[str, str | Sequence[str]] = {"query": declared(query)}
-        if "FROM" not in words(query):  # a query may name its own dataset
+        fields: dict[str, str | Sequence[str]] = {"query": with_prefixes(query)}
+        if "FROM" not in keywords(query):  # a query may name its own dataset
             fields |= self._dataset
         if self._server.startswith(VIRTUOSO):  # else it works on when nobody waits any more
             fields["timeout"] = str(max(1_000, int(limits.seconds * 1_000)))
@@ -257,7 +264,7 @@ def open_remote(location: str | Address, *, read_only: bool = False) -> RemoteSt
     """A store behind an endpoint.
 
     Args:
-        location: its address; `hilt.kb.stores.addresses` says how it is written.
+        location: its address; `hilt.kb.stores.http` says how it is written.
         read_only: refuse writes.
 
     Raises:

@@ -14,10 +14,10 @@ import pytest
 from hilt.kb.backup import backup, restore
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import functional
-from hilt.kb.stores import snapshots
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores import directory
 from hilt.kb.stores.directory import replaced_place
-from hilt.kb.validation import lawful
+from hilt.kb.stores.opening import open_store
+from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import InUseError, StoreError
 
 from .conftest import BLADE, CUTTING, HIGH, teach
@@ -57,7 +57,7 @@ def test_backup_is_whole_while_others_teach(tmp_path: Path):
     assert numbers == sorted(numbers)
     for one in range(4):
         with KnowledgeBase.open(tmp_path / f"backup{one}", read_only=True) as saved:
-            assert list(lawful(saved.store)) == []
+            assert list(check_invariants(saved.store)) == []
             assert len(saved.rules()) == saved.sequence == numbers[one]
 
 
@@ -134,7 +134,7 @@ def test_second_process_reads_while_the_first_one_teaches(tmp_path: Path):
                 acknowledged = int(teacher.stdout.readline())
             with KnowledgeBase.open(tmp_path / "kb", read_only=True) as reading:
                 assert reading.sequence >= acknowledged
-                assert list(lawful(reading.store)) == []
+                assert list(check_invariants(reading.store)) == []
                 assert all(len(said.asserts) == 2 for said in reading.history())
         with pytest.raises(InUseError, match="in use by another process"):
             open_store(tmp_path / "kb")
@@ -148,9 +148,9 @@ def test_what_a_killed_reader_left_is_removed(tmp_path: Path):
     """When the owner opens the folder the next time; a living reader's is kept."""
     with KnowledgeBase.open(tmp_path / "kb") as kb:
         teach(kb, CUTTING)
-    stale = tmp_path / "kb" / snapshots.INSIDE / "999999999-x"
+    stale = tmp_path / "kb" / directory.SNAPSHOTS / "999999999-x"
     stale.mkdir(parents=True)
-    alive = tmp_path / "kb" / snapshots.INSIDE / f"{os.getpid()}-x"
+    alive = tmp_path / "kb" / directory.SNAPSHOTS / f"{os.getpid()}-x"
     alive.mkdir()
 
     with KnowledgeBase.open(tmp_path / "kb"):
@@ -159,8 +159,7 @@ def test_what_a_killed_reader_left_is_removed(tmp_path: Path):
 
 def test_snapshot_can_be_bounded_and_copied(tmp_path: Path):
     """Who only reads can ask what may have to be stopped, and make backups."""
-    from hilt.kb.sparql.limits import Limits
-    from hilt.kb.sparql.results import BooleanResult
+    from hilt.kb.sparql.results import BooleanResult, Limits
 
     with KnowledgeBase.open(tmp_path / "kb") as kb:
         teach(kb, CUTTING)
@@ -171,4 +170,4 @@ def test_snapshot_can_be_bounded_and_copied(tmp_path: Path):
             )
             assert backup(reading, tmp_path / "backup") == 1
 
-    assert not (tmp_path / "kb" / snapshots.INSIDE).exists()
+    assert not (tmp_path / "kb" / directory.SNAPSHOTS).exists()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.stores.addresses import parse_address
+from hilt.kb.stores.http import parse_address
 
 PAGE = (Path(__file__).parents[2] / "docs" / "knowledge-base.md").read_text(encoding="utf-8")
 

@@ -9,7 +9,7 @@ from hilt.kb.episodes import Episode, EpisodeStep
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Atom
-from hilt.kb.validation import shapes
+from hilt.kb.validation import check_shapes
 
 from .conftest import BLADE, CUTTING
 
@@ -72,7 +72,7 @@ def test_episode_keeps_to_the_shapes(paper: KnowledgeBase):
     """What is recorded is valid."""
     paper.record_episode(EPISODE)
 
-    assert list(shapes(paper.store)) == []
+    assert list(check_shapes(paper.store)) == []
 
 
 def test_episode_answers_questions_in_sparql(paper: KnowledgeBase):

@@ -17,8 +17,8 @@ from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.reader import BASE_GRAPH, BASE_NODE
 from hilt.kb.rule import Atom, Rule, functional, grasping
-from hilt.kb.stores.base import open_store
-from hilt.kb.validation import lawful
+from hilt.kb.stores.opening import open_store
+from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import QueryError, StoreError, UnknownNameError, ValidationError
 from hilt.ontology.vocabulary import iri, term
 
@@ -114,7 +114,7 @@ def test_base_stays_lawful_whatever_is_told_and_taken_back(taught: list[Rule], g
         if is_gone:
             base.retract(rule.id, "Forget it.", "", "sam")
 
-    assert list(lawful(base.store)) == []
+    assert list(check_invariants(base.store)) == []
 
 
 def test_refused_text_changes_nothing(kb: KnowledgeBase):
@@ -171,7 +171,7 @@ def test_rule_told_again_holds_again(paper: KnowledgeBase):
     teach(paper, BLADE)
 
     assert [rule.utterance for rule in paper.rules_at_nodes(["pass.graspObject"])] == [5]
-    assert list(lawful(paper.store)) == []
+    assert list(check_invariants(paper.store)) == []
 
 
 def test_correction_replaces_a_rule_in_one_step(paper: KnowledgeBase):
@@ -389,7 +389,7 @@ def test_like_rules_have_the_same_premises_and_speaker(kb: KnowledgeBase):
     )
     teach(kb, BLADE, part, CUTTING, *others)
 
-    assert {rule.id for rule in kb.rules_like(BLADE)} == {BLADE.id, part.id}
-    assert [rule.id for rule in kb.rules_like(CUTTING)] == [CUTTING.id]
+    assert {rule.id for rule in kb.rules_with_premises_of(BLADE)} == {BLADE.id, part.id}
+    assert [rule.id for rule in kb.rules_with_premises_of(CUTTING)] == [CUTTING.id]
     anything = replace(part, features=frozenset())
-    assert kb.rules_like(anything) == []
+    assert kb.rules_with_premises_of(anything) == []

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.migration import FORMAT, STEPS, format_of, migrate, version_quad
+from hilt.kb.migration import FORMAT, STEPS, base_format, migrate, version_quad
 from hilt.kb.stores.oxigraph import OxigraphStore
 from hilt.ontology.errors import StoreError
 from hilt.ontology.vocabulary import iri, term
@@ -27,7 +27,7 @@ def test_base_is_brought_to_a_later_format(paper: KnowledgeBase):
 
     migrate(paper.store, 1, steps={1: RENAME, 2: TO_3}, to=3)
 
-    assert format_of(paper.store) == 3
+    assert base_format(paper.store) == 3
     assert {q.object for q in paper.store.quads(None, term("meaning"), None, HISTORY)} == forms
     assert not list(paper.store.quads(None, term("predicate"), None, HISTORY))
     assert list(paper.store.quads(None, term("note")))

@@ -14,8 +14,14 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
-from hilt.kb.stores.base import open_store
-from hilt.kb.validation import Finding, lawful, located, refuse, shapes
+from hilt.kb.stores.opening import open_store
+from hilt.kb.validation import (
+    Finding,
+    check_invariants,
+    check_shapes,
+    locate_findings,
+    raise_findings,
+)
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, external, iri, term
 
@@ -32,8 +38,8 @@ def test_whatever_is_told_is_valid(taught: list[Rule]):
     base = KnowledgeBase(open_store("memory:"))
     teach(base, *taught)
 
-    assert list(lawful(base.store)) == []
-    assert list(shapes(base.store)) == []
+    assert list(check_invariants(base.store)) == []
+    assert list(check_shapes(base.store)) == []
 
 
 FAULTS = {  # what is done to a rule -> what both checks say
@@ -50,7 +56,7 @@ FAULTS = {  # what is done to a rule -> what both checks say
 }
 
 
-@pytest.mark.parametrize("check", [lawful, shapes])
+@pytest.mark.parametrize("check", [check_invariants, check_shapes])
 @pytest.mark.parametrize("fault", FAULTS)
 def test_fault_in_a_rule_is_found_by_both_checks(kb: KnowledgeBase, fault: str, check: object):
     """The finding names the rule, and what is wrong with it."""
@@ -90,7 +96,7 @@ def test_stray_statement_is_found(kb: KnowledgeBase, stray: Quad):
     teach(kb, BLADE)
     kb.store.apply(insert=[stray])
 
-    (finding,) = lawful(kb.store)
+    (finding,) = check_invariants(kb.store)
 
     assert "belongs to nothing known" in str(finding)
 
@@ -102,7 +108,7 @@ def test_rule_under_a_wrong_name_is_found(kb: KnowledgeBase):
     star = list(kb.store.quads(NODE))
     kb.store.apply(delete=star, insert=[quad._replace(subject=wrong) for quad in star])
 
-    assert any(BLADE.id.replace("/", ":") in str(finding) for finding in lawful(kb.store))
+    assert any(BLADE.id.replace("/", ":") in str(finding) for finding in check_invariants(kb.store))
 
 
 def test_utterance_under_a_wrong_number_is_found(kb: KnowledgeBase):
@@ -111,7 +117,7 @@ def test_utterance_under_a_wrong_number_is_found(kb: KnowledgeBase):
     (old,) = kb.store.quads(iri("utterance", "1"), term("sequence"))
     kb.store.apply(delete=[old], insert=[old._replace(object=7)])
 
-    assert any("sequence number is 7" in str(finding) for finding in lawful(kb.store))
+    assert any("sequence number is 7" in str(finding) for finding in check_invariants(kb.store))
 
 
 def test_findings_are_raised_together():
@@ -119,14 +125,14 @@ def test_findings_are_raised_together():
     found = [Finding("rule:b", "Second."), Finding("rule:a", "First."), Finding("rule:a", "First.")]
 
     with pytest.raises(ValidationError, match=r"rule:a: First\. \(and 1 more\)") as caught:
-        refuse(found)
+        raise_findings(found)
 
     assert caught.value.findings == ("rule:a: First.", "rule:b: Second.")
 
 
 def test_nothing_found_is_nothing_raised():
     """A valid graph passes in silence."""
-    refuse([])
+    raise_findings([])
 
 
 def test_foreign_kinds_of_literals_are_shown(kb: KnowledgeBase):
@@ -135,7 +141,7 @@ def test_foreign_kinds_of_literals_are_shown(kb: KnowledgeBase):
         insert=[Quad(iri("object", "x"), external("rdfs:comment"), "hm", rule_mapping.BELIEFS)]
     )
 
-    assert [str(one) for one in lawful(kb.store)] == [
+    assert [str(one) for one in check_invariants(kb.store)] == [
         'object:x: rdfs:comment "hm" belongs to nothing known.'
     ]
 
@@ -149,7 +155,7 @@ def test_shapes_are_checked_in_portions_with_progress(
     kb.store.apply(delete=list(kb.store.quads(NODE, rule_mapping.STATUS)))
     told: list[tuple[int, int]] = []
 
-    found = list(shapes(kb.store, progress=lambda done, total: told.append((done, total))))
+    found = list(check_shapes(kb.store, progress=lambda done, total: told.append((done, total))))
 
     assert [(one.node, one.key) for one in found] == [(BLADE.id.replace("/", ":"), "hilt:status")]
     assert told[-1][0] == told[-1][1] == len({quad.subject for quad in kb.store.quads()})
@@ -162,7 +168,7 @@ def test_findings_are_located_in_their_text():
     )
     found = [Finding(f"rule:{name}", "Wrong.") for name in (1, 2, 3)]
 
-    assert [one.line for one in located(found, text)] == [3, 5, 0]
-    assert located(found, text)[0].as_json() == {
+    assert [one.line for one in locate_findings(found, text)] == [3, 5, 0]
+    assert locate_findings(found, text)[0].as_json() == {
         "node": "rule:1", "property": None, "line": 3, "problem": "Wrong.",
     }  # fmt: skip

@@ -54,7 +54,7 @@ def test_columns_say_what_the_rules_say(some: list[Rule]):
     statuses, times = cycle(get_args(Status)), cycle(TIMES)
     told = [replace(rule, status=next(statuses), time=next(times)) for rule in some]
     store = open_memory()
-    store.apply(insert=[quad for rule in told for quad in rule_mapping.statements(rule)])
+    store.apply(insert=[quad for rule in told for quad in rule_mapping.rule_quads(rule)])
 
     lines = written(store)
 
@@ -71,7 +71,7 @@ def test_order_is_that_of_the_base_and_not_of_its_making(tmp_path: Path):
     for number, order in enumerate([some, some[::-1]]):
         with_store = open_folder(tmp_path / str(number))
         for rule in order:
-            with_store.apply(insert=rule_mapping.statements(rule))
+            with_store.apply(insert=rule_mapping.rule_quads(rule))
         tables.append(written(with_store))
         with_store.close()
 
@@ -82,7 +82,7 @@ def test_order_is_that_of_the_base_and_not_of_its_making(tmp_path: Path):
 def test_rule_that_is_not_whole_is_told(lost: object):
     """It is never left out in silence."""
     store = open_memory()
-    store.apply(insert=[q for q in rule_mapping.statements(BLADE) if q.predicate != lost])
+    store.apply(insert=[q for q in rule_mapping.rule_quads(BLADE) if q.predicate != lost])
 
     with pytest.raises(ValidationError, match=f"{BLADE.id}>: a rule is not whole"):
         written(store)
@@ -95,10 +95,10 @@ def test_rule_with_two_bounds_is_told(tmp_path: Path):
     node = rule_mapping.rule_iri(BLADE.id)
     other = [
         q._replace(subject=node)
-        for q in rule_mapping.star(twice)
+        for q in rule_mapping.property_quads(twice)
         if q.predicate == rule_mapping.LOWER
     ]
-    store.apply(insert=[*rule_mapping.statements(BLADE), *other])
+    store.apply(insert=[*rule_mapping.rule_quads(BLADE), *other])
 
     with pytest.raises(ValidationError, match="something twice"):
         written(store)
@@ -109,7 +109,7 @@ def test_progress_is_told(monkeypatch: pytest.MonkeyPatch):
     """How many rules are written."""
     monkeypatch.setattr(columns, "_TOLD", 1)
     store, heard = open_memory(), list[int]()
-    store.apply(insert=[*rule_mapping.statements(BLADE), *rule_mapping.statements(CUTTING)])
+    store.apply(insert=[*rule_mapping.rule_quads(BLADE), *rule_mapping.rule_quads(CUTTING)])
 
     write_columns(store, io.StringIO(), heard.append)
 
@@ -126,7 +126,7 @@ def test_a_file_that_takes_no_more_is_the_files_fault():
             return super().write(text)
 
     store = open_memory()
-    store.apply(insert=rule_mapping.statements(BLADE))
+    store.apply(insert=rule_mapping.rule_quads(BLADE))
 
     with pytest.raises(OSError, match="No space left on device"):
         write_columns(store, Full())

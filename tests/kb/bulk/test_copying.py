@@ -14,11 +14,12 @@ from hypothesis import strategies as st
 
 from hilt.kb.bulk.copying import FastRuleReader, Pair
 from hilt.kb.bulk.rule_lines import Printer, RuleSerializer, SerializedRule
+from hilt.kb.bulk.statements import line_reader
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad
 from hilt.kb.rule import Rule
-from hilt.kb.stores.oxigraph import line_reader, write_rdf
+from hilt.kb.stores.rdf_text import write_rdf
 from hilt.ontology.vocabulary import Iri, iri, term
 
 from ..conftest import BLADE
@@ -37,7 +38,7 @@ NODE = rule_mapping.rule_iri(BLADE.id)
 
 def pairs(rule: Rule) -> list[Pair]:
     """What stands at the node of a rule."""
-    return [(quad.predicate, quad.object) for quad in rule_mapping.star(rule)]
+    return [(quad.predicate, quad.object) for quad in rule_mapping.property_quads(rule)]
 
 
 def star(

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.bulk.rule_lines import Printer, RuleSerializer
-from hilt.kb.rdf.rule_mapping import BELIEFS, statements
+from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rule import Rule
-from hilt.kb.stores.oxigraph import read_rdf
+from hilt.kb.stores.rdf_text import read_rdf
 from hilt.ontology.errors import IntervalError, ValidationError
 
 from ..conftest import BLADE
@@ -34,7 +34,7 @@ def test_lines_are_the_statements_of_the_rules(some: list[tuple[Rule, str, datet
 
     read = set(read_rdf(io.BytesIO(text), format="nquads", source="x", default=BELIEFS))
 
-    assert read == {quad for rule in told for quad in statements(rule)}
+    assert read == {quad for rule in told for quad in rule_quads(rule)}
 
 
 @given(rules, st.none() | st.integers(1, 99), TIMES)

@@ -20,7 +20,8 @@ from hilt.kb.formats.registry import FORMATS
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql
-from hilt.kb.stores.oxigraph import open_folder, read_rdf
+from hilt.kb.stores.oxigraph import open_folder
+from hilt.kb.stores.rdf_text import read_rdf
 from hilt.ontology.vocabulary import Iri, iri, term
 
 from ..conftest import BLADE, CUTTING
@@ -87,7 +88,7 @@ def test_rules_come_with_what_told_them(form: str):
         Quad(iri("utterance", number), rule_mapping.LABEL, "It is so.", HISTORY)
         for number in ("7", "8")
     ]
-    quads = [*rule_mapping.statements(told), *rule_mapping.statements(CUTTING), *said]
+    quads = [*rule_mapping.rule_quads(told), *rule_mapping.rule_quads(CUTTING), *said]
 
     found, _ = written(quads, form, rules_only=True)
 

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.statements import Group, RuleBlock, in_full
+from hilt.kb.bulk.statements import Group, RuleBlock, in_full, line_reader, read_groups
 from hilt.kb.rdf.annotations import Reified
-from hilt.kb.rdf.rule_mapping import BELIEFS, statements
+from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
-from hilt.kb.stores.oxigraph import line_reader, read_groups, read_rdf, write_rdf
+from hilt.kb.stores.rdf_text import read_rdf, write_rdf
 from hilt.ontology.errors import DataError
 
 from ..strategies import rules
@@ -40,7 +40,7 @@ def plain(text: bytes, form: str = "nquads") -> list[object]:
 @settings(deadline=None)
 def test_rules_are_read_as_the_engine_reads_them(some: list[Rule], form: str):
     """Every statement, in its order."""
-    text = write_rdf([quad for rule in some for quad in statements(rule)], format=form)
+    text = write_rdf([quad for rule in some for quad in rule_quads(rule)], format=form)
 
     assert fast(text, form) == plain(text, form)
 

@@ -25,7 +25,7 @@ from hilt.kb.formats.transfer import export_file, import_file, import_text, read
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import DataError, HiltError, ValidationError
 
 from ..conftest import BLADE, CUTTING, teach, ticking

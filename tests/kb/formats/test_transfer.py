@@ -23,8 +23,8 @@ from hilt.kb.formats.transfer import (
 )
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule
-from hilt.kb.stores.base import open_store
-from hilt.kb.validation import lawful
+from hilt.kb.stores.opening import open_store
+from hilt.kb.validation import check_invariants
 from hilt.ontology.actions import load_actions
 from hilt.ontology.errors import DataError, ValidationError
 from hilt.ontology.objects import load_objects
@@ -90,7 +90,7 @@ def test_rules_come_back_from_every_format(format: str, taught: list[Rule]):  # 
 
     assert again.rules(status=None) == base.rules(status=None)
     assert written(again, format) == written(base, format)
-    assert list(lawful(again.store)) == []
+    assert list(check_invariants(again.store)) == []
 
 
 @pytest.mark.parametrize(("format", "reader"), [("turtle", "turtle"), ("ntriples", "nt")])
@@ -183,7 +183,7 @@ def test_rules_written_by_hand_are_taken(kb: KnowledgeBase):
     assert (rule.object, rule.part, rule.speaker) == ("mug", "handle", "eve")
     assert kb.utterance(rule.utterance).text == "import of mine.ttl"
     assert merged.untrusted == ("eve",)
-    assert list(lawful(kb.store)) == []
+    assert list(check_invariants(kb.store)) == []
 
 
 def test_dry_run_writes_nothing(paper: KnowledgeBase):

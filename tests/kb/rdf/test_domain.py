@@ -9,7 +9,7 @@ import pytest
 
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.domain import DOMAIN
-from hilt.kb.validation import shapes
+from hilt.kb.validation import check_shapes
 from hilt.ontology.actions import load_actions
 from hilt.ontology.objects import load_household, load_objects
 from hilt.ontology.vocabulary import term
@@ -78,4 +78,4 @@ def test_node_of_a_tree_leads_to_the_rules_that_matter_there(home: KnowledgeBase
 
 def test_domain_keeps_to_the_shapes(home: KnowledgeBase):
     """What comes from the data is valid."""
-    assert list(shapes(home.store)) == []
+    assert list(check_shapes(home.store)) == []

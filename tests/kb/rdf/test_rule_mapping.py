@@ -25,7 +25,7 @@ NOON = datetime(2026, 11, 21, 12, tzinfo=timezone.utc)
 
 def star_of(rule: Rule) -> list[tuple[Iri, object]]:
     """What stands at the rule's node."""
-    return [(quad.predicate, quad.object) for quad in rule_mapping.star(rule)]
+    return [(quad.predicate, quad.object) for quad in rule_mapping.property_quads(rule)]
 
 
 @given(rules)
@@ -40,7 +40,7 @@ def test_rule_comes_back_from_its_star(rule: Rule):
 @given(rules)
 def test_every_node_of_a_rule_is_typed(rule: Rule):
     """Nothing in the graph is without a type, the rule and all it speaks of."""
-    quads = list(rule_mapping.statements(rule))
+    quads = list(rule_mapping.rule_quads(rule))
     typed = {quad.subject for quad in quads if quad.predicate == rule_mapping.TYPE}
 
     assert {quad.subject for quad in quads} <= typed
@@ -48,7 +48,7 @@ def test_every_node_of_a_rule_is_typed(rule: Rule):
 
 def test_rule_hangs_on_its_node():
     """The key by which the hot question finds it."""
-    assert rule_mapping.hanging(BLADE) == Quad(
+    assert rule_mapping.node_edge(BLADE) == Quad(
         iri("node", "pass.graspObject"),
         rule_mapping.RULE,
         rule_mapping.rule_iri(BLADE.id),
@@ -95,9 +95,9 @@ def test_general_rule_has_the_general_edge():
 
 def test_only_an_active_rule_hangs_on_its_node():
     """What is retracted is not found by its node, nor by its plain edge."""
-    gone = list(rule_mapping.statements(replace(BLADE, status="retracted")))
+    gone = list(rule_mapping.rule_quads(replace(BLADE, status="retracted")))
 
-    assert rule_mapping.hanging(BLADE) not in gone
+    assert rule_mapping.node_edge(BLADE) not in gone
     assert not any(quad.predicate == term("graspedBy") for quad in gone)
 
 
@@ -137,9 +137,9 @@ def test_star_with_two_bounds_is_refused():
 
 def test_atom_needs_a_node_of_ours():
     """Only the kinds that rules speak of are atoms."""
-    assert rule_mapping.atom_of(iri("object", "wine glass")) == Atom("object", "wine glass")
+    assert rule_mapping.atom_from_iri(iri("object", "wine glass")) == Atom("object", "wine glass")
     with pytest.raises(ValidationError, match="is no object, part"):
-        rule_mapping.atom_of(iri("speaker", "sam"))
+        rule_mapping.atom_from_iri(iri("speaker", "sam"))
 
 
 def test_bounds_are_short_decimals():

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.sparql.safety import refuse_chance, refuse_outside
-from hilt.kb.stores.base import open_store
+from hilt.kb.sparql.safety import refuse_external_access, refuse_nondeterminism
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import HiltError, QueryError
 
 
@@ -49,7 +49,7 @@ from hilt.ontology.errors import HiltError, QueryError
 def test_reaching_outside_is_refused(text: str):
     """SERVICE and LOAD are refused in every spelling and place."""
     with pytest.raises(QueryError, match="is refused"):
-        refuse_outside(text)
+        refuse_external_access(text)
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_reaching_outside_is_refused(text: str):
 )
 def test_the_words_are_allowed_where_they_are_no_keywords(text: str):
     """Names, strings, IRIs, tags and comments may say them."""
-    refuse_outside(text)
+    refuse_external_access(text)
 
 
 FRAGMENTS = (
@@ -95,7 +95,7 @@ def test_what_is_not_refused_reaches_nothing(middle: str):
 
     for query in (text, f"{text}\n}}", f"{text} #'''\n}}", f'{text} #"""\n}}'):
         with contextlib.suppress(QueryError):
-            refuse_outside(query)
+            refuse_external_access(query)
             assert "port 9" not in complaint(query)
 
 
@@ -110,9 +110,9 @@ def test_what_is_not_refused_reaches_nothing(middle: str):
 def test_chance_is_refused(text: str):
     """What would differ each time cannot be tried out first."""
     with pytest.raises(QueryError, match="must do the same each time"):
-        refuse_chance(text)
+        refuse_nondeterminism(text)
 
 
 def test_names_may_sound_like_chance():
     """Only functions are refused."""
-    refuse_chance("INSERT DATA { ex:now ex:knows 'NOW, you know' }")
+    refuse_nondeterminism("INSERT DATA { ex:now ex:knows 'NOW, you know' }")

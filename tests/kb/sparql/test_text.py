@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.kb.sparql.text import bind, form, syntax_problem
-from hilt.kb.stores.base import open_store
+from hilt.kb.sparql.text import bind_variables, query_form, syntax_message
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
 
 
 def test_binding_stands_at_the_head_of_the_where_group():
     """A value becomes a VALUES block, several values are alternatives."""
-    bound = bind("SELECT ?s WHERE { ?s ?p ?o }", {"s": [Iri("urn:a"), Iri("urn:b")]})
+    bound = bind_variables("SELECT ?s WHERE { ?s ?p ?o }", {"s": [Iri("urn:a"), Iri("urn:b")]})
 
     assert bound == "SELECT ?s WHERE { VALUES ?s { <urn:a> <urn:b> } ?s ?p ?o }"
 
@@ -31,18 +31,18 @@ def test_binding_stands_at_the_head_of_the_where_group():
 )
 def test_binding_finds_the_outermost_group(query: str):
     """Templates, expressions, strings and comments are not taken for the WHERE group."""
-    bound = bind(query, {"s": Iri("urn:a")})
+    bound = bind_variables(query, {"s": Iri("urn:a")})
 
     head = bound.index("VALUES ?s")
     assert bound[:head].rstrip().endswith("{")
     assert "?s ?p" in bound[head:]
-    open_store("memory:").select(bound) if form(query) == "SELECT" else None
+    open_store("memory:").select(bound) if query_form(query) == "SELECT" else None
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"])))
 def test_bound_text_never_leaves_its_literal(text: str):
     """Whatever the text, the query finds that text and nothing else."""
-    bound = bind("SELECT ?x WHERE { BIND(?x AS ?y) }", {"x": text})
+    bound = bind_variables("SELECT ?x WHERE { BIND(?x AS ?y) }", {"x": text})
 
     assert open_store("memory:").select(bound).rows == ((text,),)
 
@@ -50,15 +50,15 @@ def test_bound_text_never_leaves_its_literal(text: str):
 def test_query_without_group_cannot_be_bound():
     """There is no place for the values."""
     with pytest.raises(QueryError, match="no WHERE group"):
-        bind("DESCRIBE <urn:x>", {"x": 1})
+        bind_variables("DESCRIBE <urn:x>", {"x": 1})
 
 
 def test_malformed_value_is_refused():
     """A value that is no term, and a name that is no variable, are refused."""
     with pytest.raises(QueryError, match=r"value for \?x is wrong"):
-        bind("SELECT * { ?x ?p ?o }", {"x": Iri("urn:a> }")})
+        bind_variables("SELECT * { ?x ?p ?o }", {"x": Iri("urn:a> }")})
     with pytest.raises(QueryError, match="no name of a variable"):
-        bind("SELECT * { ?x ?p ?o }", {"x } #": 1})
+        bind_variables("SELECT * { ?x ?p ?o }", {"x } #": 1})
 
 
 @pytest.mark.parametrize(
@@ -74,12 +74,12 @@ def test_malformed_value_is_refused():
 )
 def test_form_is_the_first_keyword(text: str, expected: str):
     """Prefixes and comments before it do not count."""
-    assert form(text) == expected
+    assert query_form(text) == expected
 
 
 def test_undeclared_prefix_is_named():
     """The engine says something else; the person needs the prefix."""
-    assert syntax_problem("error at 1:1", "ASK { ex:a ?p ?o }") == (
+    assert syntax_message("error at 1:1", "ASK { ex:a ?p ?o }") == (
         'The prefix "ex:" is not declared.'
     )
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.stores.addresses import PASSWORD, TOKEN, USER, parse_address
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.http import PASSWORD, TOKEN, USER, parse_address
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import StoreError
 
 

@@ -20,13 +20,13 @@ from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import functional, grasping
-from hilt.kb.sparql.limits import Limits
 from hilt.kb.sparql.named_queries import query_names
-from hilt.kb.sparql.results import BooleanResult, Solutions, Statements
-from hilt.kb.stores.addresses import parse_address
-from hilt.kb.stores.base import Store, open_store
+from hilt.kb.sparql.results import BooleanResult, Limits, Solutions, Statements
+from hilt.kb.stores.base import Store
+from hilt.kb.stores.http import parse_address
+from hilt.kb.stores.opening import open_store
 from hilt.kb.stores.remote import BATCH, open_remote
-from hilt.kb.validation import lawful
+from hilt.kb.validation import check_invariants
 from hilt.nlu.language import Language
 from hilt.ontology.actions import load_actions
 from hilt.ontology.errors import QueryError, StoreError
@@ -254,7 +254,7 @@ def test_run_answers_every_form(store: Store):
         ("s",), ((S,), (S,))
     )
     assert store.run("ASK { ?s ?p 2 }", limits) == BooleanResult(False)
-    assert store.run("CONSTRUCT { ?s ?p 3 } WHERE { ?s ?p ?o }", limits) == Statements.of(
+    assert store.run("CONSTRUCT { ?s ?p 3 } WHERE { ?s ?p ?o }", limits) == Statements.from_quads(
         [Quad(S, P, 3)]
     )
     with pytest.raises(QueryError):
@@ -362,7 +362,7 @@ def test_base_learns_and_forgets_on_every_store(opener: Opener):
         assert kb.rule(BLADE.id).status == "superseded"
         assert kb.trust("anna") == Interval(1, 1)
         assert kb.answer("how-to-grasp", object="knife").rows[0][2] == iri("part", "handle")
-        assert list(lawful(kb.store)) == []
+        assert list(check_invariants(kb.store)) == []
 
 
 def test_base_is_the_same_when_it_is_opened_again(opener: Opener):

@@ -9,9 +9,8 @@ import httpx
 import pytest
 
 from hilt.kb.rdf.terms import Quad
-from hilt.kb.sparql.limits import Limits
-from hilt.kb.stores.addresses import Address
-from hilt.kb.stores.http import TRIES, Response, Transport
+from hilt.kb.sparql.results import Limits
+from hilt.kb.stores.http import TRIES, Address, Response, Transport
 from hilt.kb.stores.remote import RemoteStore
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.vocabulary import Iri, iri

@@ -17,9 +17,9 @@ import pytest
 
 from hilt.kb.bulk.importer import Loading
 from hilt.kb.rdf.terms import Quad
-from hilt.kb.stores import snapshots
-from hilt.kb.stores.base import open_store
-from hilt.kb.stores.oxigraph import read_rdf, write_rdf
+from hilt.kb.stores import directory
+from hilt.kb.stores.opening import open_store
+from hilt.kb.stores.rdf_text import read_rdf, write_rdf
 from hilt.ontology.errors import DataError, StoreError
 from hilt.ontology.vocabulary import Iri
 
@@ -44,7 +44,7 @@ def test_folder_is_owned_by_one_process(tmp_path: Path):
     """A second process is told so in one line and changes nothing."""
     store = open_store(tmp_path / "store")
     program = (
-        "import sys; from hilt.kb.stores.base import open_store\n"
+        "import sys; from hilt.kb.stores.opening import open_store\n"
         "try: open_store(sys.argv[1])\n"
         "except OSError as error: print(error)"
     )
@@ -202,7 +202,7 @@ def test_folder_on_a_full_disk_is_read_from_elsewhere(
     """The snapshot stands among the temporary files then, and goes with its reader."""
     store = open_store(tmp_path / "store")
     store.apply(insert=[ONE])
-    taken, places = snapshots._take_file, list[Path]()
+    taken, places = directory._copy_file, list[Path]()
 
     def full(source: Path, target: Path) -> None:
         places.append(target.parent)
@@ -210,7 +210,7 @@ def test_folder_on_a_full_disk_is_read_from_elsewhere(
             raise OSError(errno.ENOSPC, "No space left on device")
         taken(source, target)
 
-    monkeypatch.setattr(snapshots, "_take_file", full)
+    monkeypatch.setattr(directory, "_copy_file", full)
     with closing(open_store(tmp_path / "store", read_only=True)) as reader:
         assert list(reader.quads()) == [ONE]
 

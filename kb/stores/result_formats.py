@@ -14,15 +14,15 @@ from collections.abc import Callable, Iterator, Mapping
 from xml.sax.saxutils import escape, quoteattr
 
 from ...ontology.errors import QueryError
-from ..rdf.terms import STRING, Iri, Term, as_sparql, lexical
-from .results import BLANK, BooleanResult, Found, Solutions, Statements
+from ..rdf.terms import BLANK, STRING, Iri, Term, as_sparql, lexical
+from ..sparql.results import BooleanResult, QueryResult, Solutions, Statements
 
 _ILLEGAL_IN_XML = dict.fromkeys(
     [*(code for code in range(0x20) if code not in {0x9, 0xA, 0xD}), 0xFFFE, 0xFFFF], "\ufffd"
 )
 
 
-def render(found: Found, format: str) -> str:  # noqa: A002
+def write_result(found: QueryResult, format: str) -> str:  # noqa: A002
     """What a query found, as a document.
 
     Args:
@@ -37,11 +37,11 @@ def render(found: Found, format: str) -> str:  # noqa: A002
     return FORMATS[format](found)
 
 
-def _json(found: Found) -> str:
+def _json(found: QueryResult) -> str:
     return json.dumps(found.as_json(), ensure_ascii=False) + "\n"
 
 
-def _csv(found: Found) -> str:
+def _csv(found: QueryResult) -> str:
     rows = _rows(found, "CSV")
     written = io.StringIO()
     writer = csv.writer(written, lineterminator="\r\n")
@@ -52,14 +52,14 @@ def _csv(found: Found) -> str:
     return written.getvalue()
 
 
-def _tsv(found: Found) -> str:
+def _tsv(found: QueryResult) -> str:
     rows = _rows(found, "TSV")
     lines = ["\t".join(f"?{name}" for name in rows.variables)]
     lines += ["\t".join("" if term is None else _turtle_term(term) for term in row) for row in rows]
     return "".join(f"{line}\n" for line in lines)
 
 
-def _xml(found: Found) -> str:
+def _xml(found: QueryResult) -> str:
     if isinstance(found, BooleanResult):
         inside = [" <head/>", f" <boolean>{str(found.value).lower()}</boolean>"]
     else:
@@ -70,15 +70,15 @@ def _xml(found: Found) -> str:
     return "\n".join([f"{head}<sparql {space}>", *inside, "</sparql>\n"])
 
 
-def _turtle(found: Found) -> str:
+def _turtle(found: QueryResult) -> str:
     if not isinstance(found, Statements):
         raise QueryError("Turtle is for the statements of a CONSTRUCT or DESCRIBE query.")
-    from ..stores.oxigraph import write_rdf
+    from .rdf_text import write_rdf
 
     return write_rdf(found.quads, format="turtle").decode("utf-8")
 
 
-FORMATS: Mapping[str, Callable[[Found], str]] = {
+FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
     "json": _json,
     "csv": _csv,
     "tsv": _tsv,
@@ -87,7 +87,7 @@ FORMATS: Mapping[str, Callable[[Found], str]] = {
 }
 
 
-def _rows(found: Found, name: str) -> Solutions:
+def _rows(found: QueryResult, name: str) -> Solutions:
     if isinstance(found, BooleanResult):
         raise QueryError(f"{name} is for rows; an ASK query answers yes or no. Use json or xml.")
     return found

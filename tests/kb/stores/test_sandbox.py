@@ -12,8 +12,7 @@ import pytest
 
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import functional
-from hilt.kb.sparql.limits import Limits
-from hilt.kb.sparql.results import BooleanResult, Solutions
+from hilt.kb.sparql.results import BooleanResult, Limits, Solutions
 from hilt.ontology.errors import QueryError
 
 from ..conftest import BLADE, CUTTING, HIGH, teach

@@ -14,7 +14,7 @@ from rdflib.query import Result
 
 from hilt.kb.rdf.terms import Literal, Quad
 from hilt.kb.sparql.results import BooleanResult, Solutions, Statements, read_solutions
-from hilt.kb.sparql.serialization import FORMATS, render
+from hilt.kb.stores.result_formats import FORMATS, write_result
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
 
@@ -32,7 +32,7 @@ ROWS = Solutions(
 @pytest.mark.parametrize("format", ["json", "xml", "tsv"])
 def test_rows_are_read_back(format: str):  # noqa: A002
     """What another library reads is what was written."""
-    found = Result.parse(io.BytesIO(render(ROWS, format).encode()), format=format)
+    found = Result.parse(io.BytesIO(write_result(ROWS, format).encode()), format=format)
 
     assert [str(name) for name in found.vars or ()] == ["a", "b"]
     values = [[None if v is None else str(v) for v in row] for row in found]
@@ -42,12 +42,12 @@ def test_rows_are_read_back(format: str):  # noqa: A002
 
 def test_json_comes_back_as_the_same_values():
     """Our own reader undoes our own writer."""
-    assert read_solutions(render(ROWS, "json").encode()) == ROWS
+    assert read_solutions(write_result(ROWS, "json").encode()) == ROWS
 
 
 def test_csv_holds_plain_values():
     """As the recommendation says: no types, lines end in CR LF."""
-    written = render(ROWS, "csv")
+    written = write_result(ROWS, "csv")
 
     assert written.startswith("a,b\r\nurn:x,")
     assert list(csv.reader(io.StringIO(written)))[1:3] == [["urn:x", ROWS.rows[0][1]], ["", "0.95"]]
@@ -55,24 +55,24 @@ def test_csv_holds_plain_values():
 
 def test_yes_or_no_is_json_or_xml():
     """The other formats have no place for it."""
-    assert json.loads(render(BooleanResult(True), "json")) == {"head": {}, "boolean": True}
-    assert "<boolean>false</boolean>" in render(BooleanResult(False), "xml")
+    assert json.loads(write_result(BooleanResult(True), "json")) == {"head": {}, "boolean": True}
+    assert "<boolean>false</boolean>" in write_result(BooleanResult(False), "xml")
     with pytest.raises(QueryError, match="for rows"):
-        render(BooleanResult(True), "csv")
+        write_result(BooleanResult(True), "csv")
 
 
 def test_statements_are_turtle_with_prefixes():
     """Rows are not."""
-    made = Statements.of([Quad(Iri("https://w3id.org/hilt/object/knife"), Iri("urn:p"), 1)])
+    made = Statements.from_quads([Quad(Iri("https://w3id.org/hilt/object/knife"), Iri("urn:p"), 1)])
 
-    assert "object:knife <urn:p> 1 ." in render(made, "turtle")
+    assert "object:knife <urn:p> 1 ." in write_result(made, "turtle")
     with pytest.raises(QueryError, match="CONSTRUCT or DESCRIBE"):
-        render(ROWS, "turtle")
+        write_result(ROWS, "turtle")
 
 
 def test_control_characters_do_not_break_xml():
     """XML has no way to write them, so a mark stands in their place."""
-    written = render(Solutions(("a",), (("a\x00b\x0bc",),)), "xml")
+    written = write_result(Solutions(("a",), (("a\x00b\x0bc",),)), "xml")
 
     assert "a\ufffdb\ufffdc" in written
 
@@ -80,4 +80,4 @@ def test_control_characters_do_not_break_xml():
 def test_unknown_format_lists_the_known():
     """The error names them."""
     with pytest.raises(QueryError, match=", ".join(FORMATS)):
-        render(ROWS, "pdf")
+        write_result(ROWS, "pdf")

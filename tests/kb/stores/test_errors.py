@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.stores.failures import open_error
+from hilt.kb.stores.errors import open_error
 from hilt.ontology.errors import InUseError
 
 APPENDING = "IO error: While open a file for appending: {}/LOG: {}"

@@ -1,27 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the engine says when something fails, told as ours."""
+"""Translation of the errors of pyoxigraph and of the file system into Hilt's own."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import contextmanager
-from itertools import islice
 from pathlib import Path
-from typing import BinaryIO
 
 from ...ontology.errors import DataError, HiltError, InUseError, QueryError, StoreError
-from ..sparql.text import syntax_problem
-from .directory import MARK
+from ..sparql.text import syntax_message
+from .directory import MARKER_FILE
 
-_MAX_LINE = 2**20  # bytes of a line that are looked at
-_REMOTE_CONTEXT = "LoadDocumentCallback"  # what the engine says of one
+_REMOTE_CONTEXT = "LoadDocumentCallback"  # what pyoxigraph says of a JSON-LD context elsewhere
 _NO_SPACE = "No space left"
 _REFUSALS = ("Read-only file system", "Permission denied", "Operation not permitted")
 
 
 @contextmanager
-def reported(location: str, text: str = "") -> Generator[None]:
-    """Turn the engine's errors into ours; `text` is the SPARQL that it was given."""
+def translated_errors(location: str, text: str = "") -> Generator[None]:
+    """Raise pyoxigraph's errors as StoreError or QueryError; `text` is the SPARQL it was given."""
     try:
         yield
     except HiltError:
@@ -29,17 +26,17 @@ def reported(location: str, text: str = "") -> Generator[None]:
     except (OSError, RuntimeError) as error:
         if _NO_SPACE in str(error):
             raise StoreError(
-                f'The disk of the knowledge base "{location}" is full. This was not written; all '
-                "that was acknowledged is safe. Make room, and open the base again."
+                f'The disk of the knowledge base "{location}" is full. The change was not '
+                "written; all that was acknowledged is safe. Make room, and open the base again."
             ) from error
         raise StoreError(f'The knowledge base "{location}" failed: {_short(error)}') from error
     except (SyntaxError, ValueError) as error:
-        raise QueryError(syntax_problem(str(error), text)) from error
+        raise QueryError(syntax_message(str(error), text)) from error
 
 
 @contextmanager
-def reading_text(source: str) -> Generator[None]:
-    """What goes wrong while a text is read, told as ours."""
+def translated_text_errors(source: str) -> Generator[None]:
+    """Raise what goes wrong while an RDF text is read as DataError, with the text's name."""
     try:
         yield
     except MemoryError as error:
@@ -53,7 +50,7 @@ def reading_text(source: str) -> Generator[None]:
 
 
 def open_error(folder: Path, error: Exception) -> StoreError:
-    """Why a folder cannot be opened, and what to do."""
+    """The error that says why a folder cannot be opened, and what to do."""
     if isinstance(error, StoreError):
         return error
     if _NO_SPACE in str(error):
@@ -61,16 +58,16 @@ def open_error(folder: Path, error: Exception) -> StoreError:
             f'The disk of the knowledge base "{folder}" is full, so it cannot be opened. All that '
             "was acknowledged is safe. Make room, and open it again."
         )
+    is_there = (folder / MARKER_FILE).exists()
     refused = next((each for each in _REFUSALS if each in str(error)), None)
     if refused:
-        is_there = (folder / MARK).exists()
-        hope = "It can be read, exported and backed up." if is_there else "Name another folder."
+        advice = "It can be read, exported and backed up." if is_there else "Name another folder."
         return StoreError(
-            f'The knowledge base "{folder}" may not be written: {refused.lower()}. {hope}'
+            f'The knowledge base "{folder}" may not be written: {refused.lower()}. {advice}'
         )
     if "lock" in str(error).replace(str(folder), "").lower():
         return InUseError(str(folder))
-    if (folder / MARK).exists():
+    if is_there:
         return StoreError(
             f'The knowledge base "{folder}" is damaged or cannot be read: {_short(error)} '
             "Restore it from a backup or an export."
@@ -79,7 +76,7 @@ def open_error(folder: Path, error: Exception) -> StoreError:
 
 
 def syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> DataError:
-    """What is wrong with a text; `line` where the engine was given that one only."""
+    """The error in an RDF text; `line` where pyoxigraph was given only that line."""
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
     if _REMOTE_CONTEXT in problem:
         problem = "a context from elsewhere is refused; write it into the file"
@@ -90,15 +87,6 @@ def syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> D
         column=error.offset or 0,
         text=text.rstrip()[:500],
     )
-
-
-def line_of(stream: BinaryIO, number: int) -> str:
-    """A line of what was read, where the stream can go back to it."""
-    if not number or not stream.seekable():
-        return ""
-    stream.seek(0)
-    text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
-    return text.decode("utf-8", "replace")
 
 
 def _short(error: Exception) -> str:

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Opening a store by its location: in memory, in a folder, or behind a SPARQL endpoint."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from ...ontology.errors import StoreError
+from .base import MEMORY, Store
+
+_SCHEME = re.compile(r"[A-Za-z]{2,}:")  # one letter is a Windows drive
+
+
+def open_store(location: str | Path, *, read_only: bool = False) -> Store:
+    """Open or create a store.
+
+    Args:
+        location: `memory:`, a folder, or the address of an endpoint (`hilt.kb.stores.http`).
+        read_only: refuse writes; what it names must exist. A folder that another process
+            writes to is read as it is now.
+
+    Raises:
+        StoreError: it cannot be opened; says why and what to do.
+    """
+    text = str(location)
+    if text.startswith(("http://", "https://")):
+        from .remote import open_remote
+
+        return open_remote(text, read_only=read_only)
+    if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
+        raise StoreError(f'"{text}" is no store: expected memory:, a folder, or http(s)://...')
+    from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
+
+    if text == MEMORY:
+        return open_memory(read_only=read_only)
+    return open_folder(Path(text).expanduser(), read_only=read_only)

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parsing and serialization of RDF text by pyoxigraph: Turtle, TriG, N-Quads, JSON-LD, ..."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import Any, BinaryIO, cast
+
+import pyoxigraph as engine
+
+from ...ontology.errors import DataError
+from ...ontology.vocabulary import PREFIXES, Iri, shortened
+from ..rdf.annotations import Edge, Reified
+from ..rdf.terms import Quad
+from .errors import syntax_error, translated_errors, translated_text_errors
+from .term_conversion import from_engine, quad_from_engine, quad_to_engine, triple_to_engine
+
+RDF_FORMATS = {
+    "turtle": engine.RdfFormat.TURTLE,
+    "trig": engine.RdfFormat.TRIG,
+    "nquads": engine.RdfFormat.N_QUADS,
+    "ntriples": engine.RdfFormat.N_TRIPLES,
+    "jsonld": engine.RdfFormat.JSON_LD,
+    "rdfxml": engine.RdfFormat.RDF_XML,
+}
+_WITH_PREFIXES = frozenset({"turtle", "trig"})
+_LINE_FORMATS = frozenset({"nquads", "ntriples"})  # one statement a line
+_MAX_LINE = 2**20  # bytes of a line that an error message looks at
+_CHUNK = 2**18  # bytes that are read at once
+_BATCH = 2_000  # statements that are made into lines at once
+_PREFIXES = dict(PREFIXES)
+_NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+
+
+def read_rdf(
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+) -> Iterator[Quad | Reified]:
+    """The statements of an RDF text, one after the other as they are parsed.
+
+    Args:
+        stream: the text in UTF-8.
+        format: one of `RDF_FORMATS`.
+        source: its name in messages.
+        default: the graph of statements that name none.
+
+    Raises:
+        DataError: it is wrong; says where.
+    """
+    with translated_text_errors(source):
+        try:
+            for quad in engine.parse(stream, format=RDF_FORMATS[format]):
+                yield _statement(quad, default)
+        except SyntaxError as error:
+            raise syntax_error(error, source, _line(stream, error.lineno or 0)) from error
+
+
+def read_line(
+    line: str,
+    *,
+    format: str,  # noqa: A002
+    source: str,
+    default: Iri,
+    number: int,
+) -> list[Quad | Reified]:
+    """The statements of one line of N-Quads or N-Triples, which is the `number`th of its text.
+
+    Raises:
+        DataError: it is wrong; arguments otherwise as for `read_rdf`.
+    """
+    try:
+        return [
+            _statement(quad, default) for quad in engine.parse(line, format=RDF_FORMATS[format])
+        ]
+    except SyntaxError as error:
+        raise syntax_error(error, source, line, number) from error
+
+
+def line_format(format: str) -> str:  # noqa: A002
+    """The line-based format that holds what an RDF format holds: "nquads" or "ntriples"."""
+    if format in _LINE_FORMATS:
+        return format
+    return "nquads" if has_graphs(format) else "ntriples"
+
+
+def has_graphs(format: str) -> bool:  # noqa: A002
+    """Whether an RDF format can name graphs."""
+    return RDF_FORMATS[format].supports_datasets
+
+
+def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:  # noqa: A002
+    """Chunks of an RDF text in its `line_format`; arguments and errors as for `read_rdf`."""
+    chosen = RDF_FORMATS[format]
+    if format in _LINE_FORMATS:
+        while chunk := stream.read(_CHUNK):
+            yield chunk
+        return
+    lines = RDF_FORMATS[line_format(format)]
+    try:
+        quads = engine.parse(stream, format=chosen)
+        while some := list(islice(quads, _BATCH)):
+            written = some if chosen.supports_datasets else [quad.triple for quad in some]
+            yield cast(bytes, engine.serialize(written, format=lines))
+    except SyntaxError as error:
+        raise syntax_error(error, source, _line(stream, error.lineno or 0)) from error
+
+
+def read_triples(data: bytes, *, source: str) -> list[Quad]:
+    """The statements of an N-Triples text, in no graph.
+
+    Raises:
+        QueryError: it is wrong or holds what RDF 1.1 has not; `source` sent it.
+    """
+    with translated_errors(source):
+        return [quad_from_engine(q) for q in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
+
+
+def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
+    """Statements as RDF text in UTF-8, with the prefixes of the vocabulary.
+
+    Args:
+        quads: what to write; for turtle and ntriples their graphs are left out.
+        format: one of `RDF_FORMATS`.
+    """
+    stream = io.BytesIO()
+    write_rdf_to(quads, stream, format=format)
+    written = stream.getvalue()
+    return _with_sorted_prefixes(written) if format in _WITH_PREFIXES else written
+
+
+def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> None:  # noqa: A002
+    """Write statements as RDF text into a stream, one after the other; as `write_rdf` otherwise.
+
+    Raises:
+        DataError: a text has a character that XML cannot hold.
+    """
+    chosen = RDF_FORMATS[format]
+    if chosen == engine.RdfFormat.RDF_XML:
+        quads = map(_checked_for_xml, quads)
+    if chosen.supports_datasets:
+        statements = map(quad_to_engine, quads)
+    else:
+        statements = map(triple_to_engine, quads)
+    engine.serialize(statements, stream, format=chosen, prefixes=_PREFIXES)
+
+
+def _statement(quad: engine.Quad, default: Iri) -> Quad | Reified:
+    graph: Any = quad.graph_name
+    subject, predicate = cast(Iri, from_engine(quad.subject)), Iri(quad.predicate.value)
+    place = default if isinstance(graph, engine.DefaultGraph) else cast(Iri, from_engine(graph))
+    value: Any = quad.object
+    if isinstance(value, engine.Triple):
+        parts = cast("list[Any]", [from_engine(part) for part in value])
+        return Reified(subject, predicate, Edge(*parts), place)
+    return Quad(subject, predicate, from_engine(value), place)
+
+
+def _line(stream: BinaryIO, number: int) -> str:
+    """A line of a text, where its stream can go back to it."""
+    if not number or not stream.seekable():
+        return ""
+    stream.seek(0)
+    text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
+    return text.decode("utf-8", "replace")
+
+
+def _checked_for_xml(quad: Quad) -> Quad:
+    """The statement itself; pyoxigraph would write what no XML parser reads."""
+    value = quad.object
+    found = _NOT_IN_XML.search(value) if isinstance(value, str) else None
+    if found:
+        raise DataError(
+            f"XML cannot hold the character U+{ord(found[0]):04X} of {shortened(quad.subject)}. "
+            "Choose Turtle, N-Quads or another format.",
+            source="RDF/XML",
+        )
+    return quad
+
+
+def _with_sorted_prefixes(written: bytes) -> bytes:
+    """The text with the prefixes it uses, in a fixed order; pyoxigraph's order is random."""
+    lines = written.split(b"\n")
+    count = next((i for i, line in enumerate(lines) if not line.startswith(b"@prefix")), len(lines))
+    body = b"\n".join(lines[count:])
+    used = set(re.findall(rb"(?<![\w<])([a-z]+):", body))
+    head = [
+        f"@prefix {prefix}: <{namespace}> .\n"
+        for prefix, namespace in PREFIXES.items()
+        if prefix.encode() in used
+    ]
+    return "".join([*head, "\n"]).encode() + body

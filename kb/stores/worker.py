@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The worker process of `sandbox`, run as `python -m hilt.kb.stores.worker`.
+
+It reads one request a line from stdin, as JSON: `source` (a snapshot's folder, or a file of
+N-Quads), `query`, and `megabytes`, its memory beyond what it needs to open the source. It answers
+with a line of JSON, `kind` and `size`, followed by so many bytes. The process that asked kills it
+when it takes too long.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from ...ontology.errors import QueryError, StoreError
+from .oxigraph import OxigraphStore, load_file, open_snapshot
+from .sandbox import FAILED, TOO_LARGE, WRONG_QUERY
+
+Answer = Callable[[dict[str, Any]], "tuple[str, bytes]"]
+
+
+def serve(requests: Iterable[bytes], answers: BinaryIO, answer: Answer) -> None:
+    """Answer requests until there are no more.
+
+    Args:
+        requests: lines of JSON.
+        answers: where the answers are written.
+        answer: gives the kind and the body of the answer to a request.
+    """
+    for line in requests:
+        kind, body = _answer_or_error(answer, json.loads(line))
+        head = json.dumps({"kind": kind, "size": len(body)})
+        answers.write(head.encode() + b"\n" + body)
+        answers.flush()
+
+
+def limit_memory(megabytes: int) -> None:
+    """Let this process have so much more memory than it has now, where the system can."""
+    try:
+        import resource
+    except ImportError:  # Windows; there only time is limited
+        return
+    most = _address_space() + megabytes * 1_000_000
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_AS, (most, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+
+class _QueryAnswers:
+    """Answers queries; the source of the last one stays open."""
+
+    def __init__(self) -> None:
+        self._opened, self._store = "", None
+
+    def __call__(self, request: dict[str, Any]) -> tuple[str, bytes]:
+        if self._store is None or request["source"] != self._opened:
+            self._store, self._opened = _open(Path(request["source"])), request["source"]
+            limit_memory(request["megabytes"])
+        return self._store.serialized(request["query"])
+
+
+def _open(source: Path) -> OxigraphStore:
+    return open_snapshot(source) if source.is_dir() else load_file(source)
+
+
+def _answer_or_error(answer: Answer, request: dict[str, Any]) -> tuple[str, bytes]:
+    try:
+        return answer(request)
+    except QueryError as error:
+        return WRONG_QUERY, str(error).encode()
+    except StoreError as error:
+        return FAILED, str(error).encode()
+    except MemoryError:
+        return TOO_LARGE, b""
+
+
+def _address_space() -> int:
+    """The address space of this process in bytes; 1 GB where it is not known."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    except (OSError, ValueError, IndexError):
+        return 1_000_000_000
+    import resource
+
+    return pages * resource.getpagesize()
+
+
+if __name__ == "__main__":
+    serve(sys.stdin.buffer, sys.stdout.buffer, _QueryAnswers())

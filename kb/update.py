@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SPARQL updates by hand: run and checked on a copy first, then applied to the base.
+
+The text that is tried is the text that is applied, so an update must have the same effect each
+time. It is written together with an utterance, so that the history says who changed what and when.
+
+Run as a script, this module is the worker process (`stores.sandbox`) that updates a copy.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..ontology.errors import ValidationError
+from ..ontology.vocabulary import GRAPH_NAMES, Iri, iri, shortened, split
+from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
+from .knowledge_base import KnowledgeBase
+from .migration import FORMAT, base_format
+from .rdf.terms import Quad
+from .reader import BASE_GRAPH, BASE_NODE, RuleReader
+from .rule import DEFAULT_SPEAKER
+from .sparql.results import Limits
+from .sparql.safety import refuse_external_access, refuse_nondeterminism
+from .sparql.text import delete_insert, join_updates, with_prefixes
+from .stores.base import Store
+from .stores.sandbox import REPORT, WorkerProcess
+from .validation import check_invariants, rule_nodes
+from .writer import speaker_quads, to_milliseconds
+
+KIND = "update"  # of the utterance that keeps it in the history
+WORKER = f"{__package__}.update"
+
+
+def update(
+    base: KnowledgeBase,
+    text: str,
+    *,
+    speaker: str = DEFAULT_SPEAKER,
+    limits: Limits | None = None,
+    dry_run: bool = False,
+) -> Utterance:
+    """Change the base by a SPARQL update, unless it would break the invariants of a base.
+
+    Args:
+        base: what is changed.
+        text: the update; graphs are named (`GRAPH graph:beliefs { ... }`).
+        speaker: who does it.
+        limits: time and memory for trying it.
+        dry_run: only try it.
+
+    Returns:
+        The utterance that records it, or would record it, in the history.
+
+    Raises:
+        QueryError: the update is wrong, reaches outside, or took too long.
+        ValidationError: it would break the base; says what is wrong.
+        StoreError: it could not be written.
+    """
+    refuse_external_access(text)
+    refuse_nondeterminism(text)
+    with base.store.writing():
+        moment = to_milliseconds(base.clock())
+        utterance = Utterance(base.sequence + 1, text, "", speaker, moment, KIND)
+        change, record = with_prefixes(text), _record_update(utterance)
+        joined = join_updates(change, record)
+        # One by one, so that an error is reported at its place in the text.
+        try_updates(base.store, [change, record], utterance.sequence, limits or Limits())
+        if not dry_run:
+            base.store.update(joined)
+    return utterance
+
+
+def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Limits) -> None:
+    """Run updates on a copy of a store in a worker process, and check the copy.
+
+    Raises:
+        QueryError: an update is wrong or was stopped.
+        ValidationError: the copy is no valid base afterwards.
+    """
+    folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
+    try:
+        store.save(folder / "copy")
+        _, body = worker.request(limits, source=str(folder / "copy"), updates=list(updates))
+    finally:
+        worker.close()
+        shutil.rmtree(folder, ignore_errors=True)
+    report = json.loads(body)
+    if report["sequence"] != sequence:
+        raise ValidationError(["An update must not change the number of the last utterance."])
+    if report["findings"]:
+        raise ValidationError(report["findings"])
+
+
+def update_and_check(store: Store, updates: Iterable[str]) -> bytes:
+    """Update a copy and report what is wrong with it, as JSON: the worker's side."""
+    history, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
+    for each in updates:
+        store.update(each)
+    findings = {*_findings(store), *_history_findings(store, history), *_lost(store, rules)}
+    report = {"sequence": RuleReader(store).sequence, "findings": sorted(findings)}
+    return json.dumps(report).encode()
+
+
+def _findings(store: Store) -> Iterator[str]:
+    known = {iri("graph", name) for name in GRAPH_NAMES}
+    foreign = {quad.graph for quad in store.quads() if quad.graph not in known}
+    for graph in foreign:
+        name = shortened(graph) if graph else "without a name"
+        yield f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."
+    if base_format(store) != FORMAT:
+        yield "An update must not change the format of the base."
+    yield from map(str, check_invariants(store))
+
+
+def _history_findings(store: Store, before: set[Quad]) -> Iterator[str]:
+    """What changed in the history, except for the utterance that records the update."""
+    utterance = utterance_iri(RuleReader(store).sequence)
+    for quad in before.symmetric_difference(store.quads(None, None, None, HISTORY)):
+        kind, _ = split(quad.subject)
+        if quad.subject != utterance and not (kind == "speaker" and quad not in before):
+            yield f"{shortened(quad.subject)}: An update must not change the history."
+
+
+def _lost(store: Store, rules: set[Iri]) -> Iterator[str]:
+    """The rules that were removed, although the history refers to them."""
+    for node in rules.difference(rule_nodes(store)):
+        yield f"{shortened(node)}: An update must keep every rule; a retracted one has a status."
+
+
+def _record_update(utterance: Utterance) -> str:
+    """The update that adds an utterance to the history."""
+    before = utterance.sequence - 1
+    number = Quad(BASE_NODE, SEQUENCE, utterance.sequence, BASE_GRAPH)
+    old = [number._replace(object=before)] if before else []
+    return delete_insert(
+        old, [number, *utterance_quads(utterance), *speaker_quads(utterance.speaker, HISTORY)]
+    )
+
+
+def _answer(request: dict[str, Any]) -> tuple[str, bytes]:
+    from .stores.oxigraph import open_folder
+    from .stores.worker import limit_memory
+
+    store = open_folder(Path(request["source"]))
+    limit_memory(request["megabytes"])
+    return REPORT, update_and_check(store, request["updates"])
+
+
+if __name__ == "__main__":
+    from .stores.worker import serve
+
+    serve(sys.stdin.buffer, sys.stdout.buffer, _answer)
