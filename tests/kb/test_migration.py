@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about bases that an earlier Hilt wrote."""
+"""Claims about bases that an earlier version of Hilt wrote."""
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
+
 import pytest
 
+from hilt.kb.formats.transfer import export_quads, import_file
+from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.migration import FORMAT, STEPS, base_format, migrate, version_quad
-from hilt.kb.stores.oxigraph import OxigraphStore
+from hilt.kb.rdf.terms import Quad
+from hilt.kb.rule import Atom
+from hilt.kb.stores.oxigraph import OxigraphStore, save_quads
+from hilt.kb.stores.rdf_text import read_rdf, write_rdf
+from hilt.kb.validation import check_invariants, check_shapes
 from hilt.ontology.errors import StoreError
 from hilt.ontology.vocabulary import iri, term
 
@@ -19,6 +28,9 @@ WHERE { GRAPH graph:history { ?said hilt:predicate ?form } }
 """
 TO_3 = "INSERT DATA { GRAPH graph:base { <https://w3id.org/hilt/base> hilt:note 3 } }"
 HISTORY = iri("graph", "history")
+# A base that Hilt wrote on 21 November 2026: rules of every kind and status, trust, a learned
+# word, an episode, and a correction.
+FORMAT_1 = Path(__file__).parent / "data" / "format-1.nq"
 
 
 def test_base_is_brought_to_a_later_format(paper: KnowledgeBase):
@@ -67,3 +79,63 @@ def test_reading_only_does_not_migrate(paper: KnowledgeBase):
 def test_there_is_a_way_from_every_format():
     """Each format before that of today has its step."""
     assert sorted(STEPS) == list(range(1, FORMAT))
+
+
+def statements(text: bytes) -> list[Quad]:
+    """The statements of N-Quads."""
+    found = read_rdf(io.BytesIO(text), format="nquads", source="x", default=iri("graph", "base"))
+    return [each for each in found if isinstance(each, Quad)]
+
+
+@pytest.fixture
+def format_1(tmp_path: Path) -> Path:
+    """A folder with the base of format 1."""
+    save_quads(statements(FORMAT_1.read_bytes()), tmp_path / "kb")
+    return tmp_path / "kb"
+
+
+def test_base_of_format_1_is_read(format_1: Path):
+    """Rules, history, trust, words and episodes have the values that were written."""
+    with KnowledgeBase.open(format_1) as kb:
+        assert [rule.node for rule in kb.rules()] == [
+            "findObject.cutting", "pickUp.graspObject", "findObject.cutting", "pass.graspObject"
+        ]  # fmt: skip
+        assert {rule.status for rule in kb.rules(status=None)} == {
+            "active", "superseded", "retracted"
+        }  # fmt: skip
+        (saw,) = kb.rules(speaker="Anna Müller")
+        assert (saw.interval, saw.trust) == (Interval(0.123456, 0.9), 0.5)
+        assert saw.features == {Atom("object", "saw"), Atom("property", "red")}
+        assert kb.utterance(5).text == "A red saw is used for “cutting”, 刀 \\ too"
+        assert (kb.sequence, [word.atom.name for word in kb.words()]) == (9, ["saw"])
+        (episode,) = kb.episodes()
+        assert (episode.part, episode.lifted_m, episode.utterance) == ("handle", 0.152, 9)
+
+
+def test_base_of_format_1_is_valid_and_exported_unchanged(format_1: Path, tmp_path: Path):
+    """The checks find nothing, and an export imported into a new base exports the same."""
+    with KnowledgeBase.open(format_1) as kb:
+        assert [*check_invariants(kb.store), *check_shapes(kb.store)] == []
+        quads = export_quads(kb.store, rules_only=False)
+    assert set(quads) == set(statements(FORMAT_1.read_bytes()))
+    file = tmp_path / "export.nq"
+    file.write_bytes(write_rdf(quads, format="nquads"))
+
+    with KnowledgeBase.open(tmp_path / "copy") as copy:
+        import_file(copy, str(file))
+        assert set(export_quads(copy.store, rules_only=False)) == set(quads)
+
+
+def test_base_of_format_1_is_taught(format_1: Path):
+    """A rule that is told again and a rule that is retracted change what they always changed."""
+    with KnowledgeBase.open(format_1) as kb:
+        handle, before = kb.rules(context="pickUp")[0], len(kb.rules())
+
+        kb.retract(handle.id, "No", "not(x)", "sam")
+        assert len(kb.rules()) == before - 1
+        kb.believe("Yes", "implies(x)", "sam", [handle])
+
+    with KnowledgeBase.open(format_1) as kb:
+        assert kb.sequence == 11
+        assert kb.rules(context="pickUp") == [kb.rule(handle.id)]
+        assert list(check_invariants(kb.store)) == []

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+
+from .interval import CERTAIN, VACUOUS, Interval
+from .knowledge_base import KnowledgeBase
+from .rule import Atom, Rule, functional, grasping
+
+__all__ = [
+    "CERTAIN",
+    "VACUOUS",
+    "Atom",
+    "Interval",
+    "KnowledgeBase",
+    "Rule",
+    "functional",
+    "grasping",
+]

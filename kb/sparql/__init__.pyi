@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+
+from .named_queries import NamedQuery, named_query, query_names, read_query
+from .results import BooleanResult, Limits, QueryResult, Solutions, Statements
+from .safety import refuse_external_access, refuse_nondeterminism
+from .text import Bindings, bind_variables, query_form, with_prefixes
+
+__all__ = [
+    "Bindings",
+    "BooleanResult",
+    "Limits",
+    "NamedQuery",
+    "QueryResult",
+    "Solutions",
+    "Statements",
+    "bind_variables",
+    "named_query",
+    "query_form",
+    "query_names",
+    "read_query",
+    "refuse_external_access",
+    "refuse_nondeterminism",
+    "with_prefixes",
+]

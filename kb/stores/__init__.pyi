@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+
+from .base import MEMORY, Store
+from .opening import open_store
+from .oxigraph import OxigraphStore
+from .rdf_text import read_rdf, write_rdf
+from .remote import RemoteStore
+from .result_formats import write_result
+
+__all__ = [
+    "MEMORY",
+    "OxigraphStore",
+    "RemoteStore",
+    "Store",
+    "open_store",
+    "read_rdf",
+    "write_rdf",
+    "write_result",
+]
