@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each utterance did to the rules, and how the rules of two bases differ."""
+"""The rule changes of each utterance, and the difference between two bases."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from .rdf import rule_mapping
 from .reader import RuleReader
 from .rule import Rule
 
-_NAMED = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
-_TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # it may be the number of an utterance
+_RULE_NAME = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
+_TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of an utterance
 
 
 @dataclass(frozen=True)
 class RuleChange:
-    """An utterance with the rules that it touched, as they stand now.
+    """An utterance with the rules that it changed, as they are now.
 
     Attributes:
-        utterance: what was said.
-        told, retracted, superseded: the rules it asserted, took back and replaced.
+        utterance: the utterance.
+        told, retracted, superseded: the rules it asserted, retracted and superseded.
     """
 
     utterance: Utterance
@@ -35,7 +35,7 @@ class RuleChange:
     superseded: tuple[Rule, ...]
 
     def as_json(self) -> dict[str, object]:
-        """As `hilt watch --json` prints it, one a line."""
+        """One line of `hilt watch --json`."""
         rules = {name: getattr(self, name) for name in ("told", "retracted", "superseded")}
         listed = {name: [rule.as_json() for rule in some] for name, some in rules.items()}
         return {**self.utterance.as_json(), "rules": listed}
@@ -43,24 +43,24 @@ class RuleChange:
 
 @dataclass(frozen=True)
 class AlteredRule:
-    """The same rule of the same speaker, with another interval or status."""
+    """A rule of a speaker before and after its interval or status changed."""
 
     before: Rule
     after: Rule
 
     def as_json(self) -> dict[str, object]:
-        """Both sides, with their status."""
+        """Both versions, with their status."""
         return {"before": _with_status(self.before), "after": _with_status(self.after)}
 
 
 @dataclass(frozen=True)
 class BaseDifference:
-    """How what one base believes differs from what another believes.
+    """The difference between the active rules, trust and words of two bases.
 
     Attributes:
-        removed, added: rules that only the first, only the second believes.
-        altered: rules that both know, with another interval or status.
-        trust: speaker, trust in the first, trust in the second; None where nothing was said.
+        removed, added: rules that are active in the first only, in the second only.
+        altered: rules that both have, with another interval or status.
+        trust: speaker, trust in the first, trust in the second; None where it is not set.
         words_removed, words_added: learned words that only one of them has.
     """
 
@@ -73,12 +73,12 @@ class BaseDifference:
 
     @property
     def is_empty(self) -> bool:
-        """Whether they believe the same."""
+        """Whether the bases agree."""
         lists = (self.removed, self.added, self.altered, self.trust)
         return not any((*lists, self.words_removed, self.words_added))
 
     def as_json(self) -> dict[str, object]:
-        """As `hilt diff --json` prints it."""
+        """The document of `hilt diff --json`."""
         return {
             "removed": [rule.as_json() for rule in self.removed],
             "added": [rule.as_json() for rule in self.added],
@@ -93,20 +93,20 @@ class BaseDifference:
 
 
 def rule_changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
-    """What was said after an utterance, with what it did."""
+    """The utterances after a number, with the rules that each changed."""
     for utterance in base.history(since=since):
-        touched = (utterance.asserts, utterance.retracts, utterance.supersedes)
-        told, retracted, superseded = (tuple(map(base.rule, ids)) for ids in touched)
+        changed = (utterance.asserts, utterance.retracts, utterance.supersedes)
+        told, retracted, superseded = (tuple(map(base.rule, ids)) for ids in changed)
         yield RuleChange(utterance, told, retracted, superseded)
 
 
 def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
-    """How the beliefs of one base differ from those of another, however they came to be."""
+    """The difference between what two bases hold now, whatever their histories."""
     active = [(rule_mapping.STATUS, rule_mapping.status_iri("active"))]
     left, right = before.nodes_with(active), after.nodes_with(active)
     removed, added = _read(before, left - right), _read(after, right - left)
     altered = [*_ended(removed, after), *_revived(added, before)]
-    altered += _moved(_without(removed, altered), _without(added, altered))
+    altered += _with_other_interval(_without(removed, altered), _without(added, altered))
     words = [set(base.words()) for base in (before, after)]
     taught = [{(word.atom, word.speaker) for word in some} for some in words]
     return BaseDifference(
@@ -128,7 +128,7 @@ def find_rule(base: RuleReader, name: str) -> Rule:
     """
     if _TOO_SHORT.fullmatch(name):
         raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
-    digits = _NAMED.fullmatch(name)
+    digits = _RULE_NAME.fullmatch(name)
     if digits is None or len(digits[1]) == len("0123456789abcdef"):
         return base.rule(f"rule/{digits[1]}" if digits else name)
     start = rule_mapping.rule_iri(f"rule/{digits[1]}")
@@ -142,37 +142,38 @@ def find_rule(base: RuleReader, name: str) -> Rule:
 
 
 def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
-    """The rules of the last sentence of a speaker that taught something which still holds.
+    """The rules of the last utterance of a speaker that asserted a rule which is still active.
 
     Raises:
-        UnknownNameError: the speaker has told no rule that holds.
+        UnknownNameError: the speaker has no active rule.
     """
     others = set[str]()
-    for said in base.history(newest_first=True):
-        if said.kind == IMPORT:  # what a file says of a speaker is no sentence of that one
+    for utterance in base.history(newest_first=True):
+        if utterance.kind == IMPORT:  # a file that attributes a rule to the speaker
             continue
-        rules = [base.rule(one) for one in said.asserts]
-        told = [rule for rule in rules if _still_holds(rule, said)]
-        if found := [rule for rule in told if rule.speaker == speaker]:
+        rules = [base.rule(one) for one in utterance.asserts]
+        active = [rule for rule in rules if _is_still_active(rule, utterance)]
+        if found := [rule for rule in active if rule.speaker == speaker]:
             return found
-        others |= {rule.speaker for rule in told}
+        others |= {rule.speaker for rule in active}
     raise NotFoundError("sentence with a rule that holds by", speaker, others)
 
 
-def _still_holds(rule: Rule, said: Utterance) -> bool:
-    return rule.status == "active" and rule.utterance == said.sequence
+def _is_still_active(rule: Rule, utterance: Utterance) -> bool:
+    return rule.status == "active" and rule.utterance == utterance.sequence
 
 
 def _read(base: RuleReader, nodes: set[Iri]) -> list[Rule]:
-    return sorted(base.read_rules((node, base.properties(node)) for node in nodes), key=_matter)
+    return sorted(base.read_rules((node, base.properties(node)) for node in nodes), key=_content)
 
 
 def _ended(removed: list[Rule], after: RuleReader) -> list[AlteredRule]:
-    """Rules of the first that the second knows and believes no more."""
+    """The removed rules that the second base has with another status."""
     return [AlteredRule(rule, other) for rule in removed for other in _known(after, rule)]
 
 
 def _revived(added: list[Rule], before: RuleReader) -> list[AlteredRule]:
+    """The added rules that the first base has with another status."""
     return [AlteredRule(other, rule) for rule in added for other in _known(before, rule)]
 
 
@@ -181,14 +182,14 @@ def _known(base: RuleReader, rule: Rule) -> list[Rule]:
     return base.read_rules([(node, star)]) if (star := base.properties(node)) else []
 
 
-def _moved(removed: list[Rule], added: list[Rule]) -> list[AlteredRule]:
-    """Rules that say the same of the same matter, by the same speaker, with another interval."""
-    free = {_matter(rule): rule for rule in removed}
-    pairs = [(free.pop(_matter(rule), None), rule) for rule in added]
+def _with_other_interval(removed: list[Rule], added: list[Rule]) -> list[AlteredRule]:
+    """The rules of one speaker with the same premises and conclusion, and another interval."""
+    free = {_content(rule): rule for rule in removed}
+    pairs = [(free.pop(_content(rule), None), rule) for rule in added]
     return [AlteredRule(before, after) for before, after in pairs if before]
 
 
-def _matter(rule: Rule) -> tuple[str, ...]:
+def _content(rule: Rule) -> tuple[str, ...]:
     left = (" ".join(sorted(map(str, atoms))) for atoms in (rule.features, rule.contexts))
     return (*left, rule.functor, str(rule.argument), rule.speaker)
 

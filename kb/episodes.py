@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Episodes: what the robot did about a command, step by step, and why.
+"""Episodes: how the robot carried out a command, step by step, and by which rules.
 
-The graph keeps the facts that questions are asked about (goal, outcome, which rules decided what
-at which node); the whole record, as `hilt do --json` prints it, stands beside them as one text.
+The graph `episodes` has the facts that queries ask for (goal, outcome, which rules decided what at
+which node); the complete record, as `hilt do --json` prints it, is stored beside them as one text.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from .rdf.rule_mapping import (
     atom_from_iri,
     atom_iri,
     rule_id,
+    rule_iri,
 )
-from .rdf.rule_mapping import rule_iri as _rule_iri
 from .rdf.terms import Quad, Term
 from .rule import Atom
 from .stores.base import Store
@@ -44,15 +44,15 @@ TOUCHED, LIFTED, HANDED_OVER = (term(n) for n in ("touched", "lifted", "handedOv
 
 @dataclass(frozen=True)
 class EpisodeStep:
-    """What was worked out at one node of the action tree.
+    """The decision at one node of the action tree.
 
     Attributes:
-        path: of the node, as "pass/graspObject".
-        features: what was looked for.
+        path: path of the node, as "pass/graspObject".
+        features: the features that were searched for.
         object: the object chosen; None where none was.
         part: the part chosen; None where none was.
-        interval: of the conclusion; None where nothing was concluded.
-        rules: ids of the rules behind it.
+        interval: interval of the conclusion; None where nothing was concluded.
+        rules: ids of the rules that support it.
     """
 
     path: str
@@ -65,23 +65,23 @@ class EpisodeStep:
 
 @dataclass(frozen=True, kw_only=True)
 class Episode:
-    """What became of one command.
+    """The execution of one command.
 
     Attributes:
         goal: in predicate form.
         text: the command as it was said.
         speaker: who said it.
         outcome: done, failed, asked, refused or not_understood.
-        said: what was answered.
-        seed: of everything random in it.
-        document: the whole record as JSON.
+        said: the answer.
+        seed: the seed of all random choices.
+        document: the complete record as JSON.
         object: the object that was chosen; None where none was.
         part: the part that was chosen; None where none was.
         rules: ids of the rules that decided.
-        steps: what was worked out at each node, in the order of the walk.
+        steps: the decisions at the nodes, in order of execution.
         touched: the parts that the fingers touched.
-        lifted_m: how high the object was lifted [m]; None where no robot moved.
-        handed_over: whether it was still held at the hand-over; None where no robot moved.
+        lifted_m: height the object was lifted [m]; None without a simulation.
+        handed_over: whether it was still held at the hand-over; None without a simulation.
         utterance: number of the utterance it answers; None until it is recorded.
         id: unique in the base; empty until it is recorded.
         time: when it was recorded, with its time zone; None before.
@@ -134,17 +134,17 @@ def _episode_properties(episode: Episode) -> Iterator[tuple[Iri, Term]]:
     yield ANSWER, episode.said
     yield SEED, episode.seed
     yield DOCUMENT, episode.document
-    yield from _chosen(episode.object, episode.part)
+    yield from _choice_properties(episode.object, episode.part)
     for one in episode.rules:
-        yield USED, _rule_iri(one)
-    yield from _happened(episode)
+        yield USED, rule_iri(one)
+    yield from _outcome_properties(episode)
     if episode.utterance is not None:
         yield ABOUT, utterance_iri(episode.utterance)
     if episode.time is not None:
         yield GENERATED_AT, episode.time
 
 
-def _happened(episode: Episode) -> Iterator[tuple[Iri, Term]]:
+def _outcome_properties(episode: Episode) -> Iterator[tuple[Iri, Term]]:
     for part in episode.touched:
         yield TOUCHED, atom_iri(Atom("part", part))
     if episode.lifted_m is not None:
@@ -153,7 +153,7 @@ def _happened(episode: Episode) -> Iterator[tuple[Iri, Term]]:
         yield HANDED_OVER, episode.handed_over
 
 
-def _chosen(name: str | None, part: str | None) -> Iterator[tuple[Iri, Term]]:
+def _choice_properties(name: str | None, part: str | None) -> Iterator[tuple[Iri, Term]]:
     if name is not None:
         yield OBJECT, atom_iri(Atom("object", name))
     if part is not None:
@@ -209,12 +209,12 @@ def _step_properties(index: int, step: EpisodeStep) -> Iterator[tuple[Iri, Term]
     yield PATH, step.path
     for feature in step.features:
         yield FEATURE, atom_iri(feature)
-    yield from _chosen(step.object, step.part)
+    yield from _choice_properties(step.object, step.part)
     if step.interval is not None:
         yield LOWER, Decimal(str(step.interval.rounded().lower))
         yield UPPER, Decimal(str(step.interval.rounded().upper))
     for one in step.rules:
-        yield USED, _rule_iri(one)
+        yield USED, rule_iri(one)
 
 
 def _read_step(found: dict[Iri, list[Term]]) -> EpisodeStep:

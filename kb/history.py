@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The history: everything that was said, by whom, when, and what it did to the rules.
+"""The history: every utterance with its speaker, its time and the rules it changed.
 
-Utterances are numbered from 1 as they arrive; inference assimilates by that number. What an
-utterance asserted stays linked to it when the rule is later retracted or superseded, so the base
-can tell what it believed at any time.
+Utterances are numbered from 1 as they arrive; inference notices new ones by that number. A rule
+stays linked to the utterance that asserted it when it is later retracted or superseded, so the
+rules of any earlier time can be found (`views`).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from .rule import MAX_NAME, check_speaker
 T = TypeVar("T", int, str, bool, Iri, datetime, Decimal)
 
 HISTORY = iri("graph", "history")
-IMPORT = "import"  # the kind of an utterance that stands for a file
-_UNFIT = re.compile(r"[^\w.@+-]+")
+IMPORT = "import"  # the kind of an utterance that stands for an imported file
+_NOT_IN_NAMES = re.compile(r"[^\w.@+-]+")
 MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
 
 SEQUENCE, TEXT, PREDICATE, KIND = (term(n) for n in ("sequence", "text", "predicate", "kind"))
@@ -37,21 +37,21 @@ ASSERTS, RETRACTS, SUPERSEDES = (term(n) for n in ("asserts", "retracts", "super
 
 @dataclass(frozen=True)
 class Utterance:
-    """One sentence of the history.
+    """One utterance of the history.
 
     Attributes:
         sequence: its number, from 1.
         text: as it was said.
-        predicate: what was understood, in predicate form; empty when nothing was.
+        predicate: its meaning in predicate form; empty when it was not understood.
         speaker: who said it.
-        time: when, with its time zone.
+        time: when it was said, with a time zone.
         kind: statement, command, question, correction, ...
         accepted: whether it was believed or carried out.
-        answer: what was said back; empty when not known.
+        answer: the answer to it; empty when not known.
         asserts: ids of the rules it asserted.
-        retracts: ids of the rules it took back.
-        supersedes: ids of the rules that it replaced.
-        heard: how surely its words were recognised, in [0, 1]; 1 where it was typed.
+        retracts: ids of the rules it retracted.
+        supersedes: ids of the rules it superseded.
+        heard: confidence of the speech recognition, in [0, 1]; 1 where it was typed.
     """
 
     sequence: int
@@ -75,7 +75,7 @@ class Utterance:
             raise ValidationError([f"The time {self.time} has no time zone."])
 
     def as_json(self) -> dict[str, object]:
-        """As `hilt history --json` prints it."""
+        """One entry of `hilt history --json`."""
         return {
             "sequence": self.sequence,
             "text": self.text,
@@ -95,17 +95,17 @@ class Utterance:
 def import_utterance(
     source: str, sequence: int, time: datetime, *, some: str = "", asserts: tuple[str, ...] = ()
 ) -> Utterance:
-    """What stands for a file whose rules do not say where they come from: the file said them.
+    """The utterance that stands for a file whose rules do not say where they come from.
 
     Args:
         source: the name of the file; "-" is standard input.
         sequence: the number of the utterance.
         time: when it was read.
-        some: which of its rules, where it stands for some of them only.
+        some: which of its rules, where it stands for only some of them.
         asserts: ids of the rules.
     """
     name = "standard input" if source == "-" else PurePath(source).name
-    speaker = f"file {_UNFIT.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")
+    speaker = f"file {_NOT_IN_NAMES.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")
     return Utterance(
         sequence, f"import of {source}{some}", "", speaker, time, IMPORT, asserts=asserts
     )
@@ -124,7 +124,7 @@ def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
 
 
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
-    """The utterance of a node's properties, as `utterance_quads` wrote them.
+    """The utterance with a node's properties, as `utterance_quads` writes them.
 
     Raises:
         ValidationError: something is missing or malformed.

@@ -2,8 +2,8 @@
 """Belief intervals [lower, upper].
 
 An `Interval` bounds the probability of one statement: at least `lower` (its belief), at most
-`upper` (its plausibility). [1, 1] is certainty, [0, 1] ignorance, and the width between them is
-what nobody has said anything about. How intervals combine is the matter of `hilt.inference`.
+`upper` (its plausibility). [1, 1] is certainty, [0, 1] ignorance; the width is the part of the
+probability for which there is no evidence. `hilt.inference` combines intervals.
 
 After Shafer, A Mathematical Theory of Evidence (1976), on the frame {true, false}.
 """
@@ -48,12 +48,12 @@ class Interval:
 
     @property
     def width(self) -> float:
-        """How much is left open: 0 for a point, 1 for ignorance."""
+        """The ignorance: 0 for a point, 1 for [0, 1]."""
         return self.upper - self.lower
 
     @property
     def is_vacuous(self) -> bool:
-        """Whether this says nothing at all."""
+        """Whether this is [0, 1], which says nothing."""
         return self.lower == 0.0 and self.upper == 1.0
 
     def negated(self) -> Interval:
@@ -61,7 +61,7 @@ class Interval:
         return Interval(1.0 - self.upper, 1.0 - self.lower)
 
     def discounted(self, trust: float) -> Interval:
-        """What is left of this when its source is right only with probability `trust`.
+        """This interval when its source is reliable only with probability `trust`.
 
         Shafer's discounting: the mass taken away goes to ignorance.
 

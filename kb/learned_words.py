@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Learned words: what nobody knew before somebody used it in a sentence that explained it.
+"""Learned words: words of the lexicon that an utterance introduced.
 
 A word is an OntoLex entry in the graph `lexicon`. It denotes an object, a part, an affordance or an
-action, and keeps its teacher and the utterance it was learned from. A word that is revoked stays in
-the graph with another status, as a rule does.
+action, and names its speaker and the utterance it was learned from. A retracted word stays in the
+graph with that status, as a rule does.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class Word:
     Attributes:
         atom: what it denotes: its dictionary form and its kind.
         said: as it was said.
-        speaker: who taught it.
-        utterance: number of the utterance it was learned from; None before it is kept.
+        speaker: who used it first.
+        utterance: number of the utterance it was learned from; None before it is stored.
     """
 
     atom: Atom
@@ -48,7 +48,7 @@ class Word:
     utterance: int | None = None
 
     def as_json(self) -> dict[str, object]:
-        """As `hilt words --json` prints it."""
+        """One entry of `hilt words --json`."""
         return {
             "word": self.atom.name,
             "kind": self.atom.kind,
@@ -59,7 +59,7 @@ class Word:
 
 
 def word_iri(atom: Atom) -> Iri:
-    """The node of a word, made from what it denotes."""
+    """The node of a word, from the atom it denotes."""
     return iri("word", f"{atom.kind}.{atom.name}")
 
 
@@ -81,7 +81,7 @@ def word_quads(word: Word, utterance: int, *, status: Status = "active") -> Iter
 
 
 def read_words(store: Store) -> list[Word]:
-    """The words that are known now, sorted by what they denote."""
+    """The active words of a store, sorted by what they denote."""
     nodes = [q.subject for q in store.quads(None, STATUS, status_iri("active"), LEXICON)]
     return sorted(_read(store, node) for node in nodes)
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a base that an earlier Hilt wrote becomes one of today.
+"""Migration of bases that an earlier version of Hilt wrote to the present format.
 
-A base says in which format it is. Each step is one SPARQL update that leads to the next format;
-it is applied together with the new number, so a base is always wholly in one format; where the
-store is an endpoint that does not do both at once, the number comes last, and the step is done
-again. Bases are migrated when they are opened for writing. Steps are never changed once they were
-released.
+A base names its format. Each step is one SPARQL update to the next format; it is applied together
+with the new number, so a base is always wholly in one format. At an endpoint that does not apply
+both at once the number comes last, and the step is repeated. Bases are migrated when they are
+opened for writing. Steps are never changed after their release.
 """
 
 from __future__ import annotations
@@ -19,15 +18,15 @@ from .reader import BASE_GRAPH, BASE_NODE
 from .sparql.text import delete_insert, join_updates
 from .stores.base import Store
 
-FORMAT = 1  # raised when earlier programs would misread what is written
+FORMAT = 1  # raised when earlier versions would misread what is written
 FORMAT_VERSION = term("formatVersion")
 
-# From a format to the next: the update that does it. Add a step when FORMAT is raised.
+# Format -> the update to the next one. Add a step when FORMAT is raised.
 STEPS: Mapping[int, str] = {}
 
 
 def base_format(store: Store) -> Term | None:
-    """In which format a store was written; None when it holds no base."""
+    """The format in which a store was written; None when it holds no base."""
     found = store.quads(BASE_NODE, FORMAT_VERSION, None, BASE_GRAPH)
     return next((quad.object for quad in found), None)
 
@@ -35,16 +34,16 @@ def base_format(store: Store) -> Term | None:
 def migrate(
     store: Store, found: Term, *, steps: Mapping[int, str] = STEPS, to: int = FORMAT
 ) -> None:
-    """Bring a base to a later format, step by step; the write lock is held.
+    """Bring a base to a later format, step by step; the caller holds the write lock.
 
     Args:
-        store: what holds the base.
+        store: the store of the base.
         found: its format.
-        steps: from a format to the next.
-        to: the format that is wanted.
+        steps: format -> the update to the next one.
+        to: the wanted format.
 
     Raises:
-        StoreError: there is no way, or the store is read only.
+        StoreError: there is no step, or the store is read-only.
     """
     if not isinstance(found, int) or found > to or any(n not in steps for n in range(found, to)):
         raise StoreError(

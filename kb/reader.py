@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the base knows: rules, the history, and how far speakers are trusted.
+"""Reading of rules, of the history, and of the trust in speakers.
 
-`rules_at_nodes` is the hot question, asked at every step of every action; it starts from the
-edges of the given nodes, so its time depends on what it finds and not on the size of the base.
+`rules_at_nodes` is the most frequent query, made at every step of every action; it starts from the
+edges of the given nodes, so its time depends on how many rules it finds, not on the size of the
+base.
 """
 
 from __future__ import annotations
@@ -29,32 +30,34 @@ BASE_NODE = Iri("https://w3id.org/hilt/base")
 BASE_GRAPH = iri("graph", "base")
 TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
 
-MAX_LISTED = 10  # rules that a message names
+MAX_LISTED = 10  # rules that an error message names
 
-# A rule's node, and what stands at it.
-Star: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
+# The node of a rule, and its properties with their values.
+NodeProperties: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
 
 
 class RuleReader:
     """Reads the rules and the history of a store.
 
     Attributes:
-        store: where they are kept.
+        store: where they are stored.
     """
 
     def __init__(self, store: Store) -> None:
         self.store = store
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """The active rules that hang on action-tree nodes: the question asked at every step.
+        """The active rules that are attached to action-tree nodes, sorted by id.
 
         Args:
             nodes: keys such as "pass.graspObject", "graspObject", "findObject.cutting".
         """
         if self.store.has_cheap_patterns:
-            found = list(self._hanging(nodes))
+            found = list(self._attached(nodes))
         else:
-            found = self._asked("rules-of-node", node=[node_iri(node) for node in nodes])
+            query = named_query("rules-of-node").text
+            bound = bind_variables(query, {"node": [node_iri(node) for node in nodes]})
+            found = _gathered(self.store.select(bound))
         return self.read_rules(sorted(found, key=lambda one: one[0]))
 
     def rules(
@@ -67,17 +70,17 @@ class RuleReader:
         speaker: str | None = None,
         status: Status | None = "active",
     ) -> list[Rule]:
-        """All rules that match, in the order in which they were last told.
+        """The rules that match, in the order in which they were last said.
 
         Args:
             object: the object they are about.
-            affordance: what they say it is used for.
-            context: the action they are told for.
-            part: the part they say it is grasped by.
-            speaker: who told them.
-            status: active by default; None for every status.
+            affordance: the affordance they conclude.
+            context: the action they apply to.
+            part: the part they conclude.
+            speaker: who said them.
+            status: active by default; None for any status.
         """
-        wanted = [  # what few rules have comes first
+        wanted = [  # the most selective property comes first
             (rule_mapping.FEATURE, _atom_iri("object", object)),
             (rule_mapping.AFFORDANCE, _atom_iri("affordance", affordance)),
             (rule_mapping.PART, _atom_iri("part", part)),
@@ -85,39 +88,31 @@ class RuleReader:
             (rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
             (rule_mapping.STATUS, rule_mapping.status_iri(status) if status else None),
         ]
-        found = self._stars([(key, value) for key, value in wanted if value is not None])
+        found = self._with_properties([(key, value) for key, value in wanted if value is not None])
         return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
 
     def rules_with_premises_of(self, rule: Rule) -> list[Rule]:
         """The active rules of the same speaker with the same premises, as `rules` orders them.
 
-        It takes as long as many rules have its first feature; the size of the base does not count.
+        The time depends on how many rules have its first feature, not on the size of the base.
         """
         if not rule.features:  # of any object: there are few on a node
             found = [one for one in self.rules_at_nodes([rule.node]) if one.speaker == rule.speaker]
         else:
-            found = self.read_rules(
-                self._stars(
-                    [
-                        *(
-                            (rule_mapping.FEATURE, rule_mapping.atom_iri(atom))
-                            for atom in sorted(rule.features)
-                        ),
-                        *(
-                            (rule_mapping.CONTEXT, rule_mapping.atom_iri(atom))
-                            for atom in sorted(rule.contexts)
-                        ),
-                        (rule_mapping.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
-                        (rule_mapping.STATUS, rule_mapping.status_iri("active")),
-                    ]
-                )
-            )
-        same = [one for one in found if one.features == rule.features]
-        same = [one for one in same if one.contexts == rule.contexts]
+            atom_iri = rule_mapping.atom_iri
+            wanted = [(rule_mapping.FEATURE, atom_iri(atom)) for atom in sorted(rule.features)]
+            wanted += [(rule_mapping.CONTEXT, atom_iri(atom)) for atom in sorted(rule.contexts)]
+            wanted += [
+                (rule_mapping.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
+                (rule_mapping.STATUS, rule_mapping.status_iri("active")),
+            ]
+            found = self.read_rules(self._with_properties(wanted))
+        premises = (rule.features, rule.contexts)
+        same = [one for one in found if (one.features, one.contexts) == premises]
         return sorted(same, key=lambda one: (one.utterance or 0, one.id))
 
     def rule(self, rule_id: str) -> Rule:
-        """The rule of an id, whatever its status.
+        """The rule with an id, whatever its status.
 
         Raises:
             UnknownNameError: there is none.
@@ -129,7 +124,7 @@ class RuleReader:
         return self.read_rules([(node, found)])[0]
 
     def utterance(self, sequence: int) -> Utterance:
-        """The utterance of a number.
+        """The utterance with a number.
 
         Raises:
             UnknownNameError: there is none.
@@ -141,7 +136,7 @@ class RuleReader:
         return read_utterance(found)
 
     def history(self, *, since: int = 0, newest_first: bool = False) -> Iterator[Utterance]:
-        """What was said after an utterance, in order, or the last of it first."""
+        """The utterances after a number, in order or newest first."""
         numbers = range(since + 1, self.sequence + 1)
         for number in reversed(numbers) if newest_first else numbers:
             found = self.store.properties(utterance_iri(number), HISTORY)
@@ -149,62 +144,60 @@ class RuleReader:
                 yield read_utterance(found)
 
     def words(self) -> list[Word]:
-        """The words that were learned and not revoked."""
+        """The learned words that were not revoked."""
         return read_words(self.store)
 
     @property
     def sequence(self) -> int:
-        """The number of the last utterance, 0 before the first: equal numbers, equal beliefs."""
+        """The number of the last utterance; 0 before the first. Equal numbers mean equal rules."""
         numbers = self.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
         return max((cast(int, quad.object) for quad in numbers), default=0)
 
     def trust(self, speaker: str) -> Interval | None:
-        """How far a speaker is trusted; None when nobody said that the speaker is."""
+        """The trust in a speaker; None when nobody has set it."""
         found = dict(self.store.properties(iri("speaker", speaker), BELIEFS))
         if TRUST_LOWER not in found:
             return None
         return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
 
     def match_speaker(self, speaker: str) -> str:
-        """The name of a speaker as it was written when trust was given; capitals do not matter."""
+        """The known speaker whose name matches, whatever the case; else the name as given."""
         if self.trust(speaker) is not None:
             return speaker
-        alike = (name for name in self.trust_by_speaker() if name.casefold() == speaker.casefold())
-        return next(alike, speaker)
+        matching = (
+            name for name in self.trust_by_speaker() if name.casefold() == speaker.casefold()
+        )
+        return next(matching, speaker)
 
     def speakers(self) -> tuple[str, ...]:
-        """Who is trusted, at least a little; sorted."""
+        """The speakers with a trust above 0, sorted."""
         return tuple(name for name, trust in self.trust_by_speaker().items() if trust.upper > 0)
 
     def trust_by_speaker(self) -> dict[str, Interval]:
-        """Whom somebody said how far to trust, and how far; sorted by name."""
+        """The trust in every speaker for whom it was set, sorted by name."""
         nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
         names = sorted(split(node)[1] for node in nodes)
         return {name: trust for name in names if (trust := self.trust(name))}
 
-    def _hanging(self, nodes: Sequence[str]) -> Iterator[Star]:
+    def _attached(self, nodes: Sequence[str]) -> Iterator[NodeProperties]:
         for node in dict.fromkeys(nodes):
             for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, BELIEFS):
                 yield cast(Iri, edge.object), self.properties(cast(Iri, edge.object))
 
     def properties(self, node: Iri) -> list[tuple[Iri, Term]]:
-        """Everything that stands at a rule's node."""
+        """The properties of a rule's node, with their values."""
         return self.store.properties(node, BELIEFS)
 
-    def _asked(self, name: str, **bindings: list[Iri]) -> list[Star]:
-        """The stars that a named query found, as (rule, property, value) rows."""
-        return _gathered(self.store.select(bind_variables(named_query(name).text, dict(bindings))))
-
-    def _stars(self, wanted: Sequence[tuple[Iri, Iri]]) -> list[Star]:
-        """The stars of the rules that have all of these properties."""
+    def _with_properties(self, wanted: Sequence[tuple[Iri, Iri]]) -> list[NodeProperties]:
+        """The nodes of the rules that have all of these properties, with all their properties."""
         if self.store.has_cheap_patterns:
             return [(node, self.properties(node)) for node in self.nodes_with(wanted)]
         return _gathered(self.store.select(_having_query(wanted)))
 
     def nodes_with(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
-        """The nodes of the rules that have all of these properties; of all when none are given.
+        """The rules that have all of these properties, with all their properties."""
 
-        It takes as long as many have the first of them.
+        The time depends on how many rules have the first of them.
         """
         pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(rule_mapping.STATUS, None)]
         if not self.store.has_cheap_patterns:
@@ -215,8 +208,8 @@ class RuleReader:
             found = {node for node in found if any(self.store.quads(node, key, value, BELIEFS))}
         return found
 
-    def read_rules(self, found: Iterable[Star]) -> list[Rule]:
-        """The rules of stars, weighted by the trust in their speakers."""
+    def read_rules(self, found: Iterable[NodeProperties]) -> list[Rule]:
+        """The rules of nodes with their properties, weighted by the trust in their speakers."""
         rules = [rule_mapping.read_rule(properties) for _, properties in found]
         trust = {speaker: self._weight(speaker) for speaker in {r.speaker for r in rules}}
         return [
@@ -241,15 +234,15 @@ def _atom_iri(kind: str, name: str | None) -> Iri | None:
 
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]]) -> str:
-    """The query for the stars of the rules that have all of these properties."""
+    """The query for all properties of the rules that have all of these."""
     pairs = " ; ".join(f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted)
     having = f"?rule {pairs or f'{as_sparql(rule_mapping.STATUS)} ?status'} ."
     inside = f"{having} ?rule ?property ?value ."
     return f"SELECT ?rule ?property ?value WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
 
 
-def _gathered(rows: Iterable[tuple[Term | None, ...]]) -> list[Star]:
-    """Stars from rows of (rule, property, value)."""
+def _gathered(rows: Iterable[tuple[Term | None, ...]]) -> list[NodeProperties]:
+    """The properties of each rule, from rows of (rule, property, value)."""
     found: dict[Iri, dict[tuple[Iri, Term], None]] = {}
     for node, key, value in rows:
         found.setdefault(cast(Iri, node), {})[(cast(Iri, key), cast(Term, value))] = None

@@ -4,9 +4,9 @@
     r:  f1 AND f2 ... AND c1 ...  =>[lower, upper]  functor(argument)
 
 A *feature* is what the robot can see (an object, a property), a *context* what it is doing or
-where, and the *affordance* on the right is what follows: that the object is used for something
-(`usedFor(cutting)`), or how an action is done (`graspObject(blade)`). The form is that of the
-paper's section 2; rules r1 to r3 of its section 3.3 are `functional` and `grasping` ones.
+where, and the *affordance* is the conclusion: that the object is used for something
+(`usedFor(cutting)`), or how an action is done (`graspObject(blade)`). The form is that of section 2
+of the paper; the rules r1 to r3 of its section 3.3 are made by `functional` and `grasping`.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from .interval import DIGITS, Interval
 
 USED_FOR = "usedFor"
 GRASP_OBJECT = "graspObject"
-FIND_OBJECT = "findObject"  # the node at which it matters what an object is used for
-# What the functors that Hilt knows are about; any other one takes what its user gives it.
+FIND_OBJECT = "findObject"  # the node that functional rules are attached to
+# The kind of argument that known functors need; any other functor takes any.
 ARGUMENT_KINDS: Mapping[str, str] = MappingProxyType({USED_FOR: "affordance", GRASP_OBJECT: "part"})
 _EXAMPLES = {USED_FOR: "usedFor(affordance:cutting)", GRASP_OBJECT: "graspObject(part:blade)"}
-DEFAULT_SPEAKER = "sam"  # who speaks when nobody is named
+DEFAULT_SPEAKER = "sam"  # where no speaker is named
 MAX_NAME = 100  # characters
 
 Status = Literal["active", "retracted", "superseded", "induced"]
@@ -43,7 +43,7 @@ _SPEAKER = re.compile(r"[^\W_](?:[\w .'@+-]*[\w.])?")
 
 @dataclass(frozen=True, slots=True, order=True)
 class Atom:
-    """One thing a rule speaks of.
+    """One term of a rule: an object, a part, a property, ...
 
     >>> print(Atom("object", "wine glass"))
     object:wine glass
@@ -74,7 +74,7 @@ class Atom:
 
     @classmethod
     def parse(cls, text: str) -> Atom:
-        """The atom that `str` wrote: "object:knife"."""
+        """The atom of a text such as "object:knife"."""
         kind, _, name = text.partition(":")
         return cls(kind, name)
 
@@ -84,7 +84,7 @@ class Atom:
 
 @dataclass(frozen=True, repr=False)
 class Rule:
-    """One rule as one speaker told it.
+    """One rule of one speaker.
 
     >>> rule = grasping("knife", "blade", "pass", interval=Interval(0.95, 1))
     >>> rule
@@ -96,17 +96,17 @@ class Rule:
         features: perceptual invariants; all must be seen. May be empty when there is a context
             ("to pass anything ...").
         contexts: all must hold: the action it is done for, a place, a role.
-        functor: what is concluded: "usedFor", "graspObject", or another action's name.
-        argument: what of: an affordance, a part, ...; None where the functor needs none.
-        interval: as it was told, at most 6 fractional digits.
-        speaker: who told it.
-        utterance: number of the utterance that asserted it last; None before it is believed.
-        time: when it was first believed, with its time zone; None before.
+        functor: the predicate concluded: "usedFor", "graspObject", or another action's name.
+        argument: its argument: an affordance, a part, ...; None where the functor needs none.
+        interval: as it was said, with at most 6 fractional digits.
+        speaker: who said it.
+        utterance: number of the utterance that last asserted it; None before it is stored.
+        time: when it was last asserted, with a time zone; None before it is stored.
         status: active, retracted, superseded, or induced.
-        trust: how far the speaker is trusted now, in [0, 1]; not part of what was told.
+        trust: the present trust in the speaker, in [0, 1]; not part of the rule's content.
 
     Raises:
-        ValidationError: it speaks of nothing, or a name is malformed.
+        ValidationError: it has no feature and no context, or a name is malformed.
     """
 
     features: frozenset[Atom]
@@ -148,37 +148,37 @@ class Rule:
 
     @property
     def object(self) -> str | None:
-        """The name of the one object it is about; None where it is about any, or several."""
+        """The object it is about; None where it is about any, or several."""
         return _only(self.features, "object")
 
     @property
     def context(self) -> str | None:
-        """The action it is told for ("pass"); None where it holds for any."""
+        """The action it applies to ("pass"); None where it applies to any."""
         return _only(self.contexts, "action")
 
     @property
     def affordance(self) -> str | None:
-        """What the object is used for; None for other rules."""
+        """The affordance it concludes; None for other rules."""
         return self._argument("affordance")
 
     @property
     def part(self) -> str | None:
-        """The part that is concluded; None for other rules."""
+        """The part it concludes; None for other rules."""
         return self._argument("part")
 
     @property
     def support(self) -> Interval:
-        """The interval as evidence: as it was told, discounted by the trust in its speaker."""
+        """The interval as evidence: discounted by the trust in the speaker."""
         return self.interval.discounted(self.trust)
 
     @property
     def asserts(self) -> bool:
-        """Whether it speaks for its conclusion, rather than against it or neither."""
+        """Whether it supports its conclusion, rather than opposing it or neither."""
         return round(self.interval.lower + self.interval.upper, DIGITS) > 1.0
 
     @cached_property
     def id(self) -> str:
-        """Its name, made from its content: the same thing told twice by one speaker is one rule."""
+        """Its identifier, a hash of its content: what one speaker says twice is one rule."""
         bounds = f"{self.interval.lower:.{DIGITS}f} {self.interval.upper:.{DIGITS}f}"
         return id_from_content(
             self.speaker,
@@ -190,15 +190,15 @@ class Rule:
 
     @property
     def conclusion(self) -> str:
-        """What is concluded, as it stands in the content that gives the rule its name."""
+        """The conclusion as it is written in the content that is hashed."""
         return f"{self.functor}({self.argument or ''})"
 
     @property
     def node(self) -> str:
-        """The action-tree node it hangs on, the key by which it is found.
+        """The action-tree node it is attached to, the key by which it is found.
 
-        A rule with several actions as contexts hangs on the first in alphabetical order: where
-        it applies, all of them are above the node, so it is found by any.
+        A rule with several actions as contexts is attached to the first in alphabetical order:
+        where it applies, all of them are above the node, so any of them finds it.
         """
         if self.functor == USED_FOR and self.argument:
             return f"{FIND_OBJECT}.{self.argument.name}"
@@ -206,7 +206,7 @@ class Rule:
         return ".".join((*actions[:1], self.functor))
 
     def as_json(self) -> dict[str, object]:
-        """As every command prints it; "*" is any object."""
+        """The rule in the JSON of every command; "*" is any object."""
         props = sorted(str(atom) for atom in self.features if atom.kind != "object")
         where = sorted(str(atom) for atom in self.contexts if atom.kind != "action")
         general = {"functor": self.functor, "argument": str(self.argument or "") or None}
@@ -248,12 +248,12 @@ def functional(
     Args:
         name: the object; "*" for any.
         affordance: a gerund, as "cutting".
-        interval: how sure it is.
-        properties: what it must look like besides ("red").
-        speaker: who tells it.
+        interval: bounds of its probability.
+        properties: further features of the object ("red").
+        speaker: who says it.
     """
     return Rule(
-        _seen(name, properties),
+        _features(name, properties),
         frozenset(),
         USED_FOR,
         Atom("affordance", affordance),
@@ -277,18 +277,18 @@ def grasping(
         name: the object; "*" for any.
         part: as "blade".
         context: the action, as "pass"; None for any.
-        interval: how sure it is.
-        properties: what the object must look like besides ("sharp").
-        speaker: who tells it.
+        interval: bounds of its probability.
+        properties: further features of the object ("sharp").
+        speaker: who says it.
     """
     contexts = frozenset([Atom("action", context)]) if context else frozenset[Atom]()
     return Rule(
-        _seen(name, properties), contexts, GRASP_OBJECT, Atom("part", part), interval, speaker
+        _features(name, properties), contexts, GRASP_OBJECT, Atom("part", part), interval, speaker
     )
 
 
 def check_speaker(name: str) -> None:
-    """Refuse a speaker's name that cannot be told apart in print.
+    """Refuse a name that no speaker can have.
 
     Raises:
         ValidationError: it is empty, too long, or has other characters than names have.
@@ -302,7 +302,7 @@ def check_speaker(name: str) -> None:
         )
 
 
-def _seen(name: str, properties: Iterable[str]) -> frozenset[Atom]:
+def _features(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     objects = () if name == "*" else (Atom("object", name),)
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
 
@@ -310,14 +310,14 @@ def _seen(name: str, properties: Iterable[str]) -> frozenset[Atom]:
 def id_from_content(
     speaker: str, features: str, contexts: str, conclusion: str, bounds: str
 ) -> str:
-    """The id of a rule, from its content as `Rule.id` spells it."""
+    """The id of a rule, from its content as `Rule.id` writes it."""
     content = f"{speaker}\n{features}\n{contexts}\n{conclusion}\n{bounds}"
     return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 @lru_cache(maxsize=2**16)
 def atoms_text(atoms: frozenset[Atom]) -> str:
-    """Atoms as they stand in the content that gives a rule its name."""
+    """Atoms as they are written in the content that is hashed."""
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rules as they were at some time, and as one person sees them.
+"""Views of the rules at an earlier time, and according to one speaker.
 
-Nothing is ever deleted, so the history can be gone through again: what was said until a moment
-asserts, takes back and supersedes rules, in the order in which it was said. In one person's view
-only that person's sentences count, and they count whole: nobody distrusts himself.
+No rule is ever deleted, so the history can be replayed: the utterances until a moment assert,
+retract and supersede rules in their order. In the view of one speaker only that speaker's
+utterances count, and with full trust.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
 @dataclass(frozen=True)
 class RuleView:
-    """Rules that held somewhere in the history; inference can be asked about them as about a base.
+    """The rules that were active in a view; a source of rules for inference, as a base is.
 
     Attributes:
-        all: every rule that held, in the order in which they were last told.
+        all: every rule, in the order in which they were last said.
     """
 
     all: tuple[Rule, ...]
@@ -46,20 +46,20 @@ class RuleView:
         part: str | None = None,
         speaker: str | None = None,
     ) -> list[Rule]:
-        """Those that match, as `RuleReader.rules` has it."""
+        """The rules that match; arguments as for `RuleReader.rules`."""
         argument = _atom("affordance", affordance) or _atom("part", part)
-        seen, done = _atom("object", object), _atom("action", context)
+        feature, action = _atom("object", object), _atom("action", context)
         return [
             rule
             for rule in self.all
-            if (seen is None or seen in rule.features)
-            and (done is None or done in rule.contexts)
+            if (feature is None or feature in rule.features)
+            and (action is None or action in rule.contexts)
             and (argument is None or argument == rule.argument)
             and (speaker is None or speaker == rule.speaker)
         ]
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """Those that hang on action-tree nodes, as `RuleReader.rules_at_nodes` has it."""
+        """The rules at action-tree nodes, as `RuleReader.rules_at_nodes` gives them."""
         wanted = frozenset(nodes)
         return sorted((rule for rule in self.all if rule.node in wanted), key=lambda one: one.id)
 
@@ -67,40 +67,40 @@ class RuleView:
 def view(
     base: RuleReader, *, at: datetime | int | None = None, according_to: str | None = None
 ) -> RuleView:
-    """The rules as they were, or as one person sees them, or both.
+    """The rules at an earlier time, or according to one speaker, or both.
 
     Args:
-        base: where the history is.
+        base: reads the history.
         at: a moment, or the number of the last utterance that counts; now by default.
-        according_to: whose sentences count; everybody's by default.
+        according_to: the speaker whose utterances count; everybody's by default.
 
     Raises:
-        UnknownNameError: there is no such utterance, or nobody of that name said anything.
+        UnknownNameError: there is no such utterance, or no utterance of that speaker.
     """
-    said = _said(base)
-    _check(base, said, at, according_to)
-    heard = [one for one in said if _is_until(one, at)]
-    held = _replayed(base, heard, according_to)
-    for unexplained in _ended_elsewhere(base, said, held):
-        del held[unexplained]
-    told = [base.rule(one) for one in held]
-    names = {rule.speaker for rule in told} if according_to is None else set[str]()
-    trust = _trust(base, names, said, heard)
+    events = _events(base)
+    _check(base, events, at, according_to)
+    counted = [one for one in events if _is_until(one, at)]
+    active = _replayed(base, counted, according_to)
+    for unexplained in _ended_elsewhere(base, events, active):
+        del active[unexplained]
+    found = [base.rule(one) for one in active]
+    names = {rule.speaker for rule in found} if according_to is None else set[str]()
+    trust = _trust(base, names, events, counted)
     rules = [
         replace(
             rule,
-            utterance=held[rule.id].sequence,
-            time=held[rule.id].time,
+            utterance=active[rule.id].sequence,
+            time=active[rule.id].time,
             status="active",
             trust=trust.get(rule.speaker, 1.0),
         )
-        for rule in told
+        for rule in found
     ]
     return RuleView(tuple(sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))))
 
 
 def parse_moment(text: str) -> datetime | int:
-    """A moment as a person writes it.
+    """The moment that a text names.
 
     >>> parse_moment("12")
     12
@@ -114,22 +114,22 @@ def parse_moment(text: str) -> datetime | int:
     Raises:
         DataError: it is neither.
     """
-    said = text.strip()
-    if said.isdecimal() and len(said) < len("20261121"):
-        return int(said)
+    stripped = text.strip()
+    if stripped.isdecimal() and len(stripped) < len("20261121"):
+        return int(stripped)
     try:
-        moment = datetime.fromisoformat(said.replace("Z", "+00:00"))
+        moment = datetime.fromisoformat(stripped.replace("Z", "+00:00"))
     except ValueError as error:
         problem = "expected a date, as 2026-11-21 or 2026-11-21T09:30, or the number of an"
         raise DataError(f"{problem} utterance.", source=text) from error
-    if _DATE.fullmatch(said):
+    if _DATE.fullmatch(stripped):
         moment += timedelta(days=1, milliseconds=-1)
     return moment if moment.tzinfo else moment.astimezone()
 
 
 @dataclass
-class _Said:
-    """What an utterance did, as far as a view needs it."""
+class _Event:
+    """The effects of an utterance."""
 
     sequence: int
     time: datetime
@@ -139,12 +139,12 @@ class _Said:
     ends: list[str]
 
 
-def _said(base: RuleReader) -> list[_Said]:
-    """All utterances in their order; one scan for each property, so that it is cheap anywhere."""
+def _events(base: RuleReader) -> list[_Event]:
+    """The effects of all utterances in their order, by one scan for each property."""
     links = {key: _objects(base, key) for key in (ASSERTS, RETRACTS, SUPERSEDES)}
     once = {key: _objects(base, key) for key in (GENERATED_AT, ATTRIBUTED_TO, KIND)}
     found = [
-        _Said(
+        _Event(
             cast(int, number),
             cast(datetime, once[GENERATED_AT][node][0]),
             split(cast(Iri, once[ATTRIBUTED_TO][node][0]))[1],
@@ -168,72 +168,71 @@ def _rules(nodes: list[object]) -> list[str]:
     return [rule_id(cast(Iri, node)) for node in nodes]
 
 
-def _ended_elsewhere(base: RuleReader, said: list[_Said], held: dict[str, _Said]) -> list[str]:
-    """The rules among these that do not hold now although nothing that was said here ended them.
+def _ended_elsewhere(
+    base: RuleReader, events: list[_Event], active: dict[str, _Event]
+) -> list[str]:
+    """The rules among these that are inactive now although no utterance of this base ended them.
 
-    They came with a file or another base, where they were taken back; when is not known.
+    They came with a file or another base where they were retracted at an unknown time.
     """
-    in_the_end = _replayed(base, said, None)
-    return [one for one in held if one in in_the_end and base.rule(one).status != "active"]
+    finally_active = _replayed(base, events, None)
+    return [one for one in active if one in finally_active and base.rule(one).status != "active"]
 
 
 def _check(
-    base: RuleReader, said: list[_Said], at: datetime | int | None, according_to: str | None
+    base: RuleReader, events: list[_Event], at: datetime | int | None, according_to: str | None
 ) -> None:
-    last = max((one.sequence for one in said), default=0)
+    last = max((one.sequence for one in events), default=0)
     if isinstance(at, int) and not 0 <= at <= last:
         raise NotFoundError("utterance", str(at), [f"0 to {last}"])
-    speakers = {one.speaker for one in said}
+    speakers = {one.speaker for one in events}
     if according_to is None or according_to in speakers:
         return
     if not base.rules(speaker=according_to, status=None):
         raise NotFoundError("speaker", according_to, speakers)
 
 
-def _is_until(one: _Said, at: datetime | int | None) -> bool:
+def _is_until(one: _Event, at: datetime | int | None) -> bool:
     if at is None:
         return True
     return one.sequence <= at if isinstance(at, int) else one.time <= at
 
 
-def _replayed(base: RuleReader, heard: list[_Said], according_to: str | None) -> dict[str, _Said]:
-    """The ids of the rules that held in the end, with what said each of them last."""
-    held: dict[str, _Said] = {}
-    for one in heard:
+def _replayed(
+    base: RuleReader, events: list[_Event], according_to: str | None
+) -> dict[str, _Event]:
+    """The ids of the rules that are active after the events, with the last event of each."""
+    active: dict[str, _Event] = {}
+    for one in events:
         if according_to is None or one.speaker == according_to:
-            for gone in one.ends:
-                held.pop(gone, None)
-        for told in one.asserts:
-            if according_to is None or base.rule(told).speaker == according_to:
-                held[told] = one
-    return held
+            for ended in one.ends:
+                active.pop(ended, None)
+        for asserted in one.asserts:
+            if according_to is None or base.rule(asserted).speaker == according_to:
+                active[asserted] = one
+    return active
 
 
 def _trust(
-    base: RuleReader, speakers: set[str], said: list[_Said], heard: list[_Said]
+    base: RuleReader, speakers: set[str], events: list[_Event], counted: list[_Event]
 ) -> dict[str, float]:
-    """How far each speaker was trusted.
+    """The trust in each speaker after the counted events.
 
-    Whom nobody ever spoke of is trusted as now: that came with a base that was taken over.
+    A trust that no utterance set came with a merged base, and is taken as it is now.
     """
-    ever, then = (dict(_trusts(base, some)) for some in (said, heard))
-    return {name: _then(base, name, ever, then).lower for name in speakers}
+    ever, then = (dict(_trust_settings(base, some)) for some in (events, counted))
+    found: dict[str, float] = {}
+    for name in speakers:
+        start = CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0)
+        now = base.trust(name) or Interval(0, 0)
+        found[name] = then.get(name, start if name in ever else now).lower
+    return found
 
 
-def _then(
-    base: RuleReader, name: str, ever: dict[str, Interval], then: dict[str, Interval]
-) -> Interval:
-    start = CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0)
-    now = base.trust(name) or Interval(0, 0)
-    return then.get(name, start if name in ever else now)
-
-
-def _trusts(base: RuleReader, said: list[_Said]) -> Iterator[tuple[str, Interval]]:
-    for one in said:
-        if one.is_trust:
-            found = parse_trust(base.utterance(one.sequence))
-            if found:
-                yield found
+def _trust_settings(base: RuleReader, events: list[_Event]) -> Iterator[tuple[str, Interval]]:
+    for one in events:
+        if one.is_trust and (found := parse_trust(base.utterance(one.sequence))):
+            yield found
 
 
 def _atom(kind: str, name: str | None) -> Atom | None:

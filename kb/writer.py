@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How what is said changes what is believed.
+"""Writing of utterances into a store, with the changes of rules, words and trust they cause.
 
-Everything that is said becomes one atomic write: the utterance, the rules it asserts, retracts or
-supersedes, their edges and the number of the utterance. Nothing is ever deleted by forgetting:
-a rule changes its status, and history tells.
+Each utterance is one atomic write: the utterance, the rules it asserts, retracts or supersedes,
+their edges and its number. A rule is never deleted: its status changes, and the history keeps it.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ class _Change:
     delete: list[Quad] = field(default_factory=list[Quad])
 
     def replace(self, old: Iterable[Quad], new: Iterable[Quad]) -> None:
-        """Exchange statements, leaving alone what is in both."""
+        """Replace statements by others, except those that are in both."""
         before, after = set(old), set(new)
         self.delete += sorted(before - after, key=str)
         self.insert += sorted(after - before, key=str)
@@ -46,7 +45,7 @@ class RuleWriter:
     """Writes rules and utterances into a store.
 
     Attributes:
-        clock: gives the time of what is said.
+        clock: gives the time of an utterance.
     """
 
     def __init__(self, reader: RuleReader, *, clock: Callable[[], datetime] | None = None) -> None:
@@ -54,12 +53,10 @@ class RuleWriter:
 
         Args:
             reader: reads what is there already.
-            clock: gives the time of what is said; the system's by default.
+            clock: gives the time of an utterance; the system's by default.
         """
         self._reader, self._store = reader, reader.store
         self.clock = clock or _now
-
-    # What is said
 
     def believe(
         self,
@@ -76,32 +73,32 @@ class RuleWriter:
         heard: float = 1.0,
         time: datetime | None = None,
     ) -> Utterance:
-        """Believe what was said; it is durable when this returns.
+        """Add an utterance and the rules it asserts; durable when this returns.
 
-        The same rule told again by the same speaker stays one rule. Whether the speaker may be
-        believed is for the caller to ask (`trust`).
+        The same rule said again by the same speaker stays one rule. The caller decides whether the
+        speaker is to be believed (`trust`).
 
         Args:
             text: as it was said.
-            predicate: what was understood, in predicate form.
-            speaker: who said it; the rules become this speaker's.
-            rules: what to believe.
-            retracts: ids of rules that are taken back.
-            supersedes: ids of rules that are replaced by these.
+            predicate: its meaning in predicate form.
+            speaker: who said it; the rules are attributed to this speaker.
+            rules: what it asserts.
+            retracts: ids of rules to retract.
+            supersedes: ids of rules that these replace.
             words: new words that were learned from it.
             kind: statement or correction.
-            answer: what was said back.
-            heard: how surely the words were recognised, in [0, 1]; already part of the rules.
+            answer: the answer to it.
+            heard: confidence of the speech recognition, in [0, 1]; already part of the rules.
             time: when it was said; now by default.
 
         Returns:
             The utterance as it stands in the history.
 
         Raises:
-            UnknownNameError: a rule to take back is not there.
+            UnknownNameError: a rule to retract does not exist.
             StoreError: it could not be written; nothing has changed.
         """
-        told = {rule.id: rule for rule in (replace(one, speaker=speaker) for one in rules)}
+        asserted = {rule.id: rule for rule in (replace(one, speaker=speaker) for one in rules)}
         utterance = Utterance(
             0,
             text,
@@ -111,16 +108,16 @@ class RuleWriter:
             kind,
             True,
             answer,
-            tuple(sorted(told)),
-            tuple(sorted(set(retracts) - set(told))),
-            tuple(sorted(set(supersedes) - set(told))),
+            tuple(sorted(asserted)),
+            tuple(sorted(set(retracts) - set(asserted))),
+            tuple(sorted(set(supersedes) - set(asserted))),
             heard,
         )
         with self._store.writing():
             change = _Change()
             for word in words:
                 change.insert += word_quads(word, self._reader.sequence + 1)
-            return self._write(utterance, list(told.values()), change)
+            return self._write(utterance, list(asserted.values()), change)
 
     def record(
         self,
@@ -134,17 +131,17 @@ class RuleWriter:
         time: datetime | None = None,
         heard: float = 1.0,
     ) -> Utterance:
-        """Keep in the history what changes no rule: a command, a question, a refused statement.
+        """Add an utterance that changes no rule: a command, a question, a refused statement.
 
         Args:
             text: as it was said.
-            predicate: what was understood, in predicate form; empty when nothing was.
+            predicate: its meaning in predicate form; empty when it was not understood.
             speaker: who said it.
             kind: command, question, statement, ...
             accepted: whether it was carried out or believed.
-            answer: what was said back.
+            answer: the answer to it.
             time: when it was said; now by default.
-            heard: how surely the words were recognised, in [0, 1].
+            heard: confidence of the speech recognition, in [0, 1].
         """
         moment = to_milliseconds(time or self.clock())
         utterance = Utterance(
@@ -163,7 +160,7 @@ class RuleWriter:
         answer: str = "",
         time: datetime | None = None,
     ) -> Utterance:
-        """Take a rule back because somebody said so; history keeps it.
+        """Retract a rule because of an utterance; the history keeps the rule.
 
         Raises:
             UnknownNameError: there is no such rule.
@@ -181,15 +178,15 @@ class RuleWriter:
         upper: float | None = None,
         by: str = DEFAULT_SPEAKER,
     ) -> Interval:
-        """Say how far a speaker is trusted; what the speaker tells is discounted by `lower`.
+        """Set the trust in a speaker, by which the speaker's rules are discounted.
 
-        It is kept in the history, as it changes what the rules weigh.
+        The history keeps it, as it changes the weights of rules.
 
         Args:
-            speaker: whom.
-            lower: how far at least, in [0, 1].
-            upper: how far at most; 1 by default, but 0 where `lower` is 0: not at all.
-            by: who says so.
+            speaker: who is trusted.
+            lower: the trust at least, in [0, 1]; the discount.
+            upper: the trust at most; 1 by default, but 0 where `lower` is 0.
+            by: who sets it.
         """
         check_speaker(speaker)
         most = (1.0 if lower else 0.0) if upper is None else upper
@@ -205,7 +202,7 @@ class RuleWriter:
         return trust
 
     def forget_word(self, name: str, text: str, speaker: str) -> Word:
-        """Revoke a learned word because somebody said so; the graph keeps it as retracted.
+        """Retract a learned word because of an utterance; the graph keeps it with that status.
 
         Raises:
             UnknownNameError: no word of that name was learned.
@@ -222,12 +219,10 @@ class RuleWriter:
             self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
         return word
 
-    # How it is written
-
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None
     ) -> Utterance:
-        """Number and write an utterance with all that it does; the lock is held."""
+        """Number an utterance and write it with all its changes; the caller holds the lock."""
         last = self._reader.sequence
         numbered = replace(utterance, sequence=last + 1)
         change = change or _Change()
@@ -245,9 +240,9 @@ class RuleWriter:
         return numbered
 
     def _assert(self, change: _Change, utterance: Utterance, rule: Rule) -> None:
-        told = replace(rule, utterance=utterance.sequence, time=utterance.time, status="active")
+        asserted = replace(rule, utterance=utterance.sequence, time=utterance.time, status="active")
         before = self._store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
-        change.replace(before, rule_mapping.rule_quads(told))
+        change.replace(before, rule_mapping.rule_quads(asserted))
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]
@@ -265,7 +260,7 @@ class RuleWriter:
                     change.delete.append(edge)
 
     def _is_asserted(self, edge: Quad, *, without: set[str], new: Sequence[Rule]) -> bool:
-        """Whether a rule is left that the plain edge stands for."""
+        """Whether another rule still asserts a plain edge."""
         if any(edge in rule_mapping.plain_edges(rule) for rule in new):
             return True
         active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
@@ -276,7 +271,7 @@ class RuleWriter:
 
 
 def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
-    """The statements that say how far a speaker is trusted."""
+    """The statements of the trust in a speaker."""
     node = iri("speaker", speaker)
     return [
         *speaker_quads(speaker, BELIEFS),
@@ -286,7 +281,7 @@ def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
 
 
 def parse_trust(utterance: Utterance) -> tuple[str, Interval] | None:
-    """Whom an utterance says how far to trust; None when it speaks of something else."""
+    """The speaker and the trust that an utterance set; None when it set none."""
     found = _TRUST.fullmatch(utterance.predicate)
     if utterance.kind != "trust" or found is None:
         return None
@@ -307,5 +302,5 @@ def _now() -> datetime:
 
 
 def to_milliseconds(time: datetime) -> datetime:
-    """A time as precise as it is stored."""
+    """A time truncated to milliseconds, as it is stored."""
     return time.replace(microsecond=time.microsecond // 1000 * 1000)
