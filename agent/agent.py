@@ -27,14 +27,15 @@ from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType
 from . import protocols
 from .config import AgentConfig, open_base
-from .dialogue.manager import Dialogue
+from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import words_of
 from .episodes.recorder import EpisodeRecorder
 from .episodes.serialization import embodiment_as_json, file_as_json, settings_as_choices
 from .execution.embodiment import Embodiment
-from .execution.goal_manager import GoalManager, Request
+from .execution.goal_manager import GoalManager
 from .execution.outcome import GoalResult, Json
+from .execution.request import Request
 from .protocols import Motion, Vision
 
 if TYPE_CHECKING:
@@ -87,13 +88,12 @@ class Agent:
         self.simulate = embodiment.simulate and vision is None
         self._vision, self._motion = vision, motion
         self._film: Film | None = None
-        diary = EpisodeRecorder(base, self.circumstances, self.state)
-        self.dialogue = Dialogue(
+        self.dialogue = DialogueManager(
             base,
             language.with_words(words_of(actions, language)),
             lambda: self.goals,
             self.visible,
-            diary,
+            EpisodeRecorder(base, self.circumstances, self.state).record,
             seed=self.scene.seed,
             other=dialogue,
         )

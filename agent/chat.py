@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import contextlib
+import sys
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TextIO
 
+from platformdirs import user_state_path
 from rich.console import Console, RenderableType
 from rich.text import Text
 
@@ -14,12 +18,13 @@ from ..kb.rule import check_speaker
 from ..ontology.errors import ValidationError
 from .agent import Agent
 from .presentation import console as shown
-from .presentation.wording import printable
-from .prompt import lines
+from .presentation.text import printable
 
 QUIT = "/quit"
 LAST_WORDS = {QUIT, "/exit", "quit", "exit"}  # none of the three others is an utterance
 SPEAKER = "/speaker"
+HISTORY_LENGTH = 1000  # lines
+_DELIMITERS = " \t\n,.;:!?\"'"
 
 
 def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
@@ -121,3 +126,59 @@ _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
     "/scene": lambda agent: Text(", ".join(agent.visible()) or "nothing on the table"),
     "/help": lambda _: Text(_help()),
 }
+
+
+def lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
+    """What is typed, a line at a time, until the end of input; Ctrl-C drops a line.
+
+    Args:
+        prompt: gives what stands before the cursor.
+        words: gives the words that can be completed now.
+    """
+    with _editing(user_state_path("hilt") / "history", words):
+        while True:
+            try:
+                line = input(prompt())
+            except EOFError:
+                sys.stdout.write("\n")  # the shell's prompt stands on a line of its own
+                return
+            except KeyboardInterrupt:
+                sys.stdout.write("\n")
+                continue
+            yield line
+
+
+def completions(start: str, words: Collection[str]) -> list[str]:
+    """The words that begin so, sorted; an empty beginning is completed by nothing.
+
+    >>> completions("spo", {"spoon", "spoons", "mug"})
+    ['spoon', 'spoons']
+    """
+    return sorted(word for word in words if start and word.startswith(start.lower()))
+
+
+@contextlib.contextmanager
+def _editing(history: Path, words: Callable[[], Collection[str]]) -> Generator[None]:
+    try:
+        import readline
+    except ImportError:
+        yield
+        return
+
+    def complete(start: str, number: int) -> str | None:
+        found = completions(start, words())
+        return found[number] if number < len(found) else None
+
+    with contextlib.suppress(OSError):
+        readline.read_history_file(history)
+    readline.set_history_length(HISTORY_LENGTH)
+    readline.set_completer_delims(_DELIMITERS)
+    readline.set_completer(complete)
+    readline.parse_and_bind("tab: complete")
+    try:
+        yield
+    finally:
+        readline.set_completer(None)
+        with contextlib.suppress(OSError):
+            history.parent.mkdir(parents=True, exist_ok=True)
+            readline.write_history_file(history)

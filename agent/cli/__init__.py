@@ -27,8 +27,8 @@ from ...ontology.errors import (
 )
 
 # Each module adds its commands to `app`; help lists them in this order.
-from . import conversation, language, rules, files, history, picturing, checking  # isort: skip
-from . import query, safety, reasoning, scene, episodes, evaluate  # isort: skip
+from . import conversation, language, rules, files, history  # isort: skip
+from . import query, reasoning, scene, episodes, evaluate  # isort: skip
 from .common import FAILED, complain
 from .options import app
 
@@ -42,10 +42,7 @@ COMMANDS = (
     rules,
     files,
     history,
-    picturing,
-    checking,
     query,
-    safety,
     reasoning,
     scene,
     episodes,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
-from ..presentation.wording import printable
+from ..presentation.text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -71,7 +71,7 @@ def terminal(*, stderr: bool = False) -> Console:
     return Console(stderr=stderr, highlight=False)
 
 
-def busy(doing: str) -> AbstractContextManager[object]:
+def spinner(doing: str) -> AbstractContextManager[object]:
     """A turning sign on stderr while something is done; nothing where nobody watches."""
     if not sys.stderr.isatty():
         return nullcontext()
@@ -89,7 +89,7 @@ def converse(
     """Say each utterance and print each reply as soon as it is there; whether all was done."""
     done = True
     for said in utterances(text):
-        with busy(said):
+        with spinner(said):
             reply = hear(said)
         done = done and reply.is_done
         if as_json:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .common import busy, finish, open_for_reading, show, terminal
+from .common import finish, open_for_reading, show, spinner, terminal
 from .options import AsJson, Gui, Kb, Record, app, example
 
 
@@ -51,7 +51,7 @@ def replay(
     from ..replay import replay as run
 
     with open_for_reading(kb) as base:
-        with busy(f"Running {which} again"):
+        with spinner(f"Running {which} again"):
             came = run(base, which, gui=gui, film=record)
         if as_json:
             show(came.as_json())

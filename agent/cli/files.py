@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands on files: export and import."""
+"""Commands on files: export, import, validate, backup, restore."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,18 +11,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..presentation.wording import counted
-from .common import open_base, open_for_reading, show, terminal
+from ...ontology.errors import DataError
+from ..presentation.text import counted
+from .common import finish, open_base, open_for_reading, show, terminal
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
     from ...kb.merge import Summary
+    from ...kb.validation import Finding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
 FileFormat = Annotated[
     str | None,
     typer.Option("--format", help=f"{FORMATS}. Default: as the extension of the file says."),
 ]
+MOST_TEXT = 64 * 2**20  # bytes of a file in which lines are looked up
+WITH_LINES = {".ttl", ".trig", ".nt", ".nq"}
 
 
 @app.command(name="export", epilog=example("export rules.yaml"))
@@ -111,3 +116,117 @@ def _progress(doing: str, total: int | None) -> Generator[Callable[[int], None]]
     ) as bar:
         task = bar.add_task(doing, total=total)
         yield lambda done: bar.update(task, completed=done)
+
+
+@app.command(epilog=example("validate rules.ttl"))
+def validate(
+    file: Annotated[
+        str | None, typer.Argument(help="What import reads; by default the base itself.")
+    ] = None,
+    *,
+    file_format: Annotated[
+        str | None, typer.Option("--format", help="The format; by default that of the extension.")
+    ] = None,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Check a file, or the base, against the shapes and the laws of rules; change nothing."""
+    try:
+        found = _findings_in_base(kb) if file is None else _findings_in_file(file, file_format)
+    except DataError as error:
+        if as_json:  # what cannot be read is told there, too
+            show([_as_json(one) for one in error.mistakes or (error,)])
+        raise
+    if as_json:
+        show([finding.as_json() for finding in found])
+    else:
+        for finding in found:
+            where = ":".join(str(part) for part in (file, finding.line) if part)
+            typer.echo(f"{where}: {finding}" if where else str(finding))
+        typer.echo(f"{counted(len(found), 'finding')}." if found else "Valid.", err=True)
+    finish(not found)
+
+
+def _as_json(error: DataError) -> dict[str, object]:
+    """A mistake in a file that cannot be read, as findings are printed."""
+    where = {"line": error.line or None, "column": error.column or None}
+    return {"node": None, "property": None, **where, "problem": error.problem}
+
+
+def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
+    from ...kb.formats.transfer import read_file
+    from ...kb.staging import findings
+    from ...kb.validation import locate_findings
+
+    staged = read_file(file, format=file_format)
+    try:
+        with _checking() as progress:
+            found = findings(staged, progress=progress)
+    finally:
+        staged.close()
+    return locate_findings(found, _text(file) if found else "")
+
+
+def _findings_in_base(kb: str | None) -> list[Finding]:
+    from ...kb.staging import findings
+
+    with open_for_reading(kb) as base, _checking() as progress:
+        return sorted(set(findings(base.store, progress=progress)))
+
+
+def _text(file: str) -> str:
+    """The text of a file whose lines begin with what they are about; of others nothing."""
+    path = Path(file)
+    if path.suffix.lower() not in WITH_LINES or path.stat().st_size > MOST_TEXT:
+        return ""
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+@contextmanager
+def _checking() -> Generator[Callable[[int, int], None]]:
+    """A bar on a terminal, and nothing elsewhere."""
+    from rich.progress import Progress
+
+    with Progress(
+        console=terminal(stderr=True), transient=True, disable=not sys.stderr.isatty()
+    ) as bar:
+        task = bar.add_task("Checking", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@app.command(epilog=example("backup saved/"))
+def backup(
+    folder: Annotated[Path, typer.Argument(help="A new folder.")],
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Copy the knowledge base into a folder, while it is in use; the copy is read back."""
+    from ...kb.backup import backup as save
+
+    with open_for_reading(kb, must_exist=True) as base:
+        number = save(base, folder)
+    if as_json:
+        show({"backup": str(folder), "sequence": number})
+    else:
+        typer.echo(f"Saved up to utterance {number} in {folder}.", err=True)
+
+
+@app.command(epilog=example("restore saved/ --replace"))
+def restore(
+    folder: Annotated[Path, typer.Argument(help="A backup.")],
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Put it in the place of the base that is there.")
+    ] = False,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Make a backup the knowledge base: whole or not at all."""
+    from ...kb.backup import restore as put_back
+    from ..config import default_location
+
+    location = kb or str(default_location())
+    number = put_back(folder, location, replace=replace)
+    if as_json:
+        show({"restored": str(folder), "sequence": number})
+    else:
+        typer.echo(f"Restored up to utterance {number} from {folder}.", err=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import QueryError
-from .common import busy, open_base, open_for_reading, show, terminal, text_of
+from .common import open_base, open_for_reading, show, spinner, terminal, text_of
 from .options import AsJson, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def query(
 
     asked = _asked(question)
     bindings = asked.bindings(_arguments(arg or ()))
-    with open_for_reading(kb) as base, busy("Searching"):
+    with open_for_reading(kb) as base, spinner("Searching"):
         found = base.query(asked.text, bindings, limits=Limits(timeout, memory))
     _print(found, "json" if as_json else format_)
 

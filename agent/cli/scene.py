@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..config import AgentConfig
-from .common import busy, terminal
 from .common import show as print_json
+from .common import spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def show(
 
     refuse_unwritable(out)
     embodiment = Embodiment.from_config(config)
-    with busy("Setting the table"), embodiment.open_body() as body:
+    with spinner("Setting the table"), embodiment.open_body() as body:
         _picture(body, out, names=names)
         things = _things(body)
     if as_json:

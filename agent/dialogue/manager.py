@@ -24,11 +24,10 @@ from ...nlu.semantics import meaning
 from ...nlu.semantics.coreference import Discourse
 from ...ontology.errors import UnknownNameError
 from .. import protocols
-from ..episodes.recorder import EpisodeRecorder
-from ..execution.goal_manager import GoalManager, Request
+from ..execution.goal_manager import GoalManager
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
-from .knowledge import Knowledge
-from .questions import answer
+from ..execution.request import Request
+from .questions import Knowledge, answer
 from .reply import Reply
 from .teaching import Lesson, known, learned, lesson, to_forget
 from .translation import request_of, said_of
@@ -76,21 +75,22 @@ class Pending:
     no: Callable[[], Reply] | None = None
 
 
-class Dialogue:
+class DialogueManager:
     """One conversation, with any number of speakers.
 
     Args:
         base: where beliefs and the history are kept.
-        language: how utterances are understood and answers put into words.
-        goals: gives the goal manager, which is made when the first command comes.
-        visible: tells the objects in view.
-        diary: keeps what is done.
-        seed: of everything random, kept with each reply.
-        other: somebody else's language part, which is asked first.
+        language: understands utterances and words the answers.
+        goals: returns the goal manager, which is made when the first command comes.
+        visible: returns the names of the objects in view.
+        record_episode: called with every command that was carried out and its reply, and whether
+            it is to be kept.
+        seed: the seed of everything random, kept with each reply.
+        other: a language part that is asked first.
 
     Attributes:
         language: grows with every word that is learned.
-        contexts: what holds now besides what is being done: places, roles, with how surely.
+        contexts: what holds now beside the current action: places and roles, with their intervals.
         last_done: the reply to the last command.
     """
 
@@ -100,7 +100,7 @@ class Dialogue:
         language: Language,
         goals: Callable[[], GoalManager],
         visible: Callable[[], tuple[str, ...]],
-        diary: EpisodeRecorder,
+        record_episode: Callable[[Request, Reply, bool], None],
         *,
         seed: int = 0,
         other: protocols.Dialogue | None = None,
@@ -114,7 +114,7 @@ class Dialogue:
         self.last_done: Reply | None = None
         self._goals = goals
         self._visible = visible
-        self._diary = diary
+        self._record_episode = record_episode
         self._discourse = Discourse()
         self._pending: Pending | None = None
         self._topic: tuple[Rule, ...] = ()
@@ -278,15 +278,12 @@ class Dialogue:
         came, spoken = self.attempt(request)
         reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
         self._record(reply, turn)
-        if turn.keep:
-            self._diary.write(request, reply)
-        else:
-            self._diary.leave_out()
+        self._record_episode(request, reply, turn.keep)
         self.last_done = reply
         self._topic = ()
         self._turn_to(came.decision.rules if came.decision else ())
         self._just_acted = True
-        settled = request.settled_on(came)
+        settled = request.confirmed(came)
         if reply.ending == "asked" and settled:
             self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
         return reply

@@ -16,7 +16,7 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.interpretation import GOALS
 from ...ontology.actions import Actions
-from ..execution.goal_manager import Argument, Request
+from ..execution.request import Argument, Request
 
 
 def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:

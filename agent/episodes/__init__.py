@@ -1,2 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""episodes."""
+"""Episodes: commands and their results, with all that is needed to run them again."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -16,8 +16,8 @@ from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom
 from ..dialogue.reply import Reply
-from ..execution.goal_manager import Request
 from ..execution.outcome import Json, WalkStep
+from ..execution.request import Request
 from .serialization import request_as_json
 
 AGAIN = "again"  # key of the document
@@ -43,13 +43,18 @@ class EpisodeRecorder:
         self._last: str | None = None
         self._is_whole = True
 
-    def write(self, request: Request, reply: Reply) -> None:
-        """Keep what came of a request."""
-        self._last = self._base.record_episode(episode_of(reply, self._again(request))).id
+    def record(self, request: Request, reply: Reply, keep: bool) -> None:
+        """Keep the result of a request.
 
-    def leave_out(self) -> None:
-        """Something was done that is not kept: what is done from now on cannot be run again."""
-        self._is_whole = False
+        Args:
+            request: what was asked.
+            reply: its result.
+            keep: False when it is not to be kept; no later command can then be run again.
+        """
+        if keep:
+            self._last = self._base.record_episode(episode_of(reply, self._again(request))).id
+        else:
+            self._is_whole = False
 
     def _again(self, request: Request) -> Json | None:
         circumstances = self._circumstances()

@@ -17,8 +17,8 @@ from ...ontology.errors import DataError
 from ...sim.scene.scene import Placement, Scene
 from ..config import AgentConfig
 from ..execution.embodiment import Embodiment
-from ..execution.goal_manager import Request
 from ..execution.outcome import Json
+from ..execution.request import Request
 
 
 def request_as_json(request: Request) -> Json:

@@ -60,7 +60,7 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class Rejected:
+class RejectedCandidate:
     """A thing that was chosen and tried, but did not do.
 
     Attributes:
@@ -132,7 +132,7 @@ class Decision:
     part: Inference | None = None
     named_part: str | None = None
     patient: str | None = None
-    rejected: tuple[Rejected, ...] = ()
+    rejected: tuple[RejectedCandidate, ...] = ()
 
     @property
     def chosen_part(self) -> str | None:

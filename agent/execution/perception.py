@@ -15,7 +15,9 @@ from ...sim.scene.scene import Scene
 from ...sim.vision.percept import PartPercept, Percept
 
 
-def observed(percept: Percept, features: Sequence[Atom], *, point: bool = False) -> Observation:
+def percept_as_observation(
+    percept: Percept, features: Sequence[Atom], *, point: bool = False
+) -> Observation:
     """A percept as evidence: an interval for each feature that was looked for.
 
     A thing detected with confidence d has each feature it shows with [d, 1]: what is left open is

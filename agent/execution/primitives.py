@@ -43,7 +43,7 @@ class Task:
     found: Mapping[str, Percept] = field(default_factory=dict[str, Percept])
 
 
-class Hands:
+class PrimitiveExecutor:
     """The primitives over a motion stack.
 
     Attributes:

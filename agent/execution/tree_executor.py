@@ -1,107 +1,140 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The preorder walk of an action tree, with four operations at each node.
+"""Execution of an action tree: a preorder walk with four operations at each node.
 
-Paper, section 3.3 and Figure 3. At each node: getFeatures (which features matter here), visual
-search for exactly those, getAffordance (what the things seen afford, as constraints), and the
-action itself under these constraints. A tree's own action is its steps. A failure is an ordinary
-outcome with something to say; the branches of a tree say what else to try before it is the end.
+Paper, section 3.3 and Figure 3. At each node: getFeatures (which features are relevant), visual
+search for exactly those, getAffordance (the constraints that the rules conclude), and the action
+itself under these constraints. The action of a tree is its steps. A failure is an ordinary outcome
+with an answer; the branches of a tree say what to try before it is final.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from ...inference.affordance import FIND
+from ...inference.affordance import FIND, Affordances
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
-from ...ontology.actions import FIXED, ActionTree, Condition, Loop
+from ...ontology.actions import FIXED, Actions, ActionTree, Condition, Loop
 from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError
 from ...sim.vision.percept import Percept
+from ..protocols import Motion, Vision
 from . import answers
-from .outcome import Constraint, Decision, ExecutionResult, Rejected, SpokenAnswer, WalkStep
-from .perception import observed
-from .primitives import Hands, Task
+from .outcome import (
+    Constraint,
+    Decision,
+    ExecutionResult,
+    GoalResult,
+    RejectedCandidate,
+    SpokenAnswer,
+    WalkStep,
+)
+from .perception import percept_as_observation
+from .primitives import PrimitiveExecutor, Task
+from .request import PATIENT, Argument, Request, review_arguments
 
-if TYPE_CHECKING:
-    from ..protocols import Motion
-    from .goal_manager import GoalManager, Request
-
-Argument = Target | str
 GRASP = "graspObject"
-WORTH_TRYING = ("accepted", "unsure")  # verdicts of what may be taken instead
+WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
+
+
+@dataclass(frozen=True)
+class ExecutionContext:
+    """What the execution of a tree works with.
+
+    Attributes:
+        actions: the action trees.
+        affordances: inference over the rules.
+        vision: the vision of the robot.
+        motion: the motion of the robot; None decides but does not act.
+        grips: object -> the part that is made for holding it.
+        parts: object -> its known parts.
+        watchers: called at every node before and after its action.
+    """
+
+    actions: Actions
+    affordances: Affordances
+    vision: Vision
+    motion: Motion | None
+    grips: Mapping[str, str]
+    parts: Mapping[str, Collection[str]]
+    watchers: Sequence[Callable[[WalkStep], None]] = ()
 
 
 @dataclass(frozen=True)
 class Found:
-    """What was found for a target, and among what."""
+    """What was found for a target, and the inference that chose it."""
 
     percept: Percept
     candidate: Candidate
     inference: Inference
 
 
-class Walk:
-    """One walk of one tree: what was found so far, and what was done.
+class TreeExecutor:
+    """One execution of one action tree.
+
+    Args:
+        context: what it works with.
+        request: the goal.
 
     Attributes:
-        steps: the nodes, in the order in which they were reached.
-        decision: which thing and part, once they are chosen.
-        setbacks: failures that were mended, to be told all the same.
+        decision: which object and part, once they are chosen.
     """
 
-    def __init__(self, manager: GoalManager, request: Request, motion: Motion | None) -> None:
-        self.manager = manager
-        self.request = request
-        self.hands = Hands(motion, manager.vision) if motion else None
-        self.steps: list[WalkStep] = []
+    def __init__(self, context: ExecutionContext, request: Request) -> None:
+        self._context = context
+        self._request = request
+        self._primitives = (
+            PrimitiveExecutor(context.motion, context.vision) if context.motion else None
+        )
         self.decision: Decision | None = None
-        self.setbacks: list[SpokenAnswer] = []
+        self._steps: list[WalkStep] = []
+        self._setbacks: list[SpokenAnswer] = []
         self._found: dict[Target, Found] = {}
-        self._rejected: dict[str, Rejected] = {}
+        self._rejected: dict[str, RejectedCandidate] = {}
 
-    @property
-    def world(self) -> ExecutionResult:
-        """What happened in the world so far."""
-        return self.hands.world if self.hands else ExecutionResult()
+    def result(self, answer: SpokenAnswer) -> GoalResult:
+        """Return the result of the execution so far, with this answer."""
+        world = self._primitives.world if self._primitives else ExecutionResult()
+        return GoalResult(answer, self.decision, tuple(self._steps), world, tuple(self._setbacks))
 
     # --- The four operations ---------------------------------------------------------------
 
     def visit(self, node: str, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
-        """Perform the four operations at a node, then its steps; returns the failure, if any."""
+        """Perform the four operations at a node, then its steps; return the failure, if any."""
         goal = self._goal(arguments)
-        features = self.manager.affordances.features(node, goal)
+        features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
-        point = self.manager.affordances.settings.detection == "point"
-        observations = [observed(percept, features, point=point) for percept in percepts]
+        point = self._context.affordances.settings.detection == "point"
+        observations = [
+            percept_as_observation(percept, features, point=point) for percept in percepts
+        ]
         try:
-            inference = self.manager.affordances.infer(node, goal, observations)
+            inference = self._context.affordances.infer(node, goal, observations)
         except ConflictError as error:
             return SpokenAnswer("contradicted", {"reason": str(error)}, "failed", "conflict")
-        index = len(self.steps)
-        self.steps.append(_step(node, features, percepts, inference))
-        self._tell(self.steps[index])
+        index = len(self._steps)
+        self._steps.append(_step(node, features, percepts, inference))
+        self._notify(self._steps[index])
         failure = self._act(node, arguments, percepts, inference)
         did = failure.key if failure else self._did(node)
-        self.steps[index] = replace(self.steps[index], action=did)
-        self._tell(self.steps[index])
+        self._steps[index] = replace(self._steps[index], action=did)
+        self._notify(self._steps[index])
         return failure
 
-    def _tell(self, step: WalkStep) -> None:
-        for watcher in self.manager.watchers:
+    def _notify(self, step: WalkStep) -> None:
+        for watcher in self._context.watchers:
             watcher(step)
 
     def _goal(self, arguments: Mapping[str, Argument]) -> Goal:
-        """The goal as this node sees it: about the thing already found, or the one looked for."""
+        """The goal at this node: about the object already found, or the one to look for."""
         target = self._target(arguments)
         if target in self._found:
             target = Target(object=self._found[target].percept.object)
-        return Goal(self.request.action, target, self.request.contexts)
+        return Goal(self._request.action, target, self._request.contexts)
 
     def _target(self, arguments: Mapping[str, Argument]) -> Target:
-        """The thing a node is about: its own argument, or what was found last."""
+        """The target of a node: its own argument, or what was found last."""
         targets = [value for value in arguments.values() if isinstance(value, Target)]
         return (targets or list(self._found) or [Target()])[-1]
 
@@ -110,7 +143,7 @@ class Walk:
     ) -> Sequence[Percept]:
         if not features:
             return ()
-        percepts = self.manager.vision.search([str(feature) for feature in features])
+        percepts = self._context.vision.search([str(feature) for feature in features])
         found = self._found.get(self._target(arguments))
         if _action(node) == FIND:
             return [each for each in percepts if each.name not in self._rejected]
@@ -124,17 +157,17 @@ class Walk:
         inference: Inference,
     ) -> SpokenAnswer | None:
         action = _action(node)
-        if action in self.manager.actions.trees:
-            return self._walk_tree(node, self.manager.actions.trees[action], arguments)
+        if action in self._context.actions.trees:
+            return self._walk_tree(node, self._context.actions.trees[action], arguments)
         if action == FIND:
             return self._find(arguments, percepts, inference)
         found = self._found.get(self._target(arguments))
         part = None
         if action == GRASP and found:
-            part, failure = self._how_to_grasp(found.percept, inference)
+            part, failure = self._choose_part(found.percept, inference)
             if failure:
                 return failure
-        if self.hands is None:
+        if self._primitives is None:
             return None
         things = {
             parameter: self._found[value].percept
@@ -143,7 +176,7 @@ class Walk:
         }
         percept = found.percept if found else None
         bound = _constraint(inference)
-        return self.hands.perform(Task(action, arguments, percept, part, bound, things))
+        return self._primitives.perform(Task(action, arguments, percept, part, bound, things))
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
 
@@ -159,7 +192,7 @@ class Walk:
             branch = tree.otherwise[index]
             if branch.steps and self._walk_steps(node, branch.steps, arguments):
                 return failure
-            self.setbacks.append(failure)
+            self._setbacks.append(failure)
             if branch.steps:
                 return None
             tries[index] -= 1
@@ -175,7 +208,7 @@ class Walk:
         arguments: Mapping[str, Argument],
         tries: Sequence[int],
     ) -> int | None:
-        """The index of the first branch of a tree that can still be taken after a failure."""
+        """The index of the first branch of a tree that handles a failure and has tries left."""
         for index, branch in enumerate(tree.otherwise):
             is_possible = bool(branch.steps) or tries[index] > 0
             if branch.next:
@@ -185,7 +218,7 @@ class Walk:
         return None
 
     def _others(self, argument: Argument) -> list[Candidate]:
-        """What else was seen that may do instead of what was found."""
+        """The other candidates that may be tried instead of what was found."""
         found = self._found.get(argument) if isinstance(argument, Target) else None
         if found is None:
             return []
@@ -194,14 +227,14 @@ class Walk:
         return [each for each in others if each.verdict in WORTH_TRYING]
 
     def _reject(self, argument: Argument, failure: SpokenAnswer) -> None:
-        """Go on without a thing that was chosen but did not do."""
+        """Exclude an object that was chosen and tried without success."""
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
-            self._rejected[found.percept.name] = Rejected(found.candidate, failure.cause)
+            self._rejected[found.percept.name] = RejectedCandidate(found.candidate, failure.cause)
 
     def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
-        """The first thing that a tree requires and that does not hold."""
-        if self.hands is None:  # nothing is going to be done
+        """The failure of the first condition of a tree that does not hold."""
+        if self._primitives is None:  # nothing is going to be done
             return None
         for condition in tree.requires:
             if not self._holds(condition, arguments.get(condition.parameter)):
@@ -212,9 +245,9 @@ class Walk:
 
     def _holds(self, condition: Condition, argument: Argument | None) -> bool:
         if condition.kind == "sees":
-            return bool(self.manager.vision.search([f"object:{_named(argument)}"]))
+            return bool(self._context.vision.search([f"object:{_named(argument)}"]))
         found = self._found.get(argument) if isinstance(argument, Target) else None
-        holding = self.hands.holding if self.hands else None
+        holding = self._primitives.holding if self._primitives else None
         return found is not None and holding == found.percept.name
 
     def _walk_steps(
@@ -232,23 +265,25 @@ class Walk:
     def _repeat(
         self, node: str, loop: Loop, arguments: Mapping[str, Argument]
     ) -> SpokenAnswer | None:
-        # Without a robot nothing can be sensed: what would be done once is told once.
-        for _ in range(loop.times if self.hands else 1):
+        # Without a robot nothing can be sensed: one pass shows what would be done.
+        for _ in range(loop.times if self._primitives else 1):
             failure = self._walk_steps(node, loop.steps, arguments)
             if failure:
                 return failure
-            if self.hands and loop.until in self.hands.sensed:
+            if self._primitives and loop.until in self._primitives.sensed:
                 return None
-        return self.hands.not_sensed(loop.until) if self.hands and loop.until else None
+        return self._primitives.not_sensed(loop.until) if self._primitives and loop.until else None
 
     def _passed(self, step: TreeStep, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
-        """The arguments that a step hands down, reviewed if it is a tree of its own."""
+        """The arguments that a step passes on, reviewed if it is a tree itself."""
         passed = {
             parameter: word.removeprefix(FIXED) if word.startswith(FIXED) else arguments[word]
             for parameter, word in step.arguments.items()
         }
-        if step.action in self.manager.actions.trees:
-            return self.manager.reviewed(step.action, replace(self.request, arguments=passed))
+        if step.action in self._context.actions.trees:
+            return review_arguments(
+                self._context.actions, step.action, replace(self._request, arguments=passed)
+            )
         return passed
 
     # --- Choosing ----------------------------------------------------------------------------
@@ -257,12 +292,12 @@ class Walk:
         self, arguments: Mapping[str, Argument], percepts: Sequence[Percept], inference: Inference
     ) -> SpokenAnswer | None:
         target = self._target(arguments)
-        patient = self.request.arguments.get("patient")
+        patient = self._request.arguments.get(PATIENT)
         if target != patient or self.decision is None:
-            # What a tool is used on may be looked for too; the decision is about the tool.
+            # The patient of a tool may be looked for too; the decision is about the tool.
             self.decision = Decision(
                 inference,
-                named_part=self.request.part,
+                named_part=self._request.part,
                 patient=_named(patient),
                 rejected=tuple(self._rejected.values()),
             )
@@ -271,32 +306,32 @@ class Walk:
             return answers.not_found(target, inference)
         percept = next(each for each in percepts if each.name == best.name)
         self._found[target] = Found(percept, best, inference)
-        if self.hands and target != patient:
-            self.hands.tool, self.hands.patient = best.object, _named(patient)
+        if self._primitives and target != patient:
+            self._primitives.tool, self._primitives.patient = best.object, _named(patient)
         return None
 
-    def _how_to_grasp(
+    def _choose_part(
         self, percept: Percept, inference: Inference
     ) -> tuple[str | None, SpokenAnswer | None]:
-        """By which part, or why that is not clear."""
+        """The part to grasp by, or the failure when it is not clear."""
         if self.decision:
             self.decision = replace(self.decision, part=inference)
         part = self._part(percept, inference)
-        if part and self.hands and self._lacks(percept, part):
+        if part and self._primitives and self._lacks(percept, part):
             slots = {"object": percept.object, "part": part}
             return None, SpokenAnswer("no_part", slots, "failed", "no_part")
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if part is None and unsure:
-            return None, answers.not_sure_how(self.request.action, percept.object, unsure[0])
+            return None, answers.not_sure_how(self._request.action, percept.object, unsure[0])
         return part, None
 
     def _lacks(self, percept: Percept, part: str) -> bool:
-        """Whether a thing is known to have no such part, rather than that it is not in view."""
-        known = self.manager.parts.get(percept.object)
+        """Whether an object is known to have no such part, rather than it being out of view."""
+        known = self._context.parts.get(percept.object)
         return known is not None and part not in known and part not in percept.parts
 
     def _part(self, percept: Percept, inference: Inference) -> str | None:
-        """The part to grasp by: named, concluded, the only one not forbidden, a tool's grip."""
+        """The part to grasp by: named, concluded, the first one not forbidden, a tool's grip."""
         chosen = self.decision.chosen_part if self.decision else None
         if chosen:
             return self._own_part(chosen, percept)
@@ -306,12 +341,12 @@ class Walk:
         allowed = [part for part in percept.parts if part not in forbidden]
         if forbidden and allowed:
             return allowed[0]
-        is_tool = "patient" in self.request.arguments
-        return self.manager.grips.get(percept.object) if is_tool else None
+        is_tool = PATIENT in self._request.arguments
+        return self._context.grips.get(percept.object) if is_tool else None
 
     def _own_part(self, name: str, percept: Percept) -> str:
-        """The thing's own part of a kind: the serrated blade of a bread knife for "blade"."""
-        above = self.manager.affordances.taxonomy.above
+        """The object's own part of a kind: the serrated blade of a bread knife for "blade"."""
+        above = self._context.affordances.taxonomy.above
         kinds = {part: [each for each, _ in above(Atom("part", part))] for part in percept.parts}
         if name in kinds:
             return name
@@ -319,13 +354,13 @@ class Walk:
         return fitting[0] if fitting else name
 
     def _did(self, node: str) -> str:
-        if _action(node) in self.manager.actions.trees:
+        if _action(node) in self._context.actions.trees:
             return "walked"
-        return "executed" if _action(node) == FIND or self.hands else "not executed"
+        return "executed" if _action(node) == FIND or self._primitives else "not executed"
 
 
 def _constraint(inference: Inference) -> Constraint | None:
-    """What the action is bound to: this thing, this part or other argument."""
+    """The constraint on the action: this object, and this part or other argument."""
     best = inference.best
     if best is None:
         return None

@@ -32,7 +32,7 @@ from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
 from ..execution.outcome import Decision, ExecutionResult, GoalResult, WalkStep
-from .wording import counted, printable
+from .text import counted, printable
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of a rule's id; any 4 that are unlike those of other rules name it

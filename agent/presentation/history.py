@@ -20,7 +20,7 @@ from ...kb.history import Utterance
 from ...kb.interval import Interval
 from ...kb.rule import Rule
 from .console import Quote, achievement, conflicts, rule_text, whole
-from .wording import counted, printable
+from .text import counted, printable
 
 if TYPE_CHECKING:
     from ..merge_report import MergeReport

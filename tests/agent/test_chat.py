@@ -12,8 +12,7 @@ import pytest
 from rich.console import Console
 
 from hilt.agent import Agent, AgentConfig
-from hilt.agent.chat import run
-from hilt.agent.prompt import completions, lines
+from hilt.agent.chat import completions, lines, run
 
 
 def test_words_are_completed_by_their_beginning():

@@ -17,8 +17,8 @@ from hilt.agent.episodes.serialization import (
     request_from_json,
     settings_as_choices,
 )
-from hilt.agent.execution.goal_manager import Request
 from hilt.agent.execution.perception import PerfectVision
+from hilt.agent.execution.request import Request
 from hilt.agent.replay import find_episode, replay
 from hilt.inference.settings import Settings
 from hilt.inference.types import Conclusion, Target

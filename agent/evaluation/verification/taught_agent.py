@@ -24,9 +24,10 @@ from ....ontology.actions import load_actions
 from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
 from ...config import open_base
-from ...execution.goal_manager import GoalManager, Request
+from ...execution.goal_manager import GoalManager
 from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
+from ...execution.request import Request
 from .space import Cell
 from .tracing import Traced
 

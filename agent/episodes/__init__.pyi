@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+from .recorder import EpisodeRecorder, episode_of
+from .serialization import (
+    embodiment_as_json,
+    embodiment_from_json,
+    request_as_json,
+    request_from_json,
+)
+
+__all__ = [
+    "EpisodeRecorder",
+    "embodiment_as_json",
+    "embodiment_from_json",
+    "episode_of",
+    "request_as_json",
+    "request_from_json",
+]

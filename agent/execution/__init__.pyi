@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+from .embodiment import Embodiment
+from .goal_manager import GoalManager
+from .outcome import Decision, ExecutionResult, GoalResult, SpokenAnswer, WalkStep
+from .perception import PerfectVision
+from .request import Request
+from .tree_executor import ExecutionContext, TreeExecutor
+
+__all__ = [
+    "Decision",
+    "Embodiment",
+    "ExecutionContext",
+    "ExecutionResult",
+    "GoalManager",
+    "GoalResult",
+    "PerfectVision",
+    "Request",
+    "SpokenAnswer",
+    "TreeExecutor",
+    "WalkStep",
+]

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A request for a goal, and the review of its arguments (paper, section 4.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from ...inference.types import Conclusion, Target
+from ...kb.interval import Interval
+from ...kb.rule import Atom
+from ...ontology.actions import Actions, Affords
+from .outcome import GoalResult
+
+Argument = Target | str
+TOOL, PATIENT = "tool", "patient"
+
+
+@dataclass(frozen=True)
+class Request:
+    """A goal with what the speaker said about it.
+
+    Attributes:
+        action: the action tree ("pass").
+        arguments: parameter -> the object that is meant, or a name.
+        speaker: who asked.
+        part: the part to act on, when the command itself names it.
+        contexts: what else holds now, with the interval to which it holds.
+        assumed: the parameters that nobody mentioned; a default of the tree takes precedence.
+    """
+
+    action: str
+    arguments: Mapping[str, Argument]
+    speaker: str
+    part: str | None = None
+    contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
+    assumed: frozenset[str] = frozenset()
+
+    def confirmed(self, result: GoalResult) -> Request | None:
+        """Return this request for the object or part that Hilt asked about, after a "yes"."""
+        decision = result.decision
+        is_asked = result.answer.ending == "asked"
+        if not is_asked or decision is None or not decision.object.candidates:
+            return None
+        if decision.object.best:
+            return replace(self, part=str(result.answer.slots["part"]))
+        likeliest = Target(object=decision.object.candidates[0].object, is_confirmed=True)
+        parameter = TOOL if TOOL in self.arguments or PATIENT in self.arguments else "object"
+        arguments = {**self.arguments, parameter: likeliest}
+        return replace(self, arguments=arguments, assumed=self.assumed - {parameter})
+
+
+def review_arguments(actions: Actions, tree: str, request: Request) -> dict[str, Argument]:
+    """Return all arguments of a tree: those of the request, then the defaults of the tree.
+
+    What a command leaves unsaid is filled in here: "pound the nail" looks for something used for
+    pounding.
+    """
+    arguments = dict(request.arguments)
+    for parameter, default in actions.tree(tree).defaults.items():
+        if parameter not in arguments or parameter in request.assumed:
+            arguments[parameter] = _default(default, arguments, request.speaker)
+    return arguments
+
+
+def _default(default: str | Affords, arguments: Mapping[str, Argument], speaker: str) -> Argument:
+    if not isinstance(default, Affords):
+        return speaker
+    argument = Atom.parse(default.argument) if default.argument else None
+    if argument is not None and argument.kind == "affordance":
+        return Target(used_for=argument.name)
+    of = arguments.get(default.of) if default.of else None
+    name = of.object if isinstance(of, Target) else of
+    if name:
+        argument = Atom("object", name)
+    return Target(affords=Conclusion(default.functor, argument))

@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
+from .video import Film
+
+__all__ = ["Film"]
