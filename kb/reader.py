@@ -195,7 +195,7 @@ class RuleReader:
         return _gathered(self.store.select(_having_query(wanted)))
 
     def nodes_with(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
-        """The rules that have all of these properties, with all their properties."""
+        """The nodes of the rules that have all of these properties; of all rules, if none is given.
 
         The time depends on how many rules have the first of them.
         """
