@@ -108,16 +108,16 @@ class Solid:
         at: origin of its frame [m].
         turn: roll, pitch, yaw of its frame [rad] (turned about x, then y, then z, all fixed).
         colour: its own colour; None for that of the part.
-        seen: whether cameras see it.
-        felt: whether fingers and table touch it.
+        visible: whether cameras see it.
+        collides: whether fingers and table touch it.
     """
 
     form: Form
     at: Point3
     turn: Point3
     colour: Colour | None
-    seen: bool
-    felt: bool
+    visible: bool
+    collides: bool
 
 
 def read_solid(field: Field) -> Solid:
@@ -136,8 +136,8 @@ def read_solid(field: Field) -> Solid:
         _point3(keys["at"]) if "at" in keys else (0.0, 0.0, 0.0),
         read_turn(keys["turn_deg"]) if "turn_deg" in keys else (0.0, 0.0, 0.0),
         read_colour(keys["colour"]) if "colour" in keys else None,
-        seen=only != "felt",
-        felt=only != "seen",
+        visible=only != "felt",
+        collides=only != "seen",
     )
 
 

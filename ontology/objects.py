@@ -253,8 +253,10 @@ class _Reader:
             required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
         )
         shape = tuple(read_solid(item) for item in keys["shape"].items())
-        if not any(solid.felt for solid in shape):
-            raise keys["shape"].fail("expected at least one solid that can be felt.")
+        if not any(solid.collides for solid in shape):
+            raise keys["shape"].fail(
+                "expected at least one solid that can be touched (not `only: seen`)."
+            )
         return PartType(
             name,
             keys["role"].text(choices=self.roles),

@@ -1,44 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Convex bodies, given by their corners: hulls, volume and inertia, merging, shrinking.
+"""Convex pieces, given by their corners: hulls, merging, shrinking, mass and inertia.
 
-The physics engine feels a body as a union of convex pieces and lays a margin round each of them.
-So the pieces are few (neighbours are merged where their common hull adds next to nothing) and
-are shrunk by the margin beforehand: every face moves inwards by it, exactly.
+The physics engine collides a body as a union of convex pieces and adds a margin round each of
+them. So the pieces are few (neighbours are merged where their common hull adds next to nothing)
+and are shrunk by the margin beforehand: every face moves inwards by it, exactly.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import trimesh
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from ..poses import Array
-from .meshes import Mesh
 
-MARGIN = 0.001  # [m], what PyBullet lays round a convex mesh from a file
-KEPT = 0.1  # share of its inner radius that a piece thinner than the margin keeps
+MARGIN = 0.001  # [m], what PyBullet adds round a convex mesh from a file
+MIN_SHARE = 0.1  # of its inner radius, which a piece thinner than the margin keeps
 
 
-def hull(points: Array) -> Mesh:
-    """The convex hull of points (n, 3), faces outwards."""
-    found = ConvexHull(points)
-    inside = points[found.vertices].mean(axis=0)
-    faces = found.simplices.copy()
-    a, b, c = (points[faces[:, i]] for i in range(3))
-    inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), a - inside) < 0
-    faces[inwards] = faces[inwards][:, ::-1]
-    used, index = np.unique(faces, return_inverse=True)
-    return Mesh(points[used], index.reshape(-1, 3))
+def hull(points: Array) -> trimesh.Trimesh:
+    """Return the convex hull of points (n, 3), faces outwards."""
+    return trimesh.convex.convex_hull(points)
 
 
 def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
-    """Join pieces as long as their common hull is at most `tolerance` larger than they are.
+    """Return the pieces, merged where their common hull adds at most `tolerance` to their volume.
 
     Args:
         pieces: corners of each, (n, 3); they do not overlap.
-        tolerance: share of the volume of the first pieces that a joint hull may add in all.
+        tolerance: share of the volume of the first pieces that merging may add in all.
     """
     merged: list[tuple[Array, float]] = []
     waiting = [(piece, float(ConvexHull(piece).volume)) for piece in reversed(pieces)]
@@ -58,19 +52,19 @@ def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
 
 
 def shrink(points: Array, distance: float) -> Array:
-    """The corners of a hull whose faces are moved inwards by `distance` [m].
+    """Return the corners of a hull whose faces are moved inwards by `distance` [m].
 
-    A piece too thin for that keeps a little of its inner radius.
+    A piece too thin for that keeps `MIN_SHARE` of its inner radius.
     """
     planes = np.unique(np.round(ConvexHull(points).equations, 9), axis=0)
     centre, radius = _inner_ball(planes)
-    offset = min(distance, (1 - KEPT) * radius)
+    offset = min(distance, (1 - MIN_SHARE) * radius)
     moved = planes + np.array([0, 0, 0, offset])
     return HalfspaceIntersection(moved, centre).intersections
 
 
 def _inner_ball(planes: Array) -> tuple[Array, float]:
-    """Centre and radius of the largest ball inside planes a x + b <= 0, as (n, 4)."""
+    """Return centre and radius of the largest ball within the half-spaces a x + b <= 0 (n, 4)."""
     lengths = np.linalg.norm(planes[:, :3], axis=1)
     answer = linprog(
         (0, 0, 0, -1),
@@ -82,21 +76,12 @@ def _inner_ball(planes: Array) -> tuple[Array, float]:
 
 
 def mass_properties(pieces: Sequence[Array], mass: float) -> tuple[Array, Array]:
-    """Centre of mass (3,) [m] and inertia about it (3, 3) [kg m^2] of pieces of one density."""
-    moments = [_moments(hull(piece)) for piece in pieces]
-    volume = sum(each[0] for each in moments)
-    first = np.sum([each[1] for each in moments], axis=0)
-    second = np.sum([each[2] for each in moments], axis=0)
-    centre = first / volume
-    covariance = mass * (second / volume - np.outer(centre, centre))
-    return centre, np.trace(covariance) * np.eye(3) - covariance
+    """Return the centre of mass (3,) [m] and the inertia about it (3, 3) [kg m^2].
 
-
-def _moments(mesh: Mesh) -> tuple[float, Array, Array]:
-    """Integrals of 1, x and x x^T over the inside, summed over tetrahedra from the origin."""
-    corners = mesh.vertices[mesh.faces]  # (m, 3 corners, 3)
-    volumes = np.linalg.det(corners) / 6
-    total = corners.sum(axis=1)
-    second = np.einsum("m,mci,mcj->ij", volumes, corners, corners)
-    second += np.einsum("m,mi,mj->ij", volumes, total, total)
-    return float(volumes.sum()), volumes @ total / 4, second / 20
+    Args:
+        pieces: corners of each convex piece, (n, 3); all of one density.
+        mass: of all together [kg].
+    """
+    triangles = np.concatenate([hull(piece).triangles for piece in pieces])
+    unit: Any = trimesh.triangles.mass_properties(triangles)  # of density 1
+    return unit.center_mass, unit.inertia * (mass / unit.volume)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Triangle meshes: made by lofting rings, shaded by crease angle, written as Wavefront OBJ.
+"""Triangle meshes: lofts through rings of points, normals for shading, Wavefront OBJ text.
 
 A loft joins rings of equally many points, one after the other, and closes both ends. Lathes,
 sweeps and plates are all lofts. Caps of rings that are not convex are cut into triangles by
@@ -9,55 +9,39 @@ clipping ears (Meisters 1975).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, radians
 
 import numpy as np
 from numpy.typing import NDArray
+from trimesh import Trimesh
 
 from ..poses import Array
 
 Faces = NDArray[np.int64]
 
 CREASE = cos(radians(40))  # faces that meet at a sharper angle keep an edge between them
-_TINY_AREA = 1e-13  # [m^2]
+_TINY_AREA = 5e-14  # [m^2]
 
 
-@dataclass(frozen=True)
-class Mesh:
-    """A surface of triangles.
-
-    Attributes:
-        vertices: (n, 3) [m].
-        faces: (m, 3) indices into the vertices, counter-clockwise seen from outside.
-    """
-
-    vertices: Array
-    faces: Faces
-
-    @property
-    def volume(self) -> float:
-        """The volume inside a closed surface [m^3]; negative when it is inside out."""
-        a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
-
-
-def loft(rings: Sequence[Array], *, convex_ends: bool = True) -> Mesh:
-    """The closed surface through rings of k points each, every one (k, 3).
+def loft(rings: Sequence[Array], *, convex_ends: bool = True) -> Trimesh:
+    """Return the closed surface through rings of k points each, every one (k, 3), faces outwards.
 
     Args:
         rings: at least two; a ring may shrink to a point.
         convex_ends: whether the end rings are convex, so that their caps can be plain fans.
     """
     count = len(rings[0])
-    vertices = np.vstack(rings)
     faces = np.vstack([_band(i * count, count) for i in range(len(rings) - 1)])
     ends = [(rings[0], 0), (rings[-1], (len(rings) - 1) * count)]
     first, last = (
         start + (_fan(count) if convex_ends else triangulate(flatten(ring))) for ring, start in ends
     )
-    mesh = _cleaned(vertices, np.vstack([faces, first[:, ::-1], last]))
-    return mesh if mesh.volume >= 0 else Mesh(mesh.vertices, mesh.faces[:, ::-1])
+    mesh = Trimesh(np.vstack(rings), np.vstack([faces, first[:, ::-1], last]), process=False)
+    mesh.merge_vertices(digits_vertex=8)
+    mesh.update_faces(mesh.area_faces > _TINY_AREA)
+    if mesh.volume < 0:
+        mesh.invert()
+    return mesh
 
 
 def _band(start: int, count: int) -> Faces:
@@ -73,7 +57,7 @@ def _fan(count: int) -> Faces:
 
 
 def flatten(ring: Array) -> Array:
-    """A ring (k, 3) in coordinates of its own plane (k, 2), counter-clockwise."""
+    """Return a ring (k, 3) in coordinates of its own plane (k, 2), counter-clockwise."""
     centred = ring - ring.mean(axis=0)
     normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
     axis = np.eye(3)[np.argmin(np.abs(normal))]
@@ -84,7 +68,7 @@ def flatten(ring: Array) -> Array:
 
 
 def triangulate(outline: Array) -> Faces:
-    """Cut a simple polygon (k, 2), counter-clockwise, into triangles (k - 2, 3)."""
+    """Return triangles (k - 2, 3) that fill a simple polygon (k, 2), counter-clockwise."""
     rest, faces = list(range(len(outline))), list[tuple[int, int, int]]()
     while len(rest) > 3:
         ear = next((i for i in range(len(rest)) if _is_ear(outline, rest, i)), 0)
@@ -109,43 +93,21 @@ def _turn(a: Array, b: Array, points: Array) -> Array:
     return ahead[0] * aside[..., 1] - ahead[1] * aside[..., 0]
 
 
-def _cleaned(vertices: Array, faces: Faces) -> Mesh:
-    """The mesh with equal vertices joined and faces without area left out."""
-    _, first, index = np.unique(
-        np.round(vertices, 8), axis=0, return_index=True, return_inverse=True
-    )
-    mesh = Mesh(vertices[first], index.ravel()[faces])
-    return Mesh(mesh.vertices, mesh.faces[np.linalg.norm(_face_normals(mesh), axis=1) > _TINY_AREA])
-
-
-def _face_normals(mesh: Mesh) -> Array:
-    """Normals of the faces (m, 3), as long as twice their area."""
-    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
-    return np.cross(b - a, c - a)
-
-
-def corner_normals(mesh: Mesh) -> Array:
-    """Unit normals for shading, one for each corner of each face (m, 3, 3).
+def corner_normals(mesh: Trimesh) -> Array:
+    """Return unit normals for shading, one for each corner of each face (m, 3, 3).
 
     A corner takes the mean of the faces round it, weighted by area, without those beyond a crease.
     """
-    weighted = _face_normals(mesh)
-    unit = weighted / np.linalg.norm(weighted, axis=1, keepdims=True)
-    round_vertex: list[list[int]] = [[] for _ in mesh.vertices]
-    for face, corners in enumerate(mesh.faces):
-        for vertex in corners:
-            round_vertex[vertex].append(face)
-    result = np.empty((len(mesh.faces), 3, 3))
-    for face, corners in enumerate(mesh.faces):
-        for corner, vertex in enumerate(corners):
-            near = np.array(round_vertex[vertex])
-            alike = near[unit[near] @ unit[face] > CREASE]
-            result[face, corner] = weighted[alike].sum(axis=0)
-    return result / np.linalg.norm(result, axis=2, keepdims=True)
+    unit = mesh.face_normals
+    weighted = unit * mesh.area_faces[:, None]
+    around = mesh.vertex_faces[mesh.faces]  # (m, 3 corners, k faces), -1 where there are fewer
+    alike = (around >= 0) & (np.einsum("mckd,md->mck", unit[around], unit) > CREASE)
+    normals = np.einsum("mck,mckd->mcd", alike, weighted[around])
+    return normals / np.linalg.norm(normals, axis=2, keepdims=True)
 
 
-def shaded_obj(mesh: Mesh) -> str:
-    """The mesh as OBJ text with normals for shading."""
+def shaded_obj(mesh: Trimesh) -> str:
+    """Return the mesh as OBJ text with normals for shading."""
     normals = corner_normals(mesh).reshape(-1, 3)
     unique, index = np.unique(np.round(normals, 4), axis=0, return_inverse=True)
     corners = index.reshape(-1, 3) + 1
@@ -158,8 +120,8 @@ def shaded_obj(mesh: Mesh) -> str:
     return "\n".join(lines) + "\n"
 
 
-def grouped_obj(meshes: Sequence[Mesh]) -> str:
-    """Several meshes as OBJ text, each a group of its own."""
+def grouped_obj(meshes: Sequence[Trimesh]) -> str:
+    """Return several meshes as OBJ text, each a group of its own."""
     lines: list[str] = []
     start = 1
     for number, mesh in enumerate(meshes):

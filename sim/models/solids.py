@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Solids made of data: for each form the surface that is seen and the pieces that are felt.
+"""Solids as geometry: for each form a visual surface and convex pieces for collisions.
 
 The surface is fine and shaded; the pieces are convex and few. Both come from the same rings of
-points (see `meshes`), so what a camera sees and what a finger touches differ by little: some
+points (see `meshes`), so that what a camera sees and what a finger touches differ by little: some
 tenths of a millimetre on tools, at most 1.5 mm in the hollows of a shoe's sole.
-Thin-walled things are cut into convex pieces by construction: a vessel into staves and a floor, a
-bent rod into links, a plate into prisms.
+Thin-walled solids are cut into convex pieces by construction: a vessel into staves and a floor, a
+bent rod into segments, a plate into prisms.
 """
 
 from __future__ import annotations
@@ -16,57 +16,60 @@ from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
+import trimesh
+from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from ...ontology.errors import DataError
 from ...ontology.geometry import MAX_LENGTH, Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from .. import poses
 from ..poses import Array
 from . import convex
-from .meshes import Mesh, loft, triangulate
+from .meshes import loft, triangulate
 
-SEEN_SIDES, FELT_SIDES = 48, 24  # corners of a circle
+VISUAL_SIDES, COLLISION_SIDES = 48, 24  # corners of a circle
 STAVES = 20  # of a vessel: few enough to be fast, and 0.5 mm flat on a mug
-SEEN_SECTION, FELT_SECTION = 28, 16  # corners of a swept section
-SEEN_STEPS, FELT_STEPS = 4, 2  # pieces between two points of a smooth curve
-MERGE_TOLERANCE = 0.01  # share of volume that joining two convex pieces may add
-SMALLEST_MESH = 0.002  # [m], the longest side of a mesh that can still be seen
+VISUAL_SECTION, COLLISION_SECTION = 28, 16  # corners of a swept section
+VISUAL_STEPS, COLLISION_STEPS = 4, 2  # pieces between two points of a smooth curve
+MERGE_TOLERANCE = 0.01  # share of volume that merging two convex pieces may add
 STAVE_TOLERANCE = 0.06  # the same for the staves of a thin wall: 0.1 mm on 2 mm
+MIN_MESH_SIZE = 0.002  # [m], a mesh smaller than this could not be seen
 
 
 @dataclass(frozen=True)
-class Shape:
-    """One solid in the frame of its object.
+class SolidGeometry:
+    """The geometry of one solid in the frame of its object.
 
     Attributes:
-        surface: what is seen; None when nothing is.
-        pieces: corners (n, 3) of the convex pieces that are felt.
+        visual: the surface that cameras see; None when the solid is invisible.
+        collision: corners (n, 3) of the convex pieces that others touch.
     """
 
-    surface: Mesh | None
-    pieces: tuple[Array, ...]
+    visual: trimesh.Trimesh | None
+    collision: tuple[Array, ...]
 
 
-def build(solid: Solid) -> Shape:
-    """Make a solid at its place."""
+def build_solid(solid: Solid) -> SolidGeometry:
+    """Return the geometry of a solid at its place."""
     object_from_solid = poses.pose(poses.rotation_from_rpy(*solid.turn), solid.at)
-    surface = None
-    if solid.seen:
-        mesh = _surface(solid.form)
-        surface = Mesh(poses.transform(object_from_solid, mesh.vertices), mesh.faces)
-    pieces = _pieces(solid.form) if solid.felt else ()
-    return Shape(surface, tuple(poses.transform(object_from_solid, piece) for piece in pieces))
+    visual = None
+    if solid.visible:
+        visual = _surface(solid.form)
+        visual.vertices = poses.transform(object_from_solid, visual.vertices)
+    pieces = _pieces(solid.form) if solid.collides else ()
+    moved = tuple(poses.transform(object_from_solid, piece) for piece in pieces)
+    return SolidGeometry(visual, moved)
 
 
-def _surface(form: Form) -> Mesh:
+def _surface(form: Form) -> trimesh.Trimesh:
     match form:
         case Box():
             return convex.hull(_box_corners(form))
         case Lathe():
-            return loft(_lathe_rings(form, form.sides or SEEN_SIDES, SEEN_STEPS))
+            return loft(_lathe_rings(form, form.sides or VISUAL_SIDES, VISUAL_STEPS))
         case Extrusion():
-            return loft(_plate_rings(form, SEEN_STEPS), convex_ends=False)
+            return loft(_plate_rings(form, VISUAL_STEPS), convex_ends=False)
         case Sweep():
-            return loft(_sweep_rings(form, SEEN_SECTION, SEEN_STEPS))
+            return loft(_sweep_rings(form, VISUAL_SECTION, VISUAL_STEPS))
         case MeshFile():
             return _read_mesh(form)
 
@@ -78,31 +81,30 @@ def _pieces(form: Form) -> Sequence[Array]:
         case Lathe() if form.wall:
             return _vessel_pieces(form)
         case Lathe():
-            return _links(_lathe_rings(form, form.sides or FELT_SIDES, FELT_STEPS))
+            return _segments(_lathe_rings(form, form.sides or COLLISION_SIDES, COLLISION_STEPS))
         case Extrusion():
             return _plate_pieces(form)
         case Sweep():
-            return _links(_sweep_rings(form, FELT_SECTION, FELT_STEPS))
+            return _segments(_sweep_rings(form, COLLISION_SECTION, COLLISION_STEPS))
         case MeshFile():
-            return _connected_pieces(form)
+            bodies = _read_mesh(form).split(only_watertight=False)
+            return [np.asarray(body.vertices) for body in bodies]
 
 
-def _links(rings: Sequence[Array]) -> list[Array]:
-    """The hulls between each ring and the next, joined where that adds little."""
+def _segments(rings: Sequence[Array]) -> list[Array]:
+    """Return the hulls between each ring and the next, merged where that adds little."""
     return convex.merge([np.vstack(pair) for pair in pairwise(rings)], tolerance=MERGE_TOLERANCE)
 
 
 def _curve(points: Array, steps: int, *, closed: bool = False) -> Array:
-    """A curve through points (n, d), with `steps` pieces between two of them."""
-    from scipy.interpolate import Akima1DInterpolator, CubicSpline  # 0.2 s, only when building
-
+    """Return a curve through points (n, d), with `steps` segments between two of them."""
     through = np.vstack([points, points[:1]]) if closed else points
     lengths = np.linalg.norm(np.diff(through, axis=0), axis=1)
     knots = np.concatenate([[0.0], np.cumsum(lengths)])
     fine = np.interp(np.arange(steps * len(lengths) + 1) / steps, np.arange(len(knots)), knots)
     if closed:
         return CubicSpline(knots, through, bc_type="periodic")(fine)[:-1]
-    # Akima's curve does not swing out where a profile bends sharply.
+    # Akima's curve does not overshoot where a profile bends sharply.
     return Akima1DInterpolator(knots, through)(fine)
 
 
@@ -131,14 +133,14 @@ def _lathe_rings(lathe: Lathe, sides: int, steps: int) -> list[Array]:
 
 
 def _ring(lathe: Lathe, sides: int, radius: float, height: float, shift: float = 0.0) -> Array:
-    # Half a step of turn lays a flat side, not an edge, underneath.
+    # Half a step of turn puts a flat side, not an edge, underneath.
     angles = (np.arange(sides) + 0.5) * 2 * np.pi / sides
     wide, deep = (max(radius * factor + shift, 0.0) for factor in lathe.stretch)
     return np.column_stack([wide * np.cos(angles), deep * np.sin(angles), np.full(sides, height)])
 
 
 def _inner_side(outer: Array, lathe: Lathe) -> Array:
-    """The inner side of a vessel from the rim down: rows of radius, height, shift of radius."""
+    """Return the inner side of a vessel from the rim down: rows of radius, height, radius shift."""
     floor_first = np.vstack([[0.0, outer[0, 1]], outer])
     ahead = np.diff(floor_first, axis=0)
     normals = np.column_stack([-ahead[:, 1], ahead[:, 0]])
@@ -170,7 +172,7 @@ def _vessel_pieces(lathe: Lathe) -> list[Array]:
 
 
 def _plate_outline(plate: Extrusion, steps: int) -> Array:
-    """Rows of x, y and half the thickness."""
+    """Return the rim of a plate: rows of x, y and half the thickness."""
     corners = np.column_stack([plate.outline, np.array(plate.thickness) / 2])
     return _curve(corners, steps, closed=True) if plate.smooth else corners
 
@@ -194,7 +196,7 @@ def _at_height(outline: Array, height: Array) -> Array:
 
 
 def _inset(rim: Array, distance: float) -> Array:
-    """The outline moved inwards by `distance` [m] along the mitres of its corners."""
+    """Return the rim moved inwards by `distance` [m] along the mitres of its corners."""
     ahead = np.roll(rim[:, :2], -1, axis=0) - rim[:, :2]
     normals = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -204,10 +206,10 @@ def _inset(rim: Array, distance: float) -> Array:
 
 
 def _plate_pieces(plate: Extrusion) -> list[Array]:
-    rings = _plate_rings(plate, FELT_STEPS)
+    rings = _plate_rings(plate, COLLISION_STEPS)
     prisms = [
         np.vstack([ring[triangle] for ring in rings])
-        for triangle in triangulate(_plate_outline(plate, FELT_STEPS)[:, :2])
+        for triangle in triangulate(_plate_outline(plate, COLLISION_STEPS)[:, :2])
     ]
     return convex.merge(prisms, tolerance=MERGE_TOLERANCE)
 
@@ -231,13 +233,13 @@ def _sweep_rings(sweep: Sweep, corners: int, steps: int) -> list[Array]:
 
 
 def _dome(row: tuple[Array, Array, Array], angle: float) -> tuple[Array, Array, Array]:
-    """The end section moved along its direction and shrunk, as on half an ellipsoid."""
+    """Return the end section moved along its direction and shrunk, as on half an ellipsoid."""
     centre, size, ahead = row
     return centre + np.sin(angle) * size.min() / 2 * ahead, size * np.cos(angle), ahead
 
 
 def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Array) -> Array:
-    """One superellipse (corners, 3) across the direction `ahead`."""
+    """Return one superellipse (corners, 3) across the direction `ahead`."""
     side = np.array(sweep.side) - np.dot(sweep.side, ahead) * ahead
     side /= np.linalg.norm(side)
     angles = np.arange(corners) * 2 * np.pi / corners
@@ -252,30 +254,20 @@ def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Arra
 # --- files ----------------------------------------------------------------------------------
 
 
-def _read_mesh(form: MeshFile) -> Mesh:
-    loaded = _loaded(form)
-    return Mesh(np.asarray(loaded.vertices) * form.scale, np.asarray(loaded.faces))
-
-
-def _connected_pieces(form: MeshFile) -> list[Array]:
-    pieces = _loaded(form).split(only_watertight=False)
-    return [np.asarray(each.vertices) * form.scale for each in pieces]
-
-
-def _loaded(form: MeshFile) -> Any:
-    import trimesh  # 1.8 s, only for objects that come as files
-
+def _read_mesh(form: MeshFile) -> trimesh.Trimesh:
+    """Return the mesh of a file, scaled to metres."""
     try:
-        loaded = trimesh.load_mesh(form.path)
+        mesh: Any = trimesh.load_mesh(form.path)
     except Exception as error:  # each of its readers has errors of its own
         raise DataError(f"is no mesh that can be read: {error}.", source=str(form.path)) from error
-    if not len(getattr(loaded, "faces", ())):
+    if not len(getattr(mesh, "faces", ())):
         raise DataError("has no faces.", source=str(form.path))
-    largest = float(np.ptp(loaded.vertices, axis=0).max()) * form.scale
-    if not SMALLEST_MESH <= largest <= MAX_LENGTH:
+    mesh.apply_scale(form.scale)
+    largest = float(np.ptp(mesh.vertices, axis=0).max())
+    if not MIN_MESH_SIZE <= largest <= MAX_LENGTH:
         raise DataError(
-            f"is {largest:g} m long with the scale {form.scale:g}; expected {SMALLEST_MESH:g} to "
+            f"is {largest:g} m long with the scale {form.scale:g}; expected {MIN_MESH_SIZE:g} to "
             f"{MAX_LENGTH:g} m. Many files are in millimetres: their scale is 0.001.",
             source=str(form.path),
         )
-    return loaded
+    return mesh

@@ -1,22 +1,114 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Robot files made ready: an arm and the hand on it as one URDF, kept in the cache.
+"""URDF files: text for the models of objects, and robots assembled from an arm and a hand.
 
-Arms and hands come in files of their own. What is added to an arm is one link of another file with
-all that hangs on it. Soft contacts are taken out (they let thin plates pop out of the fingers), and
-meshes are named by whole paths, so that the file can stand anywhere.
+Arms and hands come in files of their own: one link of the hand's file is added to the arm, with all
+that hangs on it. Soft contacts are removed (they let thin plates pop out of the fingers), and
+meshes are named by whole paths, so that the file can stand anywhere. It is kept in the cache.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
 
-from ...ontology.errors import DataError
-from .cache import content_key, keep_file
+import numpy as np
 
-_VERSION = b"1"  # of what this module writes
+from ...ontology.cache import cache_folder, content_key, write_atomically
+from ...ontology.errors import DataError, SimulationError
+from ...ontology.geometry import Colour
+from ...ontology.objects import PartType
+from ..poses import Array
+
+SOCKET, SOCKET_JOINT = "socket", "into"  # link and joint of an object that stands in another one
+_SOCKET_MASS = 0.05  # [kg], of the wood right round a nail: far less would make the solver soft
+# A link without any visual would be drawn by its collision shape; a speck keeps it invisible.
+_SPECK = "    <visual><geometry><box size='1e-5 1e-5 1e-5'/></geometry></visual>"
+_VERSION = b"1"  # of the robot files that this module writes
+
+
+# --- objects --------------------------------------------------------------------------------
+
+
+def write_urdf(name: str, elements: Sequence[str], path: Path) -> None:
+    """Write a URDF file of links and joints."""
+    opening = ["<?xml version='1.0'?>", f"<robot name={quoteattr(name)}>"]
+    path.write_text("\n".join([*opening, *elements, "</robot>", ""]), encoding="utf-8")
+
+
+def part_link(
+    part: PartType, collision: str, visuals: Sequence[str], *, centre: Array, inertia: Array
+) -> str:
+    """Return the link of one part.
+
+    Args:
+        part: of an object.
+        collision: file of its collision mesh.
+        visuals: its visual elements.
+        centre: of mass (3,) [m].
+        inertia: about that (3, 3) [kg m^2].
+    """
+    lines = [
+        f"  <link name={quoteattr(part.name)}>",
+        f"    <contact><lateral_friction value='{part.material.friction:g}'/></contact>",
+        _inertial(part.mass, centre, inertia),
+        *(visuals or [_SPECK]),
+        f"    <collision><geometry><mesh filename='{collision}'/></geometry></collision>",
+        "  </link>",
+    ]
+    return "\n".join(lines)
+
+
+def visual(file: str, name: str, colour: Colour, *, shine: float) -> str:
+    """Return the visual element of a mesh file, in a material of this name."""
+    return (
+        f"    <visual><geometry><mesh filename='{file}'/></geometry><material name='{name}'>"
+        f"<color rgba='{_numbers((*colour, 1.0))}'/><specular rgb='{_numbers([shine] * 3)}'/>"
+        "</material></visual>"
+    )
+
+
+def fixed_joint(parent: str, child: str) -> str:
+    """Return a fixed joint between two links that share a frame."""
+    return (
+        f"  <joint name={quoteattr(f'{parent} to {child}')} type='fixed'>"
+        f"<parent link={quoteattr(parent)}/><child link={quoteattr(child)}/></joint>"
+    )
+
+
+def socket(part: str, travel: float) -> list[str]:
+    """Return a link without a surface, and the joint by which a mounted part slides in it [m]."""
+    inertia = np.eye(3) * _SOCKET_MASS * 1e-3  # as of a lump of 3 cm radius
+    return [
+        f"  <link name='{SOCKET}'>",
+        _inertial(_SOCKET_MASS, np.zeros(3), inertia),
+        _SPECK,
+        "  </link>",
+        f"  <joint name='{SOCKET_JOINT}' type='prismatic'>",
+        f"    <parent link='{SOCKET}'/><child link={quoteattr(part)}/><axis xyz='0 0 -1'/>",
+        f"    <limit lower='0' upper='{travel:g}' effort='1000' velocity='10'/>",
+        "  </joint>",
+    ]
+
+
+def _inertial(mass: float, centre: Array, inertia: Array) -> str:
+    terms = " ".join(
+        f"i{'xyz'[i]}{'xyz'[j]}='{inertia[i, j]:.9g}'" for i in range(3) for j in range(i, 3)
+    )
+    return (
+        f"    <inertial><origin xyz='{_numbers(centre)}'/><mass value='{mass:g}'/>"
+        f"<inertia {terms}/></inertial>"
+    )
+
+
+def _numbers(values: Sequence[float] | Array) -> str:
+    return " ".join(f"{value:.6g}" for value in values)
+
+
+# --- robots ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -41,12 +133,12 @@ class Attachment:
 def robot_file(
     name: str, urdf: Path, *, attachment: Attachment | None = None, speeds: Sequence[float] = ()
 ) -> Path:
-    """The file of a robot, made when it is not in the cache yet.
+    """Return the URDF file of a robot, made when it is not in the cache yet.
 
     Args:
         name: of the robot.
         urdf: of its arm.
-        attachment: what is attached to it.
+        attachment: its hand, from another file.
         speeds: limits of its moving joints, instead of those in the file [rad/s].
 
     Raises:
@@ -56,7 +148,24 @@ def robot_file(
     sources = [urdf, *([attachment.urdf] if attachment else [])]
     what = repr((sources, attachment, tuple(speeds))).encode()
     key = content_key(_VERSION, what, *(path.read_bytes() for path in sources))
-    return keep_file(f"robots/{name}-{key}.urdf", lambda: _assembled(urdf, attachment, speeds))
+    path = cache_folder() / "robots" / f"{name}-{key}.urdf"
+    if not path.is_file():
+        text = _assembled(urdf, attachment, speeds)
+        with writing_cache(path.parent):
+            write_atomically(path, text)
+    return path
+
+
+@contextmanager
+def writing_cache(folder: Path) -> Generator[None]:
+    """Raise an OSError in this block as a SimulationError about a folder of the cache."""
+    try:
+        yield
+    except OSError as error:
+        raise SimulationError(
+            f"The cache {folder} cannot be written: {error.strerror}. "
+            "Set HILT_CACHE to a folder that can."
+        ) from error
 
 
 def _assembled(urdf: Path, attachment: Attachment | None, speeds: Sequence[float]) -> str:
@@ -66,7 +175,7 @@ def _assembled(urdf: Path, attachment: Attachment | None, speeds: Sequence[float
         for limit in joint.findall("limit"):
             limit.set("velocity", f"{speed:g}")
     if attachment:
-        root.extend(_hanging_on(_read(attachment.urdf), attachment))
+        root.extend(_attached_elements(_read(attachment.urdf), attachment))
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -84,10 +193,12 @@ def _read(path: Path) -> ElementTree.Element:
     return root
 
 
-def _hanging_on(root: ElementTree.Element, attachment: Attachment) -> list[ElementTree.Element]:
-    """The attached link, the links and joints that hang on it, and the joint that carries it."""
+def _attached_elements(
+    root: ElementTree.Element, attachment: Attachment
+) -> list[ElementTree.Element]:
+    """Return the attached link, all links and joints that hang on it, and the joint to the arm."""
     wanted, joints = {attachment.link}, list[ElementTree.Element]()
-    for joint in root.findall("joint"):  # a URDF tells parents before their children
+    for joint in root.findall("joint"):  # a URDF lists parents before their children
         if _end(joint, "parent") in wanted:
             joints.append(joint)
             wanted.add(_end(joint, "child"))

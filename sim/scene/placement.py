@@ -29,7 +29,7 @@ ROUNDS = 60
 
 
 class Outlined(Protocol):
-    """What is known of an object before it is placed; a `Model` is one."""
+    """What is known of an object before it is placed; a `ObjectModel` is one."""
 
     @property
     def kind(self) -> ObjectType:

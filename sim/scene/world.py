@@ -17,7 +17,8 @@ import numpy as np
 from ...ontology.errors import UnknownNameError
 from ...ontology.objects import Mount, ObjectType
 from .. import poses
-from ..models.object_models import INTO, Model, model_of
+from ..models.object_models import ObjectModel, object_model
+from ..models.urdf import SOCKET_JOINT
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
 from .placement import Spot, arrange
@@ -58,7 +59,7 @@ class World:
     engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
     kinds: Mapping[str, ObjectType]
-    models: Mapping[str, Model]
+    models: Mapping[str, ObjectModel]
     watcher: Callable[[], None] | None = None
     _supports: dict[str, str] = field(default_factory=dict[str, str])
 
@@ -74,7 +75,7 @@ class World:
         Raises:
             SimulationError: there is no room for all.
         """
-        models = {name: model_of(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
+        models = {name: object_model(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
         spots = arrange(scene, models)
         world = cls(
             scene,
@@ -112,7 +113,7 @@ class World:
         self.engine.contacts.enable(name, support, enabled=False)
         self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
         # A motor that wants to stand still, and can do no more than this, is dry friction.
-        self.engine.joints.drive_at(name, INTO, 0.0, force=mount.resistance)
+        self.engine.joints.drive_at(name, SOCKET_JOINT, 0.0, force=mount.resistance)
         self._supports[name] = support
 
     def close(self) -> None:
@@ -182,7 +183,7 @@ class World:
         mount = self.kinds[name].mount if name in self._supports else None
         if mount is None:
             raise UnknownNameError("thing that stands in another", name, self._supports)
-        return mount.depth + float(self.engine.joints.positions(name, [INTO])[0])
+        return mount.depth + float(self.engine.joints.positions(name, [SOCKET_JOINT])[0])
 
     def support(self, name: str) -> str | None:
         """The name of what an object stands in; None for what lies loose."""

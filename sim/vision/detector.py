@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...ontology.objects import ObjectType
-from ..models.object_models import Model
+from ..models.object_models import ObjectModel
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
@@ -48,7 +48,7 @@ class Vision:
 
     engine: PhysicsEngine
     kinds: Mapping[str, ObjectType]
-    models: Mapping[str, Model]
+    models: Mapping[str, ObjectModel]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
     noise: Noise = field(default_factory=Noise)
     room: tuple[str, ...] = ()

@@ -8,7 +8,7 @@ import pytest
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import ObjectType, load_household
 from hilt.sim.body import Body
-from hilt.sim.models.object_models import model_of
+from hilt.sim.models.object_models import object_model
 from hilt.sim.scene.scene import parse_scene
 
 pytestmark = pytest.mark.sim
@@ -72,4 +72,4 @@ def test_mesh_that_is_no_use_is_told_with_its_file(text: str, problem: str, fold
     (folder / "head.obj").write_text(text)
 
     with pytest.raises(DataError, match=f"head.obj.*({problem})"):
-        model_of(objects_of(folder)["brush"])
+        object_model(objects_of(folder)["brush"])

@@ -13,17 +13,17 @@ import pytest
 from hilt.ontology.errors import SimulationError
 from hilt.ontology.objects import load_objects
 from hilt.sim.models import object_models
-from hilt.sim.models.object_models import model_of
+from hilt.sim.models.object_models import object_model
 
 KNIFE = load_objects()["knife"]
 
 
 def test_model_is_built_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The second time, the files of the first are used."""
-    first = model_of(KNIFE, cache=tmp_path)
+    first = object_model(KNIFE, cache=tmp_path)
     monkeypatch.setattr(object_models, "write_model", lambda *_: pytest.fail("built again"))
 
-    second = model_of(KNIFE, cache=tmp_path)
+    second = object_model(KNIFE, cache=tmp_path)
 
     assert second.urdf == first.urdf
     assert (second.points == first.points).all()
@@ -33,8 +33,8 @@ def test_other_processes_use_the_same_files(tmp_path: Path):
     """What one process has built is found by another, whatever its hashes are."""
     program = (
         "from hilt.ontology.objects import load_objects\n"
-        "from hilt.sim.models.object_models import model_of\n"
-        "print(model_of(load_objects()['knife']).urdf)"
+        "from hilt.sim.models.object_models import object_model\n"
+        "print(object_model(load_objects()['knife']).urdf)"
     )
 
     found = {
@@ -56,13 +56,13 @@ def test_changed_object_is_another_model(tmp_path: Path):
     heavier = replace(KNIFE.part("handle"), mass=0.5)
     other = replace(KNIFE, parts={**KNIFE.parts, "handle": heavier})
 
-    assert model_of(other, cache=tmp_path).urdf != model_of(KNIFE, cache=tmp_path).urdf
+    assert object_model(other, cache=tmp_path).urdf != object_model(KNIFE, cache=tmp_path).urdf
 
 
 def test_builders_at_the_same_time_agree(tmp_path: Path):
     """Several that build the same model at once all get it, and leave no drafts behind."""
     with ThreadPoolExecutor(4) as pool:
-        built = list(pool.map(lambda _: model_of(KNIFE, cache=tmp_path), range(4)))
+        built = list(pool.map(lambda _: object_model(KNIFE, cache=tmp_path), range(4)))
 
     assert len({model.urdf for model in built}) == 1
     assert len(list((tmp_path / "objects").iterdir())) == 1
@@ -78,7 +78,7 @@ def test_failed_build_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(object_models, "write_model", fail)
 
     with pytest.raises(SimulationError, match=r"No space left on device. Set HILT_CACHE"):
-        model_of(KNIFE, cache=tmp_path)
+        object_model(KNIFE, cache=tmp_path)
     assert not list((tmp_path / "objects").iterdir())
 
 
@@ -87,11 +87,11 @@ def test_folder_that_cannot_be_written_is_told(tmp_path: Path):
     (tmp_path / "objects").write_text("", encoding="utf-8")
 
     with pytest.raises(SimulationError, match=r"cannot be written.*Set HILT_CACHE"):
-        model_of(KNIFE, cache=tmp_path)
+        object_model(KNIFE, cache=tmp_path)
 
 
 def test_silhouette_is_about_what_it_covers():
     """Lying on a table, a knife shows its sides foreshortened: half to all of its area."""
-    silhouette = model_of(KNIFE).silhouette
+    silhouette = object_model(KNIFE).silhouette
 
     assert 0.5 * 0.0085 < silhouette < 0.0085

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Solids as surfaces that are seen and convex pieces that are felt."""
+"""The geometry of solids: visual surfaces and convex collision pieces."""
 
 from math import pi
 from pathlib import Path
@@ -9,12 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
+from trimesh import Trimesh
 
 from hilt.ontology.geometry import Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from hilt.ontology.objects import load_objects
 from hilt.sim.models import convex
-from hilt.sim.models.meshes import Mesh, corner_normals, triangulate
-from hilt.sim.models.solids import build
+from hilt.sim.models.meshes import corner_normals, triangulate
+from hilt.sim.models.solids import build_solid
 
 OBJECTS = load_objects()
 PARTS = [
@@ -28,7 +29,7 @@ lengths = st.floats(0.004, 0.2)
 
 def solid(form: Form, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Solid:
     """A form at a place, neither turned nor coloured."""
-    return Solid(form, at, (0.0, 0.0, 0.0), None, seen=True, felt=True)
+    return Solid(form, at, (0.0, 0.0, 0.0), None, visible=True, collides=True)
 
 
 def cylinder(radius: float, height: float) -> Lathe:
@@ -36,15 +37,15 @@ def cylinder(radius: float, height: float) -> Lathe:
     return Lathe(((radius, 0.0), (radius, height)), 0.0, 0, (1.0, 1.0), smooth=False)
 
 
-def surface(form: Form) -> Mesh:
-    """What is seen of a form."""
-    mesh = build(solid(form)).surface
+def surface(form: Form) -> Trimesh:
+    """Return the visual surface of a form."""
+    mesh = build_solid(solid(form)).visual
     assert mesh is not None
     return mesh
 
 
-def felt_volume(pieces: tuple[np.ndarray, ...]) -> float:
-    """The volume of all pieces together."""
+def collision_volume(pieces: tuple[np.ndarray, ...]) -> float:
+    """Return the volume of all pieces together."""
     return sum(ConvexHull(piece).volume for piece in pieces)
 
 
@@ -76,7 +77,7 @@ def test_vessel_is_open():
     """The middle of a vessel belongs to none of its pieces."""
     mug = Lathe(((0.04, 0.0), (0.04, 0.1)), 0.004, 0, (1.0, 1.0), smooth=False)
 
-    pieces = build(solid(mug)).pieces
+    pieces = build_solid(solid(mug)).collision
 
     inside = [(ConvexHull(p).equations @ (0, 0, 0.05, 1) <= 0).all() for p in pieces]
     assert not any(inside)
@@ -105,13 +106,13 @@ def test_blade_is_thin_at_its_edge():
 
 
 def test_concave_plate_keeps_its_notch():
-    """An L is felt as pieces that leave its inner corner free."""
+    """An L becomes pieces that leave its inner corner free."""
     corner = ((0.0, 0.0), (0.1, 0.0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0.0, 0.1))
     plate = Extrusion(corner, (0.01,) * 6, 0.0, smooth=False)
 
-    pieces = build(solid(plate)).pieces
+    pieces = build_solid(solid(plate)).collision
 
-    assert felt_volume(pieces) == pytest.approx(0.0036 * 0.01)
+    assert collision_volume(pieces) == pytest.approx(0.0036 * 0.01)
     assert len(pieces) == 2
 
 
@@ -133,8 +134,7 @@ def test_sweep_follows_its_path():
 
 
 def test_mesh_file_becomes_one_piece_for_each_body(tmp_path: Path):
-    """Two tetrahedra in one file are felt as two pieces, in metres."""
-    pytest.importorskip("trimesh")
+    """Two tetrahedra in one file become two pieces, in metres."""
     path = tmp_path / "two.obj"
     corners = [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)]
     lines = [f"v {x + 50 * i} {y} {z}" for i in range(2) for x, y, z in corners]
@@ -142,18 +142,18 @@ def test_mesh_file_becomes_one_piece_for_each_body(tmp_path: Path):
     lines += [f"f {a + 4 * i} {b + 4 * i} {c + 4 * i}" for i in range(2) for a, b, c in faces]
     path.write_text("\n".join(lines), encoding="ascii")
 
-    shape = build(solid(MeshFile(path, 0.001)))
+    shape = build_solid(solid(MeshFile(path, 0.001)))
 
-    assert sorted(round(float(p[:, 0].max()), 3) for p in shape.pieces) == [0.01, 0.06]
+    assert sorted(round(float(p[:, 0].max()), 3) for p in shape.collision) == [0.01, 0.06]
 
 
 @pytest.mark.parametrize(("name", "part"), PARTS)
-def test_what_is_felt_is_what_is_seen(name: str, part: str):
-    """Seen surface and felt pieces of every part reach equally far, to within 1.5 mm."""
-    shapes = [build(solid) for solid in OBJECTS[name].part(part).shape]
+def test_collision_pieces_reach_as_far_as_the_visual_surface(name: str, part: str):
+    """The surface and the collision pieces of every part reach equally far, to within 1.5 mm."""
+    shapes = [build_solid(solid) for solid in OBJECTS[name].part(part).shape]
 
-    seen = np.vstack([shape.surface.vertices for shape in shapes if shape.surface])
-    felt = np.vstack([piece for shape in shapes for piece in shape.pieces])
+    seen = np.vstack([shape.visual.vertices for shape in shapes if shape.visual is not None])
+    felt = np.vstack([piece for shape in shapes for piece in shape.collision])
     assert np.abs(seen.min(axis=0) - felt.min(axis=0)).max() < 0.0015
     assert np.abs(seen.max(axis=0) - felt.max(axis=0)).max() < 0.0015
 
@@ -161,13 +161,13 @@ def test_what_is_felt_is_what_is_seen(name: str, part: str):
 @pytest.mark.parametrize(("name", "part"), PARTS)
 def test_surfaces_are_closed_and_outwards(name: str, part: str):
     """Every edge of a surface is walked once in each direction, and the inside is inside."""
-    for shape in (build(solid) for solid in OBJECTS[name].part(part).shape):
-        if shape.surface is not None:
-            faces = shape.surface.faces
+    for shape in (build_solid(solid) for solid in OBJECTS[name].part(part).shape):
+        if shape.visual is not None:
+            faces = shape.visual.faces
             edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
 
             assert {tuple(e) for e in edges} == {tuple(e[::-1]) for e in edges}
-            assert shape.surface.volume > 0
+            assert shape.visual.volume > 0
 
 
 @given(st.lists(lengths, min_size=3, max_size=3), st.floats(0.0001, 0.001))

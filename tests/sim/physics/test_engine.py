@@ -10,7 +10,7 @@ import pytest
 from hilt.ontology.errors import SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
-from hilt.sim.models.object_models import model_of
+from hilt.sim.models.object_models import object_model
 from hilt.sim.physics import client
 from hilt.sim.physics.engine import GRAVITY, TIME_STEP, PhysicsEngine
 from hilt.sim.vision.camera import Camera
@@ -18,7 +18,7 @@ from hilt.sim.vision.camera import Camera
 pytestmark = pytest.mark.sim
 
 OBJECTS = load_objects()
-KNIFE, BLOCK = (model_of(OBJECTS[name]).urdf for name in ("knife", "block"))
+KNIFE, BLOCK = (object_model(OBJECTS[name]).urdf for name in ("knife", "block"))
 ASKEW = poses.pose(poses.rotation_from_rpy(0.3, -0.4, 2.9), (0.1, 0.2, 0.9))
 SLIDER = """<robot name="slider"><link name="rail"/>
 <link name="cart"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
@@ -201,7 +201,7 @@ def test_bounds_are_round_the_corners(engine: PhysicsEngine):
 
     low, high = engine.bodies.bounds("block", "body")
 
-    corners = model_of(OBJECTS["block"]).points + np.array([0.2, 0.0, 0.0])
+    corners = object_model(OBJECTS["block"]).points + np.array([0.2, 0.0, 0.0])
     assert low == pytest.approx(corners.min(axis=0), abs=0.01)
     assert high == pytest.approx(corners.max(axis=0), abs=0.01)
 

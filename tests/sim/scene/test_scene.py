@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
-from hilt.sim.models.object_models import model_of
+from hilt.sim.models.object_models import object_model
 from hilt.sim.scene.placement import LIMITS, REACH, Spot, arrange, distance, outline
 from hilt.sim.scene.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 
@@ -22,7 +22,7 @@ clouds = st.lists(st.tuples(coordinates, coordinates), min_size=5, max_size=12, 
 
 def arranged(scene: Scene) -> tuple[Spot, ...]:
     """Where the objects of a scene are put."""
-    return arrange(scene, {name: model_of(OBJECTS[name]) for name in scene.types})
+    return arrange(scene, {name: object_model(OBJECTS[name]) for name in scene.types})
 
 
 def write_scene(folder: Path, text: str) -> str:

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
-from hilt.sim.models.object_models import model_of
+from hilt.sim.models.object_models import object_model
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.vision.camera import SAMPLE, Camera, CameraImage, Window, cameras_round_table
 
 CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
-BLOCK = model_of(load_objects()["block"])
+BLOCK = object_model(load_objects()["block"])
 coordinates = st.floats(-0.3, 0.3)
 
 
