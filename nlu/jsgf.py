@@ -107,7 +107,7 @@ def _filled(template: str) -> str:
 
 
 def _names(language: Language, kinds: frozenset[str]) -> list[str]:
-    names = language.listener.lexicon.names
+    names = language.parser.lexicon.names
     return sorted(word for kind in kinds for word in names.get(kind, ()))
 
 

@@ -28,16 +28,17 @@ from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import tokenize
+from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
+from .parsing.clarification import Clarification
 from .parsing.frames import load_frames
-from .parsing.hearing import Hearing, without_reading
-from .parsing.parser import Listener, UtteranceContext
-from .parsing.strategies import Attempts
+from .parsing.parser import SentenceParser, UtteranceContext
+from .parsing.reading_filter import ReadingFilter
+from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
 from .semantics.meaning import (
-    AskBack,
     Meaning,
     Rule,
 )
@@ -54,7 +55,8 @@ class Language:
 
     Attributes:
         name: its folder.
-        listener: what understands.
+        parser: the parser of one sentence.
+        examples: sentences that are understood, each with its words.
         speech: what speaks.
         expression: what puts meanings into sentences.
         book: how entries are made for new words.
@@ -64,7 +66,8 @@ class Language:
     """
 
     name: str
-    listener: Listener
+    parser: SentenceParser
+    examples: Mapping[str, frozenset[str]]
     answers: AnswerTemplates
     realizer: Realizer
     builder: LexiconBuilder
@@ -105,13 +108,12 @@ class Language:
         names = vocabulary if vocabulary is not None else household_vocabulary()
         lexicon = Lexicon(builder.vocabulary(names), builder.lexicon)
         interpreter = Interpreter(degrees.intervals, builder.tool_acts(), frozenset(names.contexts))
-        listener = Listener(
+        parser = SentenceParser(
             grammar,
             lexicon,
             combinator,
             interpreter,
             load_pragmatics(),
-            _examples(folder / "examples.yaml", builder.contractions),
             load_frames(folder / "frames.yaml", grammar),
         )
         answers = load_answers(
@@ -125,7 +127,8 @@ class Language:
             builder.tool_acts(),
         )
         save_cache()
-        return cls(language, listener, answers, realizer, builder, inflection, degrees)
+        examples = _examples(folder / "examples.yaml", builder.contractions)
+        return cls(language, parser, examples, answers, realizer, builder, inflection, degrees)
 
     def __repr__(self) -> str:
         return f"<Language {self.name}, {len(self.learned)} words learned>"
@@ -141,13 +144,13 @@ class Language:
             for word in added
             if word.role == "affordance"
         }
-        interpreter = self.listener.interpreter.knowing(added)
-        listener = replace(
-            self.listener,
-            lexicon=Lexicon(senses, self.listener.lexicon),
+        interpreter = self.parser.interpreter.knowing(added)
+        parser = replace(
+            self.parser,
+            lexicon=Lexicon(senses, self.parser.lexicon),
             interpreter=replace(interpreter, tool_acts={**uses, **interpreter.tool_acts}),
         )
-        return replace(self, listener=listener, learned=(*self.learned, *added))
+        return replace(self, parser=parser, learned=(*self.learned, *added))
 
     @without_collecting
     def understand(
@@ -171,41 +174,40 @@ class Language:
             heard: how surely a recogniser heard it, in [0, 1]; what was not heard well enough to
                 be sure what is wanted is asked about.
         """
-        situation = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
-        tokens = tokenize(text, self.builder.contractions)
-        problem = self.hearing.problem(text, tokens)
-        if problem is not None:
-            return without_reading(tokens, situation, problem)
-        found = Attempts(self.hearing, insist).understood(tokens, situation)
-        if found.reading is None or self.listener.pragmatics.is_enough(found.reading.sure):
-            return found
-        question = AskBack(self.say("heard_badly", text=found.text), (found.text,))
-        return without_reading(tokens, situation, question)
+        context = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
+        return self.utterance_parser.understand(text, context, insist)
 
     @cached_property
-    def hearing(self) -> Hearing:
-        """What takes one utterance, or one move of it, in."""
-        return Hearing(self.listener, self.builder, self.inflection, self.answers, self.realizer)
+    def utterance_parser(self) -> UtteranceParser:
+        """The parser of utterances with the words known now."""
+        known = KnownWords(
+            self.parser.lexicon, self.parser.frames.words, self.builder, self.inflection
+        )
+        clarification = Clarification(
+            self.parser, known, self.inflection, self.answers, self.realizer, self.examples
+        )
+        reading_filter = ReadingFilter(known, self.inflection)
+        return UtteranceParser(self.parser, self.builder, known, reading_filter, clarification)
 
     @property
     def lexicon(self) -> Lexicon:
         """The entries of all words, those of learned words first."""
-        return self.listener.lexicon
+        return self.parser.lexicon
 
     @property
     def tool_acts(self) -> Mapping[str, str]:
         """The acts done with a tool, each with the affordance that the tool must have."""
-        return self.listener.interpreter.tool_acts
+        return self.parser.interpreter.tool_acts
 
     @property
     def acts(self) -> frozenset[str]:
         """The acts on an object that the vocabulary has or that were learned."""
-        return self.listener.interpreter.acts
+        return self.parser.interpreter.acts
 
     @property
     def known_words(self) -> frozenset[str]:
         """Every single word that the lexicon has."""
-        return self.hearing.known_words.words
+        return self.utterance_parser.known_words.words
 
     def say(self, key: str, **slots: Slot) -> str:
         """An answer of `answers.yaml`, with its slots filled."""

@@ -68,7 +68,7 @@ class _Cover(NamedTuple):
         return self._replace(cost=self.cost + part.cost + _PART_COST, parts=(*self.parts, part))
 
 
-def wholes(frames: Frames, tokens: Tokens, chart: Chart) -> Iterator[Derivation]:
+def parse_frames(frames: Frames, tokens: Tokens, chart: Chart) -> Iterator[Derivation]:
     """What an utterance comes to, for each frame and each way to cover it.
 
     Args:

@@ -1,175 +1,337 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ways in which an utterance is tried, one after the other, until it means something.
+"""The strategies for understanding an utterance, tried in order until one finds a meaning.
 
-As one whole; as a row of moves; both without what is only said by the way; and at last by the
-things that it names, in any order. Each way uses all of its words, or has declared them empty.
+1. as one sentence, by the grammar;
+2. as a sequence of segments, split at the pauses, which have one meaning together;
+3. both again without discourse markers, and with a qualifier moved to the front;
+4. by frames, from the things that it names in any order;
+5. as a request after a reason: "the soup is hot, so pass me the ladle".
+
+Each of them accounts for all words of the utterance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from dataclasses import replace
-from typing import TypeGuard
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from ..lexicon.discourse_markers import move_to_front
-from ..lexicon.tokenizer import BREAK, Tokens
-from ..semantics.meaning import AskBack, Command, Meaning, Misunderstanding, ToolCommand
+from ..lexicon.loader import LexiconBuilder
+from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.coreference import update_discourse
+from ..semantics.meaning import (
+    AskBack,
+    Command,
+    Meaning,
+    Misunderstanding,
+    Statement,
+    ToolCommand,
+)
 from ..semantics.predicates import Form
-from .hearing import Hearing, without_reading
-from .parser import UtteranceContext
-from .segmentation import Moves
-from .understanding import Understanding
+from .chart import Chart
+from .clarification import Clarification
+from .parser import SentenceParser, UtteranceContext, decide
+from .reading_filter import ReadingFilter
+from .segmentation import combine_meanings, segmentations
+from .understanding import Reading, Understanding
+
+Strategy = Callable[[Tokens, UtteranceContext], Understanding | None]
 
 
-class Attempts:
-    """The ways for one utterance; no part of it is taken in twice.
+@dataclass(frozen=True, repr=False)
+class UtteranceParser:
+    """Understands utterances, whole or in segments.
 
-    Args:
-        hearing: what takes one whole in.
-        insist: words that are new although they are close to known ones.
+    Attributes:
+        parser: the parser of one sentence.
+        builder: the word lists of the language: contractions, discourse markers, qualifiers.
+        known_words: the words that are known.
+        reading_filter: which readings may be accepted.
+        clarification: the answers to utterances that are not understood.
     """
 
-    def __init__(self, hearing: Hearing, insist: Collection[str]) -> None:
-        self._hearing, self._insist = hearing, insist
-        self._known: dict[tuple[Tokens, UtteranceContext, bool], Understanding] = {}
-        self._topics: dict[tuple[Tokens, UtteranceContext], Form | None] = {}
-        self._moved: set[Tokens] = set()  # where a degree was put in front of it all
+    parser: SentenceParser
+    builder: LexiconBuilder
+    known_words: KnownWords
+    reading_filter: ReadingFilter
+    clarification: Clarification
 
-    def understood(self, tokens: Tokens, situation: UtteranceContext) -> Understanding:
-        """What it means, in the first way that gives it a meaning."""
-        markers = self._hearing.builder.discourse_markers
-        tokens = markers.mark_boundaries(tokens)
-        request = markers.request_before_tag(tokens)
-        found = self._tried(request, situation) if request else None
-        if found and isinstance(found.meaning, (Command, ToolCommand)):
-            return replace(found, text=tokens.text)
-        untagged = markers.remove_tag(tokens)
-        return self._tried(tokens if untagged.asks else untagged, situation)
+    def understand(
+        self, text: str, context: UtteranceContext, accepted: Collection[str]
+    ) -> Understanding:
+        """Return what a text means, or the clarification that it needs.
 
-    def _tried(self, tokens: Tokens, situation: UtteranceContext) -> Understanding:
-        found = self._taken(tokens, situation)
-        if found.reading is None and BREAK in tokens.words:
-            again = self._taken(tokens.without_breaks(), situation)
-            found = again if again.reading is not None else found
-        if not _is_open(found.meaning):
+        Args:
+            text: one utterance.
+            context: who speaks to whom, and after what.
+            accepted: words that are new although they are close to known ones.
+        """
+        tokens = tokenize(text, self.builder.contractions)
+        problem = self.clarification.of_input(text, tokens)
+        if problem is not None:
+            return _without_reading(tokens, context, problem)
+        found = _Attempt(self, accepted).understand(tokens, context)
+        if found.reading is None or self.parser.pragmatics.is_enough(found.reading.interval):
             return found
-        again = self._in_turn(tokens, situation) or self._without_asides(tokens, situation)
-        if not again and not (found.readings and _is_slip(found.meaning)):
-            again = self._in_frames(tokens, situation)
-            if again is None or again.reading is None:
-                again = self._after_reason(tokens, situation) or again
-        return replace(again, text=tokens.text) if _is_better(again, found) else found
+        return _without_reading(tokens, context, self.clarification.of_recognition(found.text))
 
-    def _without_asides(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
-        """An utterance without what is said by the way; None when that is none either."""
-        tried = {tokens.words}
-        for each in self._versions(tokens):
-            if each.words in tried or not each.items:
+
+class _Attempt:
+    """The strategies on one utterance; what several of them ask for is parsed once."""
+
+    def __init__(self, tools: UtteranceParser, accepted: Collection[str]) -> None:
+        self._tools, self._accepted = tools, accepted
+        self._markers = tools.builder.discourse_markers
+        self._charts: dict[object, Chart] = {}
+        self._sentences: dict[tuple[Tokens, UtteranceContext, bool], Understanding] = {}
+        self._fronted: set[Tokens] = set()  # those with a qualifier moved to the front
+
+    def understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
+        """Return the result for the utterance, whose tag ("..., okay?") is taken off first."""
+        tokens = self._markers.mark_boundaries(tokens)
+        request = self._markers.request_before_tag(tokens)
+        found = self._understand(request, context) if request else None
+        if found and isinstance(found.meaning, (Command, ToolCommand)):
+            return found
+        untagged = self._markers.remove_tag(tokens)
+        return self._understand(tokens if untagged.asks else untagged, context)
+
+    def _understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
+        """The first result with a meaning, else the first question, else the first failure."""
+        result = self._as_sentence(tokens, context)
+        for strategy in self._strategies_after(result):
+            found = strategy(tokens, context)
+            if found is not None and found.reading is not None:
+                return found
+            if found is not None and isinstance(result.meaning, Misunderstanding):
+                result = found
+        return result
+
+    def _strategies_after(self, result: Understanding) -> Sequence[Strategy]:
+        """The strategies to try after the one that takes the utterance as one sentence."""
+        by_grammar = (self._by_segments, self._without_markers)
+        by_guessing = (self._by_frames, self._after_reason)
+        match result.meaning:
+            case Misunderstanding() | AskBack(choices=()):
+                return (*by_grammar, *by_guessing)
+            case AskBack(choices=(_,)):
+                # With one word corrected it would be a sentence: there is no need to guess.
+                return by_grammar if result.readings else (*by_grammar, *by_guessing)
+            case _:
+                return ()
+
+    def _as_sentence(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
+        """As one sentence, if need be without the full stops within."""
+        found = self._sentence(tokens, context)
+        if found.reading is None and BREAK in tokens.words:
+            again = self._sentence(tokens.without_breaks(), context)
+            found = again if again.reading is not None else found
+        return found
+
+    def _by_segments(
+        self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool = False
+    ) -> Understanding | None:
+        """As segments that have one meaning together."""
+        for segments in segmentations(tokens):
+            found = self._segments(segments, context, by_frames=by_frames)
+            combined = combine_meanings([each.meaning for each in found]) if found else None
+            if combined is None:
                 continue
-            tried.add(each.words)
-            for whole in filter(_says_something, (each, each.without_breaks())):
-                found = self._taken(whole, situation)
-                if found.reading is not None:
-                    return found
-            again = self._in_turn(each, situation)
-            if again is not None:
-                return again
+            main, meaning = combined
+            if self._may_be_rule(meaning, segments):
+                continue
+            words = tuple(word for each in found for word in each.new_words)
+            return replace(found[main], meaning=meaning, new_words=words)
         return None
 
-    def _after_reason(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
-        """What is asked for after a reason of the speaker's own; None when nothing is."""
-        builder = self._hearing.builder
-        rest = builder.discourse_markers.after_reason(builder.expand_endings(tokens))
-        found = self._tried(rest, situation) if rest else None
+    def _may_be_rule(self, meaning: Meaning, segments: Sequence[Tokens]) -> bool:
+        """Whether a command to use a part of any object of a kind may be meant as a rule."""
+        if not isinstance(meaning, Command) or meaning.part is None:
+            return False
+        return any(self._tools.parser.is_generic(self._plain_chart(each)) for each in segments)
+
+    def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """As one sentence or as segments, without what adds nothing to the meaning."""
+        tried = {tokens.words}
+        for variant in self._variants(tokens):
+            if variant.words in tried or not variant.items:
+                continue
+            tried.add(variant.words)
+            if _has_words(variant):
+                found = self._as_sentence(variant, context)
+                if found.reading is not None:
+                    return found
+            found = self._by_segments(variant, context)
+            if found is not None:
+                return found
+        return None
+
+    def _by_frames(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """By frames, else the first question that one of them leads to."""
+        question: Understanding | None = None
+        for variant in filter(_has_words, dict.fromkeys(self._variants(tokens))):
+            found = self._sentence(variant, context, by_frames=True)
+            if found.reading is not None:
+                return found
+            segmented = self._by_segments(variant, context, by_frames=True)
+            if segmented is not None:
+                return segmented
+            if question is None and isinstance(found.meaning, AskBack):
+                question = found
+        return question
+
+    def _after_reason(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """As a request that follows a reason."""
+        rest = self._markers.after_reason(self._tools.builder.expand_endings(tokens))
+        found = self._understand(rest, context) if rest else None
         return found if found and isinstance(found.meaning, (Command, ToolCommand)) else None
 
-    def _in_frames(self, tokens: Tokens, situation: UtteranceContext) -> Understanding | None:
-        """An utterance by the things that it names; None when that is nothing either."""
-        asks: Understanding | None = None
-        for each in filter(_says_something, dict.fromkeys(self._versions(tokens))):
-            found = self._taken(each, situation, in_frames=True)
-            again = found
-            if found.reading is None:
-                again = self._in_turn(each, situation, in_frames=True) or found
-            if again.reading is not None:
-                return again
-            if asks is None and isinstance(found.meaning, AskBack):
-                asks = found
-        return asks
-
-    def _versions(self, tokens: Tokens) -> Iterator[Tokens]:
-        """The utterance in other words that mean the same, those closest to it first."""
-        markers = self._hearing.builder.discourse_markers
-        degrees = self._hearing.builder.qualifier_phrases
-        untagged = markers.remove_tag(tokens)
-        for each in (untagged, self._hearing.builder.expand_endings(untagged)):
+    def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
+        """The utterance in fewer words of the same meaning, the closest first."""
+        builder = self._tools.builder
+        qualifiers = builder.qualifier_phrases
+        untagged = self._markers.remove_tag(tokens)
+        for each in (untagged, builder.expand_endings(untagged)):
             yield each
-            bare = markers.remove_markers(each, degrees)
+            bare = self._markers.remove_markers(each, qualifiers)
             yield bare
-            moved = None if BREAK in bare.words else move_to_front(bare, degrees)
-            if moved:
-                self._moved.add(moved)
-                yield moved
+            fronted = None if BREAK in bare.words else move_to_front(bare, qualifiers)
+            if fronted:
+                self._fronted.add(fronted)
+                yield fronted
 
-    def _in_turn(
-        self,
-        tokens: Tokens,
-        situation: UtteranceContext,
-        *,
-        in_frames: bool = False,
-    ) -> Understanding | None:
-        """An utterance as several moves that come to one meaning; None when they do not."""
+    def _segments(
+        self, segments: Sequence[Tokens], context: UtteranceContext, *, by_frames: bool
+    ) -> list[Understanding]:
+        """Each segment understood after those before it; empty when one of them is not."""
+        if self._topic(segments[-1], context) is not None:
+            # An object named at the end goes first: "You pass it by the blade, the knife."
+            segments = (segments[-1], *segments[:-1])
+        found: list[Understanding] = []
+        topic: Form | None = None
+        for segment in segments:
+            each = self._segment(segment, context, by_frames=by_frames)
+            if each.reading is None:
+                if topic is not None:
+                    return []
+                topic = self._topic(segment, context)
+                if topic is None:
+                    return []
+                context = _with_object(topic, context)
+                continue
+            if topic is not None:
+                # A topic is only said for a segment that refers to it.
+                alone = self._segment(segment, _with_object(None, context), by_frames=by_frames)
+                if alone.reading is not None:
+                    return []
+            topic = None
+            found.append(each)
+            context = replace(context, discourse=each.discourse)
+        return found if topic is None else []
 
-        def take(move: Tokens, situation: UtteranceContext) -> Understanding:
-            found = self._taken(move, situation)
-            if in_frames and found.reading is None:
-                return self._taken(move, situation, in_frames=True)
-            return found
-
-        return Moves(take, self._topic, self._hearing.is_general).in_turn(tokens, situation)
-
-    def _taken(
-        self, tokens: Tokens, situation: UtteranceContext, *, in_frames: bool = False
+    def _segment(
+        self, segment: Tokens, context: UtteranceContext, *, by_frames: bool
     ) -> Understanding:
-        key = (tokens, situation, in_frames)
-        if key not in self._known:
-            taken = self._hearing.taken(tokens, situation, self._insist, in_frames=in_frames)
-            if tokens in self._moved and _says_several(taken):
-                # It was said of one of them; which one, its place does not tell any more.
-                taken = without_reading(tokens, situation, Misunderstanding(tokens.text))
-            self._known[key] = taken
-        return self._known[key]
+        found = self._sentence(segment, context)
+        if by_frames and found.reading is None:
+            return self._sentence(segment, context, by_frames=True)
+        return found
 
-    def _topic(self, tokens: Tokens, situation: UtteranceContext) -> Form | None:
-        key = (tokens, situation)
-        if key not in self._topics:
-            self._topics[key] = self._hearing.topic(tokens, situation)
-        return self._topics[key]
+    def _sentence(
+        self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool = False
+    ) -> Understanding:
+        key = (tokens, context, by_frames)
+        found = self._sentences.get(key)
+        if found is None:
+            found = self._parse(tokens, context, by_frames=by_frames)
+            if tokens in self._fronted and _has_several_rules(found):
+                # The qualifier was said of one of them; moved, it no longer shows of which.
+                found = _without_reading(tokens, context, Misunderstanding(tokens.text))
+            self._sentences[key] = found
+        return found
+
+    def _parse(
+        self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool
+    ) -> Understanding:
+        """The one reading that is likelier than all others, else the clarification needed."""
+        tools, clarify = self._tools, self._tools.clarification
+        unknown = tools.known_words.unknown(tokens)
+        chart = self._chart(tokens, unknown)
+        readings, refusal = tools.parser.readings(chart, tokens, context, by_frames=by_frames)
+        accepted = tools.reading_filter.accepted(readings, tokens, by_frames=by_frames)
+        chosen = decide(accepted)
+        answer: Meaning | None
+        if chosen is not None:
+            answer = clarify.of_new_words(chosen.new_words, self._accepted)
+            if answer is None:
+                return _with_reading(tokens, context, chosen, len(accepted))
+        elif accepted:
+            words = (word for reading in accepted for word in reading.new_words)
+            answer = clarify.of_new_words(words, self._accepted) or clarify.of_ambiguity(accepted)
+        elif readings:
+            answer = clarify.of_new_words(readings[0].new_words, self._accepted)
+        else:
+            answer = clarify.of_misspelling(unknown, self._accepted)
+        if answer is None and unknown:
+            answer = clarify.of_unknown_words(tokens, unknown)
+        answer = answer or clarify.of_failure(chart, tokens, refusal)
+        return replace(_without_reading(tokens, context, answer), readings=len(accepted))
+
+    def _topic(self, tokens: Tokens, context: UtteranceContext) -> Form | None:
+        return self._tools.parser.topic(self._plain_chart(tokens), context)
+
+    def _plain_chart(self, tokens: Tokens) -> Chart:
+        """The chart without guesses for unknown words."""
+        chart = self._charts.get(tokens.words)
+        if chart is None:
+            chart = self._charts[tokens.words] = self._tools.parser.chart(tokens, {})
+        return chart
+
+    def _chart(self, tokens: Tokens, unknown: list[Token]) -> Chart:
+        # No name goes over a pause, so the guesses depend on the pauses, too.
+        key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
+        chart = self._charts.get(key)
+        if chart is None:
+            guesses = self._tools.known_words.guesses(tokens, unknown)
+            chart = self._charts[key] = self._tools.parser.chart(tokens, guesses)
+        return chart
 
 
-def _says_something(tokens: Tokens) -> bool:
+def _has_words(tokens: Tokens) -> bool:
     return any(token.word != BREAK for token in tokens.items)
 
 
-def _says_several(found: Understanding) -> bool:
-    """Whether it puts several rules into one."""
+def _has_several_rules(found: Understanding) -> bool:
     return found.reading is not None and found.reading.intention.arguments[-1].name == "and"
 
 
-def _is_open(meaning: Meaning) -> bool:
-    """Whether an utterance may still be understood in another way: it has not several meanings."""
-    return isinstance(meaning, Misunderstanding) or (
-        isinstance(meaning, AskBack) and len(meaning.choices) <= 1
+def _with_object(thing: Form | None, context: UtteranceContext) -> UtteranceContext:
+    return replace(context, discourse=replace(context.discourse, object=thing))
+
+
+def _with_reading(
+    tokens: Tokens, context: UtteranceContext, reading: Reading, readings: int
+) -> Understanding:
+    return Understanding(
+        tokens.text,
+        context.speaker,
+        context.addressee,
+        reading.meaning,
+        reading,
+        readings,
+        reading.new_words if isinstance(reading.meaning, Statement) else (),
+        tokens.words,
+        update_discourse(reading.meaning, reading.speech_act.arguments[-1], context.discourse),
     )
 
 
-def _is_better(again: Understanding | None, found: Understanding) -> TypeGuard[Understanding]:
-    """Whether an attempt came to more than the first one: a meaning, or a question back."""
-    if again is None:
-        return False
-    return again.reading is not None or isinstance(found.meaning, Misunderstanding)
-
-
-def _is_slip(meaning: Meaning) -> bool:
-    """Whether the question back is if another word was meant."""
-    return isinstance(meaning, AskBack) and bool(meaning.choices)
+def _without_reading(tokens: Tokens, context: UtteranceContext, meaning: Meaning) -> Understanding:
+    return Understanding(
+        tokens.text,
+        context.speaker,
+        context.addressee,
+        meaning,
+        words=tokens.words,
+        discourse=context.discourse,
+    )

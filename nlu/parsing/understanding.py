@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What came of one utterance: every stage from the text to its meaning.
+"""The result of understanding one utterance, with every stage from the text to its meaning.
 
 `text -> tokens -> chart -> predicate form -> speech act -> intention -> meaning`. An utterance that
-is not understood is an `Understanding` too, whose meaning says how far it was understood.
+is not understood has an `Understanding` too, whose meaning says how far it was understood.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from .derivation import DerivationStep, derivation_step
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to take an utterance.
+    """One reading of an utterance.
 
     Attributes:
-        act: the speech act, `STATEMENT(sam,self,...)`.
+        speech_act: `STATEMENT(sam,self,...)`.
         intention: what the speaker wants, `wantBelieve(sam,self,...)`.
-        sure: how sure the intention is, by the pragmatic rules and by how it was heard, as
-            (lower, upper) in [0, 1].
-        meaning: what it comes to.
-        cost: how unlikely it is; the least is the best.
-        derivation: how the chart found it.
-        new_words: words it takes to be new.
+        interval: how sure the intention is, by the pragmatic rules and by how well the speech was
+            recognised, as (lower, upper) in [0, 1].
+        meaning: the meaning of the intention.
+        cost: how unlikely the reading is; the lowest cost is the best.
+        derivation: how the words combine.
+        new_words: the words that the reading takes to be new.
     """
 
-    act: Form
+    speech_act: Form
     intention: Form
-    sure: Confidence
+    interval: Confidence
     meaning: Meaning
     cost: float
     derivation: Derivation
@@ -43,18 +43,18 @@ class Reading:
 
 @dataclass(frozen=True)
 class Understanding:
-    """An utterance and all that was understood of it.
+    """An utterance and its meaning.
 
     Attributes:
-        text: what was said.
+        text: the utterance.
         speaker: who said it.
-        addressee: who was spoken to.
-        meaning: what it comes to; a `Misunderstanding` or `AskBack` when it is not clear.
-        reading: the best way to take it, None when there is none.
-        readings: how many different meanings it has.
-        new_words: words that were not known, and what the sentence shows them to be.
+        addressee: who it was said to.
+        meaning: a `Misunderstanding` or `AskBack` when it is not clear.
+        reading: the best reading, None when there is none.
+        readings: the number of different meanings.
+        new_words: the words that a statement teaches, with their roles in the sentence.
         words: the tokens.
-        discourse: what the conversation has spoken of after this utterance.
+        discourse: the discourse state after the utterance.
     """
 
     text: str
@@ -74,14 +74,14 @@ class Understanding:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """What it names that nobody has taught, and it does not teach either."""
+        """The words that it uses as names although nobody has taught them, itself included."""
         named = self.reading.new_words if self.reading and not self.new_words else ()
         return tuple(word.said for word in named)
 
     @property
     def semantics(self) -> str:
         """The speech act as a predicate form; empty when there is none."""
-        return str(self.reading.act) if self.reading else ""
+        return str(self.reading.speech_act) if self.reading else ""
 
     @property
     def pragmatics(self) -> str:
@@ -90,12 +90,12 @@ class Understanding:
 
     @property
     def content(self) -> str:
-        """What is to be believed, done or answered, as a predicate form: the goal of a command."""
+        """What to believe, do or answer as a predicate form, such as the goal of a command."""
         return str(self.reading.intention.arguments[-1]) if self.reading else ""
 
     @property
     def derivation(self) -> DerivationStep | None:
-        """How the chart found the reading; prints as an indented text."""
+        """The derivation of the reading; prints as an indented tree."""
         return derivation_step(self.reading.derivation, self.words) if self.reading else None
 
     def as_json(self) -> Json:

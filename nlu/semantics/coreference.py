@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What "it" stands for, in the sentence and in the conversation before it.
+"""Coreference: resolving "it" in the sentence and in the conversation before it.
 
-Within a rule, "it" in one half is the object of the other half: "to pass a knife grab it by the
-blade". Elsewhere it is what was last spoken of. Two different objects in one rule are no rule.
+Within a rule, "it" in one half refers to the object of the other half: "to pass a knife grab it by
+the blade". Elsewhere it refers to the object mentioned last. A rule about two different objects is
+rejected.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from .meaning import Rule
+from .meaning import AskBack, Meaning, Misunderstanding, Rule, Statement
 from .predicates import Form
 
 IT = Form("it")
@@ -18,11 +19,11 @@ SOMETHING = frozenset({"something", "anything"})
 
 @dataclass(frozen=True)
 class Discourse:
-    """What a conversation has spoken of so far.
+    """The discourse state: what later utterances may refer to.
 
     Attributes:
-        object: the last object, as a form; None before the first.
-        rule: the last rule that was taught or corrected; None before the first.
+        object: the object mentioned last, as a form; None before the first.
+        rule: the rule taught or corrected last; None before the first.
     """
 
     object: Form | None = None
@@ -30,12 +31,12 @@ class Discourse:
 
 
 class RefusedError(ValueError):
-    """A form that has no meaning for Hilt.
+    """A predicate form has no meaning for Hilt.
 
     Attributes:
-        key: the answer to give, a key of the spoken answers.
-        asks: whether that answer is a question back.
-        slots: what fills the answer.
+        key: the answer template that gives the reason.
+        asks: whether that answer is a clarification question.
+        slots: the values for the slots of the template.
     """
 
     def __init__(self, key: str, *, asks: bool = False, **slots: str) -> None:
@@ -43,18 +44,18 @@ class RefusedError(ValueError):
         super().__init__(key)
 
 
-def resolved(form: Form, discourse: Discourse) -> Form:
-    """The form with every "it" replaced by what it stands for.
+def resolve(form: Form, discourse: Discourse) -> Form:
+    """Return the form with every "it" replaced by its referent.
 
     Raises:
-        RefusedError: nothing fits, or one rule is about two objects.
+        RefusedError: there is no referent, or one rule is about two objects.
     """
-    rest = _settled(_in_rules(form.mapped(_with_tool), discourse))
+    rest = _simplified(_resolve_rules(form.mapped(_with_tool), discourse))
     if not any(part == IT for part in rest):
         return rest
     if discourse.object is None:
         raise RefusedError("no_referent", asks=True, word=IT.name)
-    return _settled(_replaced(rest, discourse.object))
+    return _simplified(_replace_it(rest, discourse.object))
 
 
 def _with_tool(form: Form) -> Form | None:
@@ -67,41 +68,41 @@ def _with_tool(form: Form) -> Form | None:
     return Form(act.name, (*act.arguments, tool))
 
 
-def _in_rules(form: Form, discourse: Discourse) -> Form:
+def _resolve_rules(form: Form, discourse: Discourse) -> Form:
     match form.name, form.arguments:
         case "and", (one, other):
             # The second rule may speak of the first one's object.
-            first = _in_rules(one, discourse)
+            first = _resolve_rules(one, discourse)
             known = _object_of_rule(first) or discourse.object
-            return Form("and", (first, _in_rules(other, Discourse(known))))
+            return Form("and", (first, _resolve_rules(other, Discourse(known))))
         case "implies", _:
-            return _in_rule(form, discourse)
+            return _resolve_rule(form, discourse)
         case "within", (occasion, rule):
-            return _in_rules(_on_occasion(occasion, rule), discourse)
+            return _resolve_rules(_on_occasion(occasion, rule), discourse)
         case "holding", (Form(arguments=(_, held, *_)) as act, place):
-            return Form("holding", (act, _replaced(place, held)))
+            return Form("holding", (act, _replace_it(place, held)))
         case "first", (thing, act):
-            return _in_rules(_with_thing(thing, act), discourse)
+            return _resolve_rules(_with_referent(thing, act), discourse)
         case _:
-            return _below(form, discourse)
+            return _resolve_arguments(form, discourse)
 
 
-def _below(form: Form, discourse: Discourse) -> Form:
+def _resolve_arguments(form: Form, discourse: Discourse) -> Form:
     if form.name == "how" and len(form.arguments) == 2:
         act, held = form.arguments
-        return Form("how", (_replaced(act, held),))
-    return Form(form.name, tuple(_in_rules(part, discourse) for part in form.arguments))
+        return Form("how", (_replace_it(act, held),))
+    return Form(form.name, tuple(_resolve_rules(part, discourse) for part in form.arguments))
 
 
-def _with_thing(thing: Form, act: Form) -> Form:
-    """An act on a thing that is taken first: "take the mug and pass it to me"."""
+def _with_referent(thing: Form, act: Form) -> Form:
+    """An act whose "it" is an object taken before: "take the mug and pass it to me"."""
     if IT not in act:
         raise RefusedError("one_thing_at_a_time")
-    return _replaced(act, thing)
+    return _replace_it(act, thing)
 
 
 def _on_occasion(occasion: Form, rule: Form) -> Form:
-    """A rule that is said with its occasion: "if I want a mug, pass it by the rim"."""
+    """A rule stated with its occasion: "if I want a mug, pass it by the rim"."""
     if rule.name == "and":
         return Form("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
     if rule.name != "implies":
@@ -109,20 +110,20 @@ def _on_occasion(occasion: Form, rule: Form) -> Form:
     context, act, degree = rule.arguments
     if context.name != occasion.name or len(occasion.arguments) < 2:
         raise RefusedError("one_thing_at_a_time")
-    return _replaced(Form("implies", (context, act, degree)), occasion.arguments[1])
+    return _replace_it(Form("implies", (context, act, degree)), occasion.arguments[1])
 
 
-def _in_rule(form: Form, discourse: Discourse) -> Form:
+def _resolve_rule(form: Form, discourse: Discourse) -> Form:
     alternatives = _alternatives(form)
     if alternatives:
-        return _in_rules(Form("and", alternatives), discourse)
+        return _resolve_rules(Form("and", alternatives), discourse)
     if form.arguments[1].name == "graspObject":
-        return _rule(form, discourse)
-    return _replaced(form, discourse.object) if discourse.object else form
+        return _resolve_action_rule(form, discourse)
+    return _replace_it(form, discourse.object) if discourse.object else form
 
 
 def _alternatives(form: Form) -> tuple[Form, ...]:
-    """The rules that one `implies` over two things, uses or acts stands for; none for one."""
+    """The rules that one `implies` over two objects, uses or acts expands to; empty for one."""
     for place, argument in enumerate(form.arguments):
         if argument.name in {"both", "eitherOf"}:
             before, after = form.arguments[:place], form.arguments[place + 1 :]
@@ -135,17 +136,17 @@ def _alternatives(form: Form) -> tuple[Form, ...]:
     return ()
 
 
-def _replaced(form: Form, known: Form) -> Form:
+def _replace_it(form: Form, known: Form) -> Form:
     return form.mapped(lambda part: known if part == IT else None)
 
 
-def _rule(form: Form, discourse: Discourse) -> Form:
-    """`implies(context, graspObject(self, partOf(part, object)), degree)`, about one object."""
+def _resolve_action_rule(form: Form, discourse: Discourse) -> Form:
+    """`implies(context, graspObject(self, partOf(part, object)), degree)` about one object."""
     context, act, degree = form.arguments
     actor, place = act.arguments
     part, owners = _part(place)
-    candidates = [_object(context, owners), *owners]
-    known = _one(candidates) or discourse.object
+    candidates = [_grasped_object(context, owners), *owners]
+    known = _most_specific(candidates) or discourse.object
     if known is None:
         raise RefusedError("of_which_object", asks=True)
     act = Form("graspObject", (actor, Form("partOf", (part, known))))
@@ -153,7 +154,7 @@ def _rule(form: Form, discourse: Discourse) -> Form:
 
 
 def _part(place: Form) -> tuple[Form, list[Form]]:
-    """The part, and all objects that it is said to be a part of."""
+    """The innermost part, and all objects that it is called a part of."""
     owners: list[Form] = []
     while place.name == "partOf":
         place, owner = place.arguments
@@ -161,8 +162,8 @@ def _part(place: Form) -> tuple[Form, list[Form]]:
     return place, owners
 
 
-def _settled(form: Form) -> Form:
-    """Parts of parts of one object as parts of that object, and uses on something as uses."""
+def _simplified(form: Form) -> Form:
+    """The form with nested parts of one object flattened, and uses "on something" as plain uses."""
 
     def change(part: Form) -> Form | None:
         if part.name == "of" and part.arguments[1].name in SOMETHING:
@@ -170,21 +171,21 @@ def _settled(form: Form) -> Form:
         if part.name != "partOf" or part.arguments[0].name != "partOf":
             return None
         innermost, owners = _part(part)
-        known = _one(owners)
+        known = _most_specific(owners)
         return Form("partOf", (innermost, known)) if known is not None else None
 
     return form.mapped(change)
 
 
-def _object(context: Form, owners: list[Form]) -> Form:
-    """The object that is held in a context: the tool, where there is one."""
+def _grasped_object(context: Form, owners: list[Form]) -> Form:
+    """The object grasped in a context: the tool, where there is one."""
     arguments = context.arguments
     if len(arguments) == 3 and context.name != "pass":
         return arguments[2]
     if len(arguments) < 2:
         raise RefusedError("no_act")
     held = arguments[1]
-    if _is_tool_act(context) and owners and _one(owners) not in {None, held}:
+    if _is_tool_act(context) and owners and _most_specific(owners) not in {None, held}:
         return IT
     return held
 
@@ -202,8 +203,8 @@ def _with_object(context: Form, known: Form) -> Form:
     return Form(context.name, (arguments[0], known, *arguments[2:]))
 
 
-def _one(candidates: list[Form]) -> Form | None:
-    """The one object that all candidates are, the most specific; None when all are "it"."""
+def _most_specific(candidates: list[Form]) -> Form | None:
+    """The most specific of the candidates, which must be one object; None when all are "it"."""
     known: Form | None = None
     for candidate in candidates:
         if candidate == IT:
@@ -236,3 +237,44 @@ def _object_of_rule(form: Form) -> Form | None:
     if form.arguments[1].name == "graspObject":
         return form.arguments[1].arguments[1].arguments[1]
     return form.arguments[0]
+
+
+def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> Discourse:
+    """Return the discourse state after an utterance.
+
+    Args:
+        meaning: the meaning of the utterance.
+        content: the predicate form of the utterance.
+        discourse: the state before it.
+    """
+    if isinstance(meaning, (AskBack, Misunderstanding)):
+        return discourse
+    mentioned = _mentioned_object(content)
+    if mentioned is not None:
+        discourse = replace(discourse, object=mentioned)
+    return (
+        replace(discourse, rule=meaning.rules[-1]) if isinstance(meaning, Statement) else discourse
+    )
+
+
+def _mentioned_object(form: Form) -> Form | None:
+    """The object that a form is about: the last one named in it."""
+    if form.name == "partOf":
+        return form.arguments[1]
+    if form.name == "and":
+        return _mentioned_object(form.arguments[-1])
+    if form.name == "implies" and form.arguments[1].name != "graspObject":
+        return form.arguments[0]
+    within = next(filter(None, map(_mentioned_object, form.arguments)), None)
+    if form.name in _OBJECT_FIRST and form.arguments and not within:
+        return form.arguments[0]
+    is_act = form.name in _OBJECT_SECOND or form.arguments[:1] == (_HILT,)
+    if is_act and len(form.arguments) > 1:
+        # Of an act with a tool it is what it is done to, if that was named.
+        return next((each for each in form.arguments[1:] if each.name not in SOMETHING), None)
+    return within
+
+
+_HILT = Form("self")
+_OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
+_OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a predicate form to its meaning: rules, commands, corrections and replies.
+"""Interpretation of predicate forms as meanings: rules, commands, questions, corrections, replies.
 
-A form that does not say exactly one thing Hilt can mean is refused with a reason; nothing is left
-out of a form to make it fit. Questions are in `questions`.
+A form must express exactly one meaning that Hilt has; otherwise it is rejected with a reason. No
+part of a form is ever dropped to make it fit.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from .meaning import (
     FunctionalRule,
     Meaning,
     ObjectReference,
+    Question,
     Retraction,
     Rule,
     Statement,
@@ -33,9 +34,29 @@ GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
 
+_QUESTIONS = {
+    "usesOf": "uses_of",
+    "about": "about",
+    "aboutUse": "about",
+    "best": "best_for",
+    "whatIf": "what_if",
+    "isTrue": "is_used_for",
+    "why": "why",
+    "whyPart": "why",
+    "whyNot": "why_not",
+    "whyNotPart": "why_not",
+    "howSure": "confidence",
+    "source": "source",
+    "see": "see",
+    "trust": "trust",
+    "capabilities": "capabilities",
+}
+"""The name of the question that the form of each name asks."""
+
+
 @dataclass(frozen=True)
 class Interpreter:
-    """What the forms of a language may mean.
+    """Maps predicate forms to meanings.
 
     Attributes:
         intervals: the interval of each degree of confidence.
@@ -48,22 +69,46 @@ class Interpreter:
     acts: frozenset[str] = frozenset()
 
     def knowing(self, words: Sequence[NewWord]) -> Interpreter:
-        """This interpreter with the acts that new words name."""
+        """Return this interpreter with the acts that new words name."""
         acts = {word.word for word in words if word.role == "context"}
         return replace(self, acts=self.acts | acts) if acts else self
 
-    def statement(self, form: Form) -> Statement:
-        """The rules that a form states."""
-        rules = tuple(dict.fromkeys(self.rules(form)))
+    def meaning(self, intention: Form, discourse: Discourse) -> Meaning:
+        """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
+
+        Args:
+            intention: what the speaker wants.
+            discourse: the conversation so far, for corrections and additions to the last rule.
+
+        Raises:
+            RefusedError: the intention is nothing that Hilt can believe, do or answer.
+        """
+        content = intention.arguments[-1]
+        match intention.name:
+            case "wantBelieve" if content.name in {"alsoOf", "alsoFor", "alsoBy"}:
+                return self._analogous_rule(content, discourse)
+            case "wantBelieve":
+                return self._statement(content)
+            case "want":
+                return self._command(content)
+            case "wantKnow":
+                return self._question(content)
+            case "wantRevise":
+                return self._correction(content, discourse)
+            case _:
+                return Acknowledgement(content.name)
+
+    def _statement(self, form: Form) -> Statement:
+        rules = tuple(dict.fromkeys(self._rules(form)))
         if len({replace(rule, confidence=(0, 1)) for rule in rules}) < len(rules):
             raise RefusedError("contradiction", asks=True)
         return Statement(rules)
 
-    def rules(self, form: Form) -> Iterator[Rule]:
-        """Each rule of a form, in the order they were said."""
+    def _rules(self, form: Form) -> Iterator[Rule]:
+        """The rules that a form states, in the order they were said."""
         if form.name == "and":
             for part in form.arguments:
-                yield from self.rules(part)
+                yield from self._rules(part)
         elif form.name != "implies":
             raise RefusedError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
@@ -71,45 +116,45 @@ class Interpreter:
         else:
             yield self._functional_rule(form)
 
-    def correction(self, form: Form, discourse: Discourse) -> Meaning:
-        """What takes the place of a rule, or is taken back."""
+    def _correction(self, form: Form, discourse: Discourse) -> Meaning:
+        """The rule that replaces an earlier one, or the retraction of a rule."""
         if form.name == "retract":
             if not form.arguments:
                 return Retraction()
             return Retraction(self._one_rule(form.arguments[0]))
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
-            rules = self.rules(form.arguments[0])
+            rules = self._rules(form.arguments[0])
             return Statement(tuple(replace(rule, revises=True) for rule in rules))
         if form.name in {"correctDegree", "correctObject", "correctUse"}:
-            return Statement((self._corrected(form, discourse),))
-        return Statement((_other_part(form, discourse),))
+            return Statement((self._corrected_rule(form, discourse),))
+        return Statement((_rule_with_part(form, discourse),))
 
-    def likewise(self, form: Form, discourse: Discourse) -> Statement:
-        """The last rule, of another object, use or part: "the same goes for spoons"."""
+    def _analogous_rule(self, form: Form, discourse: Discourse) -> Statement:
+        """The last rule for another object, use or part: "the same goes for spoons"."""
         rule = discourse.rule
         if rule is None:
             raise RefusedError("nothing_to_correct", asks=True)
         one, *degree = form.arguments
         if form.name == "alsoBy":
-            rule = _other_part(Form("alsoBy", (one,)), discourse)
+            rule = _rule_with_part(Form("alsoBy", (one,)), discourse)
         elif form.name == "alsoFor":
             if not isinstance(rule, FunctionalRule):
                 raise RefusedError("not_a_rule")
-            rule = replace(rule, affordance=self.affordance(one))
+            rule = replace(rule, affordance=self._affordance(one))
         else:
-            name, props = object_of(one)
+            name, props = _kind_and_properties(one)
             rule = replace(rule, object=name, props=props)
         sure = self.intervals[degree[0].name] if degree else rule.confidence
         return Statement((replace(rule, confidence=sure, revises=False),))
 
-    def command(self, form: Form) -> Command | ToolCommand:
-        """The act that a form asks for, or forbids."""
+    def _command(self, form: Form) -> Command | ToolCommand:
+        """The requested or forbidden action of a form."""
         if form.name == "not":
-            return replace(self.command(form.arguments[0]), negated=True)
+            return replace(self._command(form.arguments[0]), negated=True)
         if form.name == "holding":
-            return self._held(form)
+            return self._command_with_part(form)
         if form.name == "graspObject":
-            part, target = self._place(form.arguments[1])
+            part, target = self._part_of_object(form.arguments[1])
             return Command("grasp", target, part=part)
         if form.name in self.tool_acts:
             return self._tool_command(form)
@@ -117,87 +162,89 @@ class Interpreter:
             raise RefusedError("one_thing_at_a_time")
         if len(form.arguments) > (3 if form.name == "pass" else 2):
             raise RefusedError("one_thing_at_a_time")
-        return Command(form.name, self.target(form.arguments[1]), recipient=_recipient(form))
+        return Command(form.name, self._reference(form.arguments[1]), recipient=_recipient(form))
 
-    def target(self, form: Form) -> ObjectReference:
-        """What an act is about."""
+    def _reference(self, form: Form) -> ObjectReference:
+        """The object that an action is requested for."""
         props: set[str] = set()
         used_for: list[Form] = []
         while form.name in {"having", "usedFor", "notUsedFor"}:
             if form.name == "having":
-                props.add(name_of(form.arguments[1]))
+                props.add(_name(form.arguments[1]))
             else:
                 used_for.append(form)
             form = form.arguments[0]
-        return self._target(form, used_for, tuple(sorted(props)))
+        return self._as_reference(form, used_for, tuple(sorted(props)))
 
-    def affordance(self, form: Form) -> str:
-        """The use that a form names; what it is used on may be left unsaid."""
+    def _affordance(self, form: Form) -> str:
+        """The affordance that a form names, without what it is used on."""
         if form.name == "of":
             form = form.arguments[0]
         if form.arguments:
             raise RefusedError("one_use_at_a_time")
-        return name_of(form)
+        return _name(form)
 
-    def _target(self, noun: Form, used_for: list[Form], props: tuple[str, ...]) -> ObjectReference:
+    def _as_reference(
+        self, noun: Form, used_for: list[Form], props: tuple[str, ...]
+    ) -> ObjectReference:
         if len(used_for) > 1 or (used_for and noun.name not in SOMETHING):
             raise RefusedError("object_or_use")
         if used_for:
-            affordance = self.affordance(used_for[0].arguments[1])
+            affordance = self._affordance(used_for[0].arguments[1])
             if used_for[0].name == "usedFor":
                 return ObjectReference(used_for=affordance, props=props)
             return ObjectReference(not_used_for=affordance, props=props)
         if noun.name in SOMETHING and not props:
             raise RefusedError("which_thing", asks=True)
-        return ObjectReference(object=object_of(noun)[0], props=props)
+        return ObjectReference(object=_kind_and_properties(noun)[0], props=props)
 
-    def _held(self, form: Form) -> Command:
-        command = self.command(form.arguments[0])
+    def _command_with_part(self, form: Form) -> Command:
+        command = self._command(form.arguments[0])
         place = form.arguments[1]
         if not isinstance(command, Command):
             raise RefusedError("one_thing_at_a_time")
         if place.name == "graspObject":
             place = place.arguments[1]
         if place.name != "partOf":
-            return replace(command, part=name_of(place))
-        part, target = self._place(place)
+            return replace(command, part=_name(place))
+        part, target = self._part_of_object(place)
         if target != command.target:
             raise RefusedError("one_thing_at_a_time")
         return replace(command, part=part)
 
-    def _place(self, form: Form) -> tuple[str, ObjectReference]:
+    def _part_of_object(self, form: Form) -> tuple[str, ObjectReference]:
         if form.name != "partOf":
             raise RefusedError("no_part_named")
-        return name_of(form.arguments[0]), self.target(form.arguments[1])
+        return _name(form.arguments[0]), self._reference(form.arguments[1])
 
     def _tool_command(self, form: Form) -> ToolCommand:
-        patient, props = object_of(form.arguments[1])
+        patient, props = _kind_and_properties(form.arguments[1])
         if patient == ANY_OBJECT or props:
             raise RefusedError("on_what", asks=True, goal=form.name)
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
             return ToolCommand(
                 form.name, patient, ObjectReference(used_for=self.tool_acts[form.name])
             )
-        return ToolCommand(form.name, patient, self.target(form.arguments[2]))
+        return ToolCommand(form.name, patient, self._reference(form.arguments[2]))
 
-    def _corrected(self, form: Form, discourse: Discourse) -> Rule:
-        """The last rule with another confidence, object or use: "no, only sometimes"."""
+    def _corrected_rule(self, form: Form, discourse: Discourse) -> Rule:
+        """The last rule with another confidence, object or affordance: "no, only sometimes"."""
         rule, said = discourse.rule, form.arguments[0]
         if rule is None:
             raise RefusedError("nothing_to_correct", asks=True)
         if form.name == "correctDegree":
             return replace(rule, confidence=self.intervals[said.name], revises=True)
         if form.name == "correctObject":
-            name, props = object_of(said)
+            name, props = _kind_and_properties(said)
             return replace(rule, object=name, props=props, revises=True)
         if not isinstance(rule, FunctionalRule):
             raise RefusedError("nothing_to_correct", asks=True)
-        return replace(rule, affordance=self.affordance(said), revises=True)
+        return replace(rule, affordance=self._affordance(said), revises=True)
 
-    def _one_rule(self, form: Form) -> Rule:
-        rules = list(self.rules(form))
+    def _one_rule(self, form: Form, problem: str = "one_rule_at_a_time") -> Rule:
+        rules = list(self._rules(form))
         if len(rules) != 1:
-            raise RefusedError("one_rule_at_a_time")
+            raise RefusedError(problem)
         return rules[0]
 
     def _functional_rule(self, form: Form) -> FunctionalRule:
@@ -210,56 +257,136 @@ class Interpreter:
         patient = use.arguments[1].name if use.name == "of" else "something"
         if patient not in SOMETHING and confidence[0] < self.intervals["low"][0]:
             # Not used for cutting bread is less than not used for cutting.
-            raise RefusedError("use_in_general", patient=shown(patient))
-        name, props = object_of(noun)
+            raise RefusedError("use_in_general", patient=patient.replace("_", " "))
+        name, props = _kind_and_properties(noun)
         if name == ANY_OBJECT and not props:
             raise RefusedError("of_which_object", asks=True)
-        return FunctionalRule(name, self.affordance(use), confidence, props)
+        return FunctionalRule(name, self._affordance(use), confidence, props)
 
     def _action_rule(self, form: Form) -> ActionRule:
         context, act, degree = form.arguments
         part, owner = act.arguments[1].arguments
         if context.name not in GOALS and context.name not in {*self.tool_acts, *self.acts}:
             raise RefusedError("no_act")
-        name, props = object_of(owner)
-        return ActionRule(name, context.name, name_of(part), self.intervals[degree.name], props)
+        name, props = _kind_and_properties(owner)
+        return ActionRule(name, context.name, _name(part), self.intervals[degree.name], props)
+
+    def _question(self, form: Form) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
+        match form.name, form.arguments:
+            case ("capabilities", _) | ("howSure" | "source" | "see" | "trust", ()):
+                return Question(_QUESTIONS[form.name])
+            case ("usesOf" | "about", (thing, *_)):
+                return Question(_QUESTIONS[form.name], object=_kind(thing))
+            case ("aboutUse" | "best" | "whatIf", (use, *_)):
+                return Question(_QUESTIONS[form.name], affordance=self._affordance(use))
+            case ("whyPart" | "whyNotPart", (part, *_)):
+                return Question(_QUESTIONS[form.name], part=_part_name(part))
+            case ("trust", (person, *_)):
+                return Question("trust", speaker=_name(person))
+            case "isTrue" | "howSure", (rule, *_):
+                return self._question_on_rule(_QUESTIONS[form.name], rule)
+            case "source", (Form(name="implies" | "and") as rule, *_):
+                return self._question_on_rule("source", rule)
+            case "source", (thing, *_):
+                return Question("source", object=_kind(thing))
+            case "which", (Form(name="usedFor" | "implies", arguments=(thing, use, *_)), *_):
+                if thing.name in SOMETHING and use.name != "graspObject":
+                    return Question("objects_for", affordance=self._affordance(use))
+            case "how", (Form(name="implies", arguments=(act, *_)) | act, *_):
+                return self._question_on_act("how", act)
+            case "why" | "whyNot", reason:
+                return self._question_on_reason(_QUESTIONS[form.name], *reason)
+            case "whichContext", (act, part, *_):
+                asked = self._question_on_act("which_context", act)
+                # "Held by the blade" asks for any context, "passed by the blade" for passing only.
+                context = None if act.name == "grasp" else act.name
+                return replace(asked, context=context, part=_part_name(part))
+            case "see", (thing, *_):
+                target = self._reference(thing)
+                return Question("see", object=target.object, affordance=target.used_for)
+            case _:
+                pass
+        raise RefusedError("unanswerable")
+
+    def _question_on_rule(self, ask: str, form: Form) -> Question:
+        rule = self._one_rule(form, "one_thing_at_a_time")
+        if isinstance(rule, FunctionalRule):
+            return Question(ask, object=rule.object, affordance=rule.affordance)
+        # "Is a knife passed by the blade?" is answered as "How is a knife passed?" is.
+        ask = "how" if ask == "is_used_for" else ask
+        return Question(ask, object=rule.object, context=rule.context, part=rule.part)
+
+    def _question_on_act(self, ask: str, act: Form) -> Question:
+        part = None
+        if act.name == "holding":
+            act, place = act.arguments
+            part = _part_name(place)
+        if act.name == "graspObject":
+            place = act.arguments[1]
+            return Question(ask, object=_kind(place.arguments[1]), part=_part_name(place))
+        if act.name in self.tool_acts:
+            # The last argument is the tool, or what it is used on where no tool is named.
+            return Question(ask, object=_kind(act.arguments[-1]), context=act.name, part=part)
+        target = self._reference(act.arguments[1])
+        return Question(
+            ask, object=target.object, affordance=target.used_for, context=act.name, part=part
+        )
+
+    def _question_on_reason(self, ask: str, form: Form | None = None, *_: Form) -> Question:
+        if form is None:
+            return Question(ask)
+        if form.name == "implies":
+            return self._question_on_rule(ask, form)
+        if form.name == "grasp":
+            # "Why did you take the knife?" asks for the choice of the object, not of the part.
+            return Question(ask, object=_kind(form.arguments[1]))
+        acts = {"holding", "graspObject", "pass", "pickUp", "pointTo", "use"}
+        if form.name in acts or form.name in self.tool_acts:
+            return self._question_on_act(ask, form)
+        return Question(ask, object=_kind(form))
 
 
-def object_of(form: Form) -> tuple[str, tuple[str, ...]]:
-    """The kind of object that a form names, `ANY_OBJECT` for "something", and its properties."""
+def _kind(form: Form) -> str:
+    """The kind of object that a form names, which must have no further properties."""
+    kind, properties = _kind_and_properties(form)
+    if properties or kind == ANY_OBJECT:
+        raise RefusedError("one_thing_at_a_time")
+    return kind
+
+
+def _part_name(form: Form) -> str:
+    return _name(form.arguments[0] if form.name == "partOf" else form)
+
+
+def _kind_and_properties(form: Form) -> tuple[str, tuple[str, ...]]:
+    """The kind of object that a form names, or `ANY_OBJECT`, and the properties it requires."""
     props: set[str] = set()
     while form.name == "having":
-        props.add(name_of(form.arguments[1]))
+        props.add(_name(form.arguments[1]))
         form = form.arguments[0]
     if form.name in SOMETHING:
         return ANY_OBJECT, tuple(sorted(props))
-    return name_of(form), tuple(sorted(props))
+    return _name(form), tuple(sorted(props))
 
 
-def name_of(form: Form) -> str:
-    """The name that a form without arguments stands for, spelled as people do."""
+def _name(form: Form) -> str:
+    """The name in a form without arguments, as people spell it.
+
+    Raises:
+        RefusedError: the form has arguments, or stands for nothing with a name.
+    """
     if form.arguments or form.name in _NAMELESS or form.name in SOMETHING:
         raise RefusedError("one_thing_at_a_time")
-    return shown(form.name)
-
-
-def shown(name: str) -> str:
-    """A name of a form as people spell it: "wine glass" for `wine_glass`."""
-    return name.replace("_", " ")
-
-
-def reply(form: Form) -> Acknowledgement:
-    """The acknowledgement that a form is."""
-    return Acknowledgement(form.name)
+    return form.name.replace("_", " ")
 
 
 def _recipient(form: Form) -> str | None:
     if form.name != "pass" or len(form.arguments) < 3:
         return None
-    return name_of(form.arguments[2])
+    return _name(form.arguments[2])
 
 
-def _other_part(form: Form, discourse: Discourse) -> Rule:
+def _rule_with_part(form: Form, discourse: Discourse) -> Rule:
     """The last rule with another part: "no, by the handle"."""
     rule = discourse.rule
     if not isinstance(rule, ActionRule):
@@ -268,8 +395,8 @@ def _other_part(form: Form, discourse: Discourse) -> Rule:
     if place.name == "graspObject":
         place = place.arguments[1]
     if place.name == "partOf":
-        name, _ = object_of(place.arguments[1])
+        name, _ = _kind_and_properties(place.arguments[1])
         if name != rule.object:
             raise RefusedError("two_objects", first=rule.object, second=name)
         place = place.arguments[0]
-    return replace(rule, part=name_of(place), revises=True)
+    return replace(rule, part=_name(place), revises=True)

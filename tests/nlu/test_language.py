@@ -18,7 +18,7 @@ from hilt.ontology.errors import UnknownNameError
 def test_every_example_is_understood(language: Language) -> None:
     """What is shown as sayable can be said."""
     before = language.understand("To pass a knife grab it by the blade").discourse
-    for sentence in language.listener.examples:
+    for sentence in language.examples:
         assert language.understand(sentence, discourse=before).kind not in {"error", "ask_back"}
 
 

@@ -153,7 +153,7 @@ def test_no_name_goes_over_a_pause(language: Language, text: str) -> None:
 @pytest.fixture
 def known_words(language: Language) -> KnownWords:
     """The words that English has."""
-    return language.hearing.known_words
+    return language.utterance_parser.known_words
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ SLOWEST = (
 
 def chart_of(language: Language, text: str) -> Chart:
     """The chart of a text in lower case without punctuation."""
-    return Chart(text.split(), language.listener.lexicon, language.listener.combinator)
+    return Chart(text.split(), language.parser.lexicon, language.parser.combinator)
 
 
 def test_a_span_knows_its_categories(language: Language) -> None:
@@ -37,7 +37,7 @@ def test_a_meaning_is_found_once(language: Language) -> None:
     chart = chart_of(language, "to pass a knife grab the knife by the blade")
     statements = [
         derivation
-        for category, act in language.listener.grammar.roots.items()
+        for category, act in language.parser.grammar.roots.items()
         if act == "STATEMENT"
         for derivation in chart.derivations(category)
     ]
@@ -61,7 +61,7 @@ def test_an_empty_chart_has_nothing(language: Language) -> None:
     chart = chart_of(language, "")
 
     assert chart.longest_span() == (0, 0)
-    assert all(not chart.derivations(root) for root in language.listener.grammar.roots)
+    assert all(not chart.derivations(root) for root in language.parser.grammar.roots)
 
 
 @pytest.mark.parametrize("word", ["the", "to", "and", "is", "knife", "used", "with", "or"])

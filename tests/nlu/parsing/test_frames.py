@@ -104,7 +104,7 @@ def test_a_mistake_in_a_frame_is_told_with_its_line(
     path.write_text(f"{head}\nframes:\n  - {line}\n", encoding="utf-8")
 
     with pytest.raises(DataError, match=problem) as caught:
-        load_frames(path, language.listener.grammar)
+        load_frames(path, language.parser.grammar)
 
     assert caught.value.line == head.count("\n") + 3
 
@@ -116,7 +116,7 @@ def test_a_kind_that_nothing_is_is_told(language: Language, tmp_path: Path) -> N
     path.write_text(text.replace("\n  wish: [", "\n  wish: [advv, "), encoding="utf-8")
 
     with pytest.raises(DataError, match="advv"):
-        load_frames(path, language.listener.grammar)
+        load_frames(path, language.parser.grammar)
 
 
 def _leaves(step: DerivationStep) -> list[str]:

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clarification: what Hilt answers when an utterance has no single clear reading.
+
+The answer names the reason (a word that is not known, the longest span understood, two different
+meanings) and asks a question where the speaker can settle it: of a word that is one letter away
+from a known one Hilt asks whether that was meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ...ontology.errors import UnknownNameError
+from ..generation.realizer import Realizer
+from ..generation.templates import AnswerTemplates
+from ..lexicon.inflection import Inflection
+from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
+from ..lexicon.unknown_words import (
+    MAX_NEW_WORDS,
+    KnownWords,
+    closest_word,
+    is_one_slip,
+    is_word,
+    misspelled_word,
+    names_for_role,
+)
+from ..lexicon.vocabulary import NewWord
+from ..semantics.coreference import RefusedError
+from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
+from .chart import Chart
+from .parser import SentenceParser
+from .understanding import Reading
+
+MAX_NEAREST = 3
+
+
+@dataclass(frozen=True, repr=False)
+class Clarification:
+    """Makes the answers to utterances that were not understood.
+
+    Attributes:
+        parser: the parser of one sentence.
+        known_words: the words that are known.
+        inflection: forms of words.
+        answers: the answers of the language.
+        realizer: puts meanings into sentences.
+        examples: sentences that are understood, each with its words.
+    """
+
+    parser: SentenceParser
+    known_words: KnownWords
+    inflection: Inflection
+    answers: AnswerTemplates
+    realizer: Realizer
+    examples: Mapping[str, frozenset[str]]
+
+    def of_input(self, text: str, tokens: Tokens) -> Misunderstanding | None:
+        """The reason not to parse a text at all, None when it can be parsed."""
+        if len(text) > MAX_CHARACTERS:
+            limit = f"{MAX_CHARACTERS} characters"
+            return Misunderstanding(self.answers.say("too_long", limit=limit))
+        if len(tokens.items) > MAX_TOKENS:
+            return Misunderstanding(self.answers.say("too_long", limit=f"{MAX_TOKENS} words"))
+        if not tokens.items:
+            return Misunderstanding(self.answers.say("empty"))
+        unknown = self.known_words.unknown(tokens)
+        no_words = [token for token in unknown if not is_word(token)]
+        if no_words or len({token.word for token in unknown}) > MAX_NEW_WORDS:
+            return self.of_unknown_words(tokens, no_words or unknown)
+        return None
+
+    def of_recognition(self, text: str) -> AskBack:
+        """The question whether a text that was not recognised well is what was said."""
+        return AskBack(self.answers.say("heard_badly", text=text), (text,))
+
+    def of_new_words(self, words: Iterable[NewWord], accepted: Collection[str]) -> AskBack | None:
+        """The question whether a new word is a misspelled name of its kind, None when none is.
+
+        Args:
+            words: the new words of a reading.
+            accepted: words that are new although they are close to known ones.
+        """
+        known = self.known_words
+        for word in words:
+            if word.said in accepted or word.said in self.parser.frames.words:
+                continue
+            close = closest_word(word.said, names_for_role(word.role, self.parser.lexicon))
+            if close is not None:
+                return self._did_you_mean(word.said, close)
+            for part in word.said.split(" ") if " " in word.said else ():
+                close = None if part in known.words else closest_word(part, known.named)
+                if close is not None:
+                    return self._did_you_mean(part, close)
+        return None
+
+    def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
+        """The question whether an unknown word is a misspelled known one, None when none is."""
+        known = self.known_words
+        for token in unknown:
+            if token.word in accepted:
+                continue
+            close = closest_word(token.word, known.named)
+            close = close or misspelled_word(token.word, known.words)
+            if close is not None:
+                return self._did_you_mean(token.word, close)
+        return None
+
+    def of_unknown_words(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
+        """The answer that some words are not known."""
+        words = list(dict.fromkeys(token.word for token in unknown))
+        if len(words) == 1:
+            message = self.answers.say("unknown_word", word=words[0])
+        else:
+            message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
+        rest = [token.word for token in tokens.items if token not in unknown]
+        return Misunderstanding(message, nearest=self._nearest_examples(rest))
+
+    def of_ambiguity(self, readings: Sequence[Reading]) -> AskBack:
+        """The question which one of several meanings was meant."""
+        choices = tuple(self._choice(reading.meaning) for reading in readings)
+        return AskBack(self.answers.say("which_meaning", choices=choices), choices)
+
+    def of_failure(
+        self, chart: Chart, tokens: Tokens, refusal: RefusedError | None
+    ) -> Misunderstanding | AskBack:
+        """The reason why a sentence of known words has no meaning.
+
+        Args:
+            chart: the chart of the sentence.
+            tokens: the sentence.
+            refusal: why the likeliest derivation has no meaning, None without a derivation.
+        """
+        if refusal is not None:
+            said = self.answers.say(refusal.key, **refusal.slots)
+            if refusal.asks:
+                return AskBack(said)
+            return Misunderstanding(said, nearest=self._nearest_examples(tokens.words))
+        where, expected = self.parser.failure(chart, tokens)
+        if expected:
+            message = self.answers.say(
+                "not_understood_after", where=where, expected=" or ".join(expected)
+            )
+        else:
+            message = self.answers.say("not_understood", text=tokens.text)
+        return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))
+
+    def _did_you_mean(self, word: str, close: str) -> AskBack:
+        for singular in self.inflection.origins(close, "plural"):
+            if singular in self.known_words.named and is_one_slip(word, singular):
+                close = singular
+        return AskBack(self.answers.say("did_you_mean", word=word, suggestion=close), (close,))
+
+    def _choice(self, meaning: Meaning) -> str:
+        if isinstance(meaning, Statement):
+            return self.answers.join([self.answers.rule_phrase(rule) for rule in meaning.rules])
+        try:
+            return f'"{self.realizer.realize(meaning)}"'
+        except UnknownNameError:
+            return str(meaning.as_json())
+
+    def _nearest_examples(self, words: Iterable[str]) -> tuple[str, ...]:
+        """The examples that share most words with a sentence (Dice coefficient), best first."""
+        said = frozenset(words)
+
+        def similarity(sentence: str) -> float:
+            known = self.examples[sentence]
+            return 2 * len(known & said) / (len(known) + len(said))
+
+        ranked = sorted(self.examples, key=similarity, reverse=True)
+        return tuple(each for each in ranked[:MAX_NEAREST] if similarity(each) > 0)

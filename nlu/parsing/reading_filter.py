@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The filter for readings: which new words a reading may introduce, and what "no" in it negates.
+
+A statement may teach new words; a question may be about them, and an action may be requested on
+what they name. "No, knives are for cutting" corrects something, "no knives are for pounding"
+negates it, and only the pause tells. So a rule is accepted of "no knife" only as a negative one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ..lexicon.inflection import Inflection
+from ..lexicon.tokenizer import Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..lexicon.vocabulary import NewWord
+from ..semantics.meaning import Command, Meaning, Question, Statement, ToolCommand
+from .understanding import Reading
+
+MAX_NEW_NAMES = 2
+"""A command or question names at most so many unknown objects and uses."""
+
+_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
+
+
+@dataclass(frozen=True, repr=False)
+class ReadingFilter:
+    """The filter for the readings of one sentence.
+
+    Attributes:
+        known_words: the words that are known.
+        inflection: forms of words.
+    """
+
+    known_words: KnownWords
+    inflection: Inflection
+
+    def accepted(
+        self, readings: Sequence[Reading], tokens: Tokens, *, by_frames: bool
+    ) -> list[Reading]:
+        """Return the readings that may be accepted, in the same order.
+
+        Args:
+            readings: of the whole sentence.
+            tokens: the sentence.
+            by_frames: whether they come from frames, which do not look at the order of words.
+        """
+        negated = self._is_thing_negated(tokens)
+        return [
+            each
+            for each in readings
+            if (not negated or _is_negative(each.meaning))
+            and self._may_introduce_words(each, tokens, by_frames=by_frames)
+        ]
+
+    def _is_thing_negated(self, tokens: Tokens) -> bool:
+        """Whether a word like "no" stands right before a thing, with no pause between them."""
+        words, negating = tokens.words, self.known_words.builder.denying
+        return any(
+            word in negating
+            and place not in tokens.pauses
+            and self.known_words.may_be_a_thing(words[place])
+            for place, word in enumerate(words[:-1], start=1)
+        )
+
+    def _may_introduce_words(self, reading: Reading, tokens: Tokens, *, by_frames: bool) -> bool:
+        meaning, words = reading.meaning, reading.new_words
+        if not words:
+            return True
+        if isinstance(meaning, Statement):
+            return not self._may_name_agent(words)
+        if len(words) > MAX_NEW_NAMES or not all(map(_is_name, words)):
+            return False
+        if isinstance(meaning, (Command, ToolCommand)):
+            # No action is done to people, and only the order of words can show that a use is one.
+            has_person = tokens.proper.intersection(word.said for word in words)
+            is_guess = by_frames and any(word.role != "object" for word in words)
+            return not has_person and not is_guess
+        return isinstance(meaning, Question)
+
+    def _may_name_agent(self, words: Iterable[NewWord]) -> bool:
+        """Whether a new part may as well be the agent: "a cake is baked by the baker"."""
+        said = {word.role: word.said for word in words}
+        participle = self.inflection.origins(said.get("context", ""), "participle")
+        return "part" in said and bool(participle)
+
+
+def _is_negative(meaning: Meaning) -> bool:
+    """Whether all rules of a meaning state that something is not so."""
+    rules = meaning.rules if isinstance(meaning, Statement) else ()
+    return all(rule.confidence[1] < _LIKELY for rule in rules)
+
+
+def _is_name(word: NewWord) -> bool:
+    """Whether a new word is a single word that names an object or a use."""
+    return word.role in {"object", "affordance"} and " " not in word.said
