@@ -41,7 +41,7 @@ def explain(
         decision = reply.achievement.decision if reply.achievement else None
         changes = _changes(agent, decision)
         if svg and decision:
-            write_picture(svg, proof_svg.svg(decision))
+            write_picture(svg, proof_svg.draw_svg(decision))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}

@@ -1,91 +1,93 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A decision's proof as a picture: a tree of boxes in SVG, the conclusion on top.
-
-The picture is laid out by widths alone: a step stands above the middle of what it rests on. It
-needs no other program and no font but the viewer's own.
-"""
+"""Drawing of the proof of a decision: a tree of boxes in SVG, the conclusion on top."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from io import StringIO
+from itertools import chain
 from textwrap import wrap
-from xml.sax.saxutils import escape
+from typing import NamedTuple
 
 from ...inference.proof import LEAVES, Proof
+from ...ontology.errors import extra_required
 from ..execution.outcome import Decision
 
-BOX_WIDTH, BOX_HEIGHT = 210, 74  # [px]
-GAP_X, GAP_Y, MARGIN = 18, 34, 20  # [px]
-LINE, LETTERS, MOST_LINES = 14, 32, 3
-_FILLS = {"told": "#fdf1d6", "seen": "#dcecf7", "given": "#e3f1de", "unknown": "#eeeeee"}
-_OPERATOR_FILL = "#ffffff"
+WIDTH, HEIGHT = 2.6, 1.2  # of the place of one box, with the space around it [inch]
+COLUMNS, MOST_LINES = 32, 3  # of the text about a step
+_COLOURS = {"told": "#fdf1d6", "seen": "#dcecf7", "given": "#e3f1de", "unknown": "#eeeeee"}
+_LEGEND = {"told": "taught rule", "seen": "observation", "given": "context", "unknown": "ignorance"}
 
 
-@dataclass(frozen=True)
-class _Box:
-    """One step with its place: left edge and row."""
+class _Box(NamedTuple):
+    """A step with its place: the column of its middle, and its row."""
 
     proof: Proof
-    x: float
+    column: float
     row: int
     inputs: tuple[_Box, ...]
 
-    def __iter__(self) -> Iterator[_Box]:
+    def boxes(self) -> Iterator[_Box]:
         yield self
         for each in self.inputs:
-            yield from each
+            yield from each.boxes()
 
 
-def svg(decision: Decision) -> str:
-    """The proofs of the chosen object and part, side by side, as an SVG document."""
-    boxes: list[_Box] = []
-    left = float(MARGIN)
+def draw_svg(decision: Decision) -> str:
+    """Return the proofs of the chosen object and part, side by side, as an SVG document.
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+    """
+    with extra_required("report", "matplotlib"):
+        from matplotlib import rc_context
+        from matplotlib.figure import Figure
+        from matplotlib.patches import Patch
+    roots: list[_Box] = []
+    columns = 0
     for proof in decision.proofs():
-        box, width = _placed(proof, left, 0)
-        boxes.append(box)
-        left += width + GAP_X
-    rows = 1 + max((each.row for box in boxes for each in box), default=0)
-    height = 2 * MARGIN + rows * BOX_HEIGHT + (rows - 1) * GAP_Y
-    drawn = "\n".join(line for box in boxes for each in box for line in _drawn(each))
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + MARGIN:.0f}" '
-        f'height="{height}" font-family="sans-serif" font-size="11">\n'
-        f'<rect width="100%" height="100%" fill="#ffffff"/>\n{drawn}\n</svg>\n'
-    )
-
-
-def _placed(proof: Proof, left: float, row: int) -> tuple[_Box, float]:
-    """A step with all below it, and how wide they are together."""
-    inputs: list[_Box] = []
-    at = left
-    for each in proof.inputs:
-        box, width = _placed(each, at, row + 1)
-        inputs.append(box)
-        at += width + GAP_X
-    width = max(at - GAP_X - left, BOX_WIDTH) if inputs else BOX_WIDTH
-    return _Box(proof, left + (width - BOX_WIDTH) / 2, row, tuple(inputs)), width
-
-
-def _top(box: _Box) -> float:
-    return MARGIN + box.row * (BOX_HEIGHT + GAP_Y)
-
-
-def _drawn(box: _Box) -> Iterator[str]:
-    middle = box.x + BOX_WIDTH / 2
-    for each in box.inputs:
-        yield (
-            f'<line x1="{each.x + BOX_WIDTH / 2:.1f}" y1="{_top(each)}" x2="{middle:.1f}" '
-            f'y2="{_top(box) + BOX_HEIGHT}" stroke="#888888"/>'
+        root, width = _place(proof, columns, 0)
+        roots.append(root)
+        columns += width
+    boxes = list(chain.from_iterable(root.boxes() for root in roots))
+    rows = 1 + max((box.row for box in boxes), default=0)
+    columns = max(columns, 2)  # room for the legend
+    figure = Figure(figsize=(WIDTH * columns, HEIGHT * (rows + 0.5)))
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(-0.5, columns - 0.5), ylim=(rows, -0.5))
+    axes.set_axis_off()
+    for box in boxes:
+        for each in box.inputs:
+            axes.plot([box.column, each.column], [box.row, each.row], color="#888888", zorder=1)
+        colour = _COLOURS[box.proof.step] if box.proof.step in LEAVES else "white"
+        style = {"boxstyle": "round,pad=0.5", "facecolor": colour, "edgecolor": "#555555"}
+        axes.text(
+            box.column, box.row, _text(box.proof), bbox=style, ha="center", va="center", size=8
         )
-    fill = _FILLS[box.proof.step] if box.proof.step in LEAVES else _OPERATOR_FILL
-    yield (
-        f'<rect x="{box.x:.1f}" y="{_top(box)}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" '
-        f'rx="6" fill="{fill}" stroke="#555555"/>'
-    )
-    head = f"{box.proof.interval}  {box.proof.step}"
-    about = wrap(box.proof.about, LETTERS, max_lines=MOST_LINES, placeholder=" …")
-    for number, line in enumerate((head, *about)):
-        weight = ' font-weight="bold"' if number == 0 else ""
-        y = _top(box) + LINE * (number + 1) + 3
-        yield (f'<text x="{middle:.1f}" y="{y}" text-anchor="middle"{weight}>{escape(line)}</text>')
+    used = {box.proof.step for box in boxes}
+    keys = [
+        Patch(facecolor=_COLOURS[step], edgecolor="#555555", label=label)
+        for step, label in _LEGEND.items()
+        if step in used
+    ]
+    axes.legend(handles=keys, loc="lower left", ncol=len(keys) or 1, frameon=False, fontsize=8)
+    drawing = StringIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "proof"}):
+        figure.savefig(drawing, format="svg", metadata={"Date": None})
+    return drawing.getvalue()
+
+
+def _place(proof: Proof, column: float, row: int) -> tuple[_Box, int]:
+    """A step with all steps below it, and how many columns they take."""
+    inputs: list[_Box] = []
+    width = 0
+    for each in proof.inputs:
+        box, taken = _place(each, column + width, row + 1)
+        inputs.append(box)
+        width += taken
+    width = max(width, 1)
+    return _Box(proof, column + (width - 1) / 2, row, tuple(inputs)), width
+
+
+def _text(proof: Proof) -> str:
+    about = wrap(proof.about, COLUMNS, max_lines=MOST_LINES, placeholder=" …")
+    return "\n".join((f"{proof.interval}  {proof.step}", *about))
