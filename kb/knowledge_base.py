@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The knowledge base: a store that holds beliefs, their history, the domain and episodes.
+"""The knowledge base: rules, their history, the domain and episodes in one store.
 
-`KnowledgeBase.open` makes or opens one. A base says in its graph `base` in which format it was
-written, so that what a later Hilt writes is never misread by an earlier one.
+`KnowledgeBase.open` creates or opens one. A base names its format in its graph `base`, so that a
+base of a later version of Hilt is never misread by an earlier one.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class KnowledgeBase:
 
         Args:
             store: the store, which is closed with the base.
-            clock: gives the time of what is said; the system's by default.
+            clock: gives the time of an utterance; the system's by default.
 
         Raises:
             StoreError: the store holds other data, or was written by a later version of Hilt.
@@ -140,11 +140,11 @@ class KnowledgeBase:
 
     @property
     def clock(self) -> Callable[[], datetime]:
-        """Gives the time of what is said."""
+        """The clock that gives the time of an utterance."""
         return self.writer.clock
 
     def close(self) -> None:
-        """Release the base; it cannot be used any more."""
+        """Close the store; the base cannot be used any more."""
         self.store.close()
 
     def __enter__(self) -> KnowledgeBase:
@@ -161,26 +161,24 @@ class KnowledgeBase:
     def __repr__(self) -> str:
         return f"<KnowledgeBase {self.store.location}>"
 
-    # Questions in SPARQL
-
     def query(
         self, text: str, bindings: Bindings | None = None, *, limits: Limits | None = None
     ) -> QueryResult:
-        """Ask anything in SPARQL; the prefixes of the vocabulary are declared already.
+        """The result of a SPARQL query, in which the prefixes of the vocabulary are declared.
 
-        Outside `GRAPH` a query sees all graphs as one.
+        Outside `GRAPH` a query sees the union of all graphs.
 
         Args:
             text: a SELECT, ASK, CONSTRUCT or DESCRIBE query. It reads this base only.
             bindings: values for its variables.
-            limits: time and memory, after which it is stopped; none by default, for queries
+            limits: time and memory after which it is stopped; none by default, for queries
                 that are known to end.
 
         Returns:
-            The rows, the answer of an ASK, or the statements of a CONSTRUCT or DESCRIBE.
+            The rows, the boolean of an ASK, or the statements of a CONSTRUCT or DESCRIBE.
 
         Raises:
-            QueryError: the query is wrong, reaches outside, or was stopped.
+            QueryError: the query is wrong, reads anything else, or was stopped.
         """
         bound = self._prepared(text, bindings)
         if limits and query_form(bound):
@@ -199,39 +197,29 @@ class KnowledgeBase:
         """The rows of a SELECT query; as `query` otherwise."""
         return self.store.select(self._prepared(text, bindings))
 
-    def ask(self, text: str, bindings: Bindings | None = None) -> bool:
-        """The answer of an ASK query; as `query` otherwise."""
-        return self.store.ask(self._prepared(text, bindings))
-
-    def construct(self, text: str, bindings: Bindings | None = None) -> list[Quad]:
-        """The statements of a CONSTRUCT or DESCRIBE query; as `query` otherwise."""
-        return self.store.construct(self._prepared(text, bindings))
-
     def answer(self, name: str, /, *, limits: Limits | None = None, **arguments: str) -> Solutions:
-        """The answer to a named question.
+        """The rows of a named query.
 
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables
         ('affordance', 'object', 'lower', 'upper', 'speaker', 'rule')
 
         Args:
-            name: of the query, as "best-for".
+            name: the name of the query, as "best-for".
             limits: as for `query`.
             arguments: values for its parameters, as texts.
 
         Raises:
             UnknownNameError: there is no such query or parameter.
-            QueryError: an argument is no value of its kind.
+            QueryError: an argument is not a value of its kind.
         """
         query = named_query(name)
         return cast(Solutions, self.query(query.text, query.bindings(arguments), limits=limits))
 
     def count(self) -> dict[str, int]:
-        """How many things of each class there are, as {"ActionRule": 2, "Utterance": 3}."""
+        """The number of individuals of each class, as {"ActionRule": 2, "Utterance": 3}."""
         rows = self.store.select(named_query("counts").text)
         named = ((cast(Iri, kind).removeprefix(HILT), cast(int, number)) for kind, number in rows)
         return dict(named)
-
-    # The domain, and what was done
 
     def load_domain(
         self,
@@ -239,7 +227,7 @@ class KnowledgeBase:
         actions: Actions,
         classes: Mapping[str, str | None] | None = None,
     ) -> bool:
-        """Write the household domain, unless this very one is there already.
+        """Write the household domain, unless it is there already.
 
         Args:
             objects: object types by name.
@@ -257,12 +245,12 @@ class KnowledgeBase:
             before = list(self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH))
             if before == [mark]:
                 return False
-            gone = {*before, *self.store.quads(None, None, None, DOMAIN)} - set(new)
-            self.store.apply(insert=[*new, mark], delete=gone)
+            old = {*before, *self.store.quads(None, None, None, DOMAIN)} - set(new)
+            self.store.apply(insert=[*new, mark], delete=old)
         return True
 
     def record_episode(self, episode: Episode) -> Episode:
-        """Keep what was done about a command, as belonging to the last utterance.
+        """Store the execution of a command, which belongs to the last utterance.
 
         Returns:
             The episode with its id, utterance and time.
@@ -277,10 +265,8 @@ class KnowledgeBase:
         return recorded
 
     def episodes(self) -> Iterator[Episode]:
-        """What was done, the oldest first."""
+        """The episodes, oldest first."""
         return read_episodes(self.store)
-
-    # How it is made
 
     def _prepared(self, text: str, bindings: Bindings | None) -> str:
         refuse_external_access(text)
@@ -289,15 +275,15 @@ class KnowledgeBase:
     def _check_format(self) -> None:
         found = base_format(self.store)
         if found is None:
-            self._found()
+            self._initialize()
         elif found != FORMAT:
             migrate(self.store, found)
 
-    def _found(self) -> None:
-        """Make an empty store a base: its format, and whom it trusts from the start."""
+    def _initialize(self) -> None:
+        """Make an empty store a base, with its format and the trust in the default speaker."""
         if any(self.store.quads()):
             raise StoreError(
-                f'"{self.store.location}" holds other data and no knowledge base of Hilt.'
+                f'"{self.store.location}" holds other data, not a knowledge base of Hilt.'
             )
         self.store.apply(
             insert=[

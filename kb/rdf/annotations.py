@@ -3,9 +3,9 @@
 
     object:knife hilt:usedFor affordance:cutting {| hilt:lower 0.95 ; hilt:upper 1.0 |} .
 
-No store need know this form: what is read becomes the flat star of `stars`, and what an
-annotation leaves out (that it is about the knife, who says it) is filled in from its edge. An
-annotation without a name becomes a rule with one.
+No store needs to support this form: what is read becomes the properties of `rule_mapping`, and
+what an annotation leaves out (its feature, its speaker) is filled in from its edge or by default.
+An annotation without a name becomes a rule with one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _LOCAL = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
 class Edge(NamedTuple):
-    """A statement about which something is said; it need not hold."""
+    """A statement that is annotated; it need not be asserted."""
 
     subject: Iri
     predicate: Iri
@@ -38,7 +38,7 @@ class Edge(NamedTuple):
 
 
 class Reified(NamedTuple):
-    """That a node stands for a statement."""
+    """The statement that a node reifies an edge."""
 
     subject: Iri
     predicate: Iri
@@ -47,12 +47,12 @@ class Reified(NamedTuple):
 
 
 def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> list[Quad]:
-    """Statements with every annotated edge turned into the star of a rule.
+    """Statements, with every annotated edge replaced by the properties of a rule.
 
     Raises:
-        DataError: a blank node stands for no rule, or something else than a rule is annotated.
+        DataError: a blank node is not the annotation of a rule, or something else is annotated.
     """
-    plain, edges = _parted(statements, source)
+    plain, edges = _split_edges(statements, source)
     about: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
     for quad in plain:
         if quad.subject in edges:
@@ -61,7 +61,7 @@ def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> 
     kept = [q for q in plain if q.subject not in edges and Edge(*q[:3]) not in annotated]
     for number, (node, several) in enumerate(edges.items()):
         name = iri("rule", f"annotation-{number}") if node.startswith(BLANK) else node
-        kept += (Quad(name, key, value, BELIEFS) for key, value in _filled(about[node], several))
+        kept += (Quad(name, key, value, BELIEFS) for key, value in _completed(about[node], several))
     for quad in kept:
         for end in (quad.subject, quad.object):
             if isinstance(end, Iri) and end.startswith(BLANK):
@@ -71,10 +71,10 @@ def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> 
 
 
 def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
-    """The lines of a text in which every active rule annotates its edges.
+    """The lines of a Turtle text in which every active rule annotates its edges.
 
     Args:
-        quads: what to write, the statements about one node together.
+        quads: what to write, sorted by subject.
     """
     yield from (f"@prefix {name}: <{space}> .\n" for name, space in PREFIXES.items())
     for node, several in groupby(quads, key=lambda quad: quad.subject):
@@ -89,7 +89,7 @@ def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
 _PLAIN_EDGES = frozenset((*_FUNCTORS, term("affords")))
 
 
-def _parted(
+def _split_edges(
     statements: Iterable[Quad | Reified], source: str
 ) -> tuple[list[Quad], dict[Iri, list[Edge]]]:
     plain: list[Quad] = []
@@ -105,8 +105,8 @@ def _parted(
     return plain, edges
 
 
-def _filled(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator[tuple[Iri, Term]]:
-    """What stands at a rule, and what its edges say where it does not."""
+def _completed(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator[tuple[Iri, Term]]:
+    """The properties of a rule, completed from its edges."""
     yield from found
     there = {key for key, _ in found}
     first = edges[0]
@@ -131,7 +131,7 @@ def _filled(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator[tu
 
 
 def _argument(value: Term) -> tuple[Iri, str]:
-    """The property that leads to an argument, and of which kind that is."""
+    """The property and the kind of an argument."""
     kind = split(value)[0] if isinstance(value, Iri) else ""
     return {"part": rule_mapping.PART, "affordance": rule_mapping.AFFORDANCE}.get(
         kind, rule_mapping.ARGUMENT
@@ -139,7 +139,7 @@ def _argument(value: Term) -> tuple[Iri, str]:
 
 
 def _edges(node: Iri, found: Sequence[tuple[Iri, Term]]) -> list[Quad]:
-    """The edges that a rule stands for; none for other nodes, and for rules that do not hold."""
+    """The edges of an active rule; none for other nodes."""
     if (
         split(node)[0] != "rule"
         or (rule_mapping.STATUS, rule_mapping.status_iri("active")) not in found

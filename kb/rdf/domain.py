@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The household domain as a graph: objects with their parts and properties, and the action trees.
 
-It comes from `objects.yaml` and `actions.yaml` and is written anew whenever they have changed. It
-says what things are and of what they are made; what they are for is never in it.
+It comes from `objects.yaml` and `actions.yaml` and is rewritten whenever they have changed. It has
+the classes, parts and properties of objects, never their affordances.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def domain_quads(
 
     Args:
         objects: by name.
-        actions: the trees the robot comes with.
+        actions: the action trees.
         classes: class of objects -> the class above it, or None.
     """
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
@@ -69,13 +69,13 @@ def _object_statements(objects: Mapping[str, ObjectType]) -> Iterator[tuple[Iri,
         node = atom_iri(Atom("object", name))
         yield node, MASS, _kilograms(kind.mass)
         for prop in kind.properties:
-            yield from _having(node, "property", prop)
+            yield from _with_atom(node, "property", prop)
         for part in kind.parts:
             yield from _part_statements(kind, part)
 
 
 def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
-    """A part of one object: its own node (knife.blade), of the kind that rules speak of (blade)."""
+    """The statements of one part: a node (knife.blade) that is a kind of part (blade)."""
     part, node = kind.parts[name], iri("part", f"{kind.name}.{name}")
     yield from _named(Atom("part", name))
     yield atom_iri(Atom("part", name)), PART_OF, atom_iri(Atom("object", kind.name))
@@ -84,9 +84,9 @@ def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Te
     yield node, IS_A, atom_iri(Atom("part", name))
     yield node, WHOLE, atom_iri(Atom("object", kind.name))
     yield node, MASS, _kilograms(part.mass)
-    yield from _having(node, "role", part.role)
+    yield from _with_atom(node, "role", part.role)
     for prop in part.properties:
-        yield from _having(node, "property", prop)
+        yield from _with_atom(node, "property", prop)
 
 
 def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
@@ -113,14 +113,14 @@ def _node(path: str) -> Iri:
 
 
 def _key(path: str) -> str:
-    """The name of a node: one below the root has the very name under which rules hang.
+    """The name of a node; that of a node below the root is the name to which rules are attached.
 
     There is one dot at most, as some SPARQL parsers read no more of them in a prefixed name.
     """
     return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
 
 
-def _having(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
+def _with_atom(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
     yield from _named(Atom(kind, name))
     yield node, ROLE if kind == "role" else PROPERTY, atom_iri(Atom(kind, name))
 

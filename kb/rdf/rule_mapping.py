@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a rule stands in the graph, and how it is read back.
+"""Mapping of rules to RDF statements, and back.
 
-RDF 1.1 cannot annotate an edge, so a rule is one node with a flat star of properties, hung on
-the action-tree node that uses it:
+RDF 1.1 cannot annotate an edge, so a rule is one node with properties, attached to the action-tree
+node that uses it:
 
     node:pass.graspObject  hilt:rule  rule:3f9c .
     rule:3f9c  hilt:feature object:knife ; hilt:context action:pass ; hilt:part part:blade ; ...
 
-Beside it stands the plain edge (object:knife hilt:graspedBy part:blade) while a rule asserts it,
-so that paths and graph tools see a graph. The edge from its node is there only while the rule is
-active: the hot question then needs no test of the status.
+While a rule is active its plain edges (object:knife hilt:graspedBy part:blade) are there too, so
+that property paths and graph tools see a graph. The edge from the action-tree node exists only
+while the rule is active, so the query for the rules of a node need not test the status.
 """
 
 from __future__ import annotations
@@ -50,27 +50,27 @@ _KNOWN_FUNCTORS = frozenset({USED_FOR, GRASP_OBJECT})
 
 
 def rule_iri(rule_id: str) -> Iri:
-    """The node of a rule, from its id "rule/3f9c..."."""
+    """The IRI of a rule with an id such as "rule/3f9c..."."""
     return iri("rule", rule_id.removeprefix("rule/"))
 
 
 def rule_id(node: Iri) -> str:
-    """The id of a rule, from its node."""
+    """The id of a rule, from its IRI."""
     return f"rule/{split(node)[1]}"
 
 
 @lru_cache(maxsize=2**16)
 def atom_iri(atom: Atom) -> Iri:
-    """The node of an atom."""
+    """The IRI of an atom."""
     return iri(atom.kind, atom.name)
 
 
 @lru_cache(maxsize=2**16)
 def atom_from_iri(node: Iri) -> Atom:
-    """The atom of a node.
+    """The atom of an IRI.
 
     Raises:
-        ValidationError: it is none of ours.
+        ValidationError: it is not the IRI of an atom.
     """
     kind, name = split(node)
     if kind not in ATOM_KINDS:
@@ -79,17 +79,17 @@ def atom_from_iri(node: Iri) -> Atom:
 
 
 def functor_from_iri(node: Iri) -> str:
-    """The functor of a node."""
+    """The functor of an IRI."""
     return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
 
 
 def status_iri(status: Status) -> Iri:
-    """The individual of a status."""
+    """The IRI of a status."""
     return term(status)
 
 
 def rule_quads(rule: Rule) -> Iterator[Quad]:
-    """Everything that stands in the graph because of a rule."""
+    """All statements of a rule: its properties, labels and edges."""
     yield from property_quads(rule)
     yield from label_quads(rule)
     if rule.status == "active":
@@ -98,7 +98,7 @@ def rule_quads(rule: Rule) -> Iterator[Quad]:
 
 
 def property_quads(rule: Rule) -> Iterator[Quad]:
-    """The statements about the rule's own node."""
+    """The statements whose subject is the rule."""
     node = rule_iri(rule.id)
     for predicate, value in _properties(rule):
         yield Quad(node, predicate, value, BELIEFS)
@@ -110,7 +110,7 @@ def node_edge(rule: Rule) -> Quad:
 
 
 def plain_edges(rule: Rule) -> list[Quad]:
-    """The edges without annotation that the rule stands for; none when it speaks against them."""
+    """The plain edges from features to the argument; none when the rule opposes its conclusion."""
     if rule.argument is None or not rule.asserts:
         return []
     edge, end = edge_property(rule.functor), atom_iri(rule.argument)
@@ -123,14 +123,14 @@ def edge_property(functor: str) -> Iri:
 
 
 def label_quads(rule: Rule) -> Iterator[Quad]:
-    """Types and names of everything the rule speaks of, so that no node is without."""
+    """The types and labels of all nodes that a rule refers to."""
     atoms = rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
     yield from atom_label_quads(atoms)
     yield from node_label_quads(rule)
 
 
 def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
-    """Types and names of atoms."""
+    """The types and labels of atoms."""
     for atom in sorted(atoms):
         node = atom_iri(atom)
         yield Quad(node, TYPE, term(atom.kind.capitalize()), BELIEFS)
@@ -138,7 +138,7 @@ def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
 
 
 def node_label_quads(rule: Rule) -> Iterator[Quad]:
-    """Types and names of the action-tree node that a rule hangs on, and of its functor."""
+    """The types and labels of the action-tree node of a rule, and of its functor."""
     yield Quad(iri("node", rule.node), TYPE, term("Node"), BELIEFS)
     yield Quad(iri("node", rule.node), LABEL, rule.node, BELIEFS)
     if rule.functor not in _KNOWN_FUNCTORS:
@@ -147,7 +147,7 @@ def node_label_quads(rule: Rule) -> Iterator[Quad]:
 
 
 def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
-    """The rule of a star, as `property_quads` wrote it.
+    """The rule with these properties of its node, as `property_quads` writes them.
 
     Raises:
         ValidationError: something is missing or malformed.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""RDF terms as plain Python values, so that nothing but one module knows the store's engine.
+"""RDF terms and statements as plain Python values, independent of any engine.
 
 An IRI is an `Iri`. A literal is the Python value it stands for (`str`, `bool`, `int`, `float`,
 `Decimal`, an aware `datetime`); one that has no such value, or a language, is a `Literal`. Blank
@@ -37,12 +37,12 @@ _TO_ESCAPE = re.compile(r'[\x00-\x1f\x7f"\\]')
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """A literal that no plain Python value stands for.
+    """A literal that no plain Python value represents.
 
     Attributes:
-        lexical: as it is written.
-        datatype: IRI of its type.
-        language: tag such as "en"; empty when the type is not a text in a language.
+        lexical: its lexical form.
+        datatype: IRI of its datatype.
+        language: tag such as "en"; empty for a literal without language.
     """
 
     lexical: str
@@ -54,7 +54,7 @@ Term: TypeAlias = "Iri | Literal | str | bool | int | float | Decimal | datetime
 
 
 class Quad(NamedTuple):
-    """One statement, and the named graph it stands in (None: the default graph)."""
+    """One statement and its named graph (None: the default graph)."""
 
     subject: Iri
     predicate: Iri
@@ -63,19 +63,20 @@ class Quad(NamedTuple):
 
 
 def literal(lexical: str, datatype: str, language: str = "") -> Term:
-    """The term that a literal of RDF stands for."""
+    """The term of an RDF literal."""
     if language:
         return Literal(lexical, LANGUAGE_TEXT, language)
     if datatype == STRING:
         return lexical
+    read = _READERS.get(datatype)
     try:
-        return _READERS[datatype.removeprefix(XSD)](lexical) if datatype.startswith(XSD) else _no()
+        return read(lexical) if read else Literal(lexical, datatype)
     except (KeyError, ValueError, InvalidOperation):
         return Literal(lexical, datatype)
 
 
 def lexical(term: Term) -> tuple[str, str, str]:
-    """How a literal is written: its lexical form, datatype and language.
+    """The lexical form, datatype and language of a literal.
 
     Raises:
         ValueError: it is an IRI, a time without zone, or a text that is no Unicode.
@@ -89,7 +90,7 @@ def lexical(term: Term) -> tuple[str, str, str]:
 
 
 def as_sparql(term: Term) -> str:
-    """A term as SPARQL and N-Quads write it; no text can break out of it.
+    """A term in the syntax of SPARQL and N-Quads, with everything escaped.
 
     Raises:
         ValueError: it is no valid term.
@@ -106,7 +107,7 @@ def as_sparql(term: Term) -> str:
 
 
 def write_time(time: datetime) -> str:
-    """An aware time in UTC, with milliseconds when there are any.
+    """The xsd:dateTime of an aware time in UTC, with milliseconds if it has any.
 
     Raises:
         ValueError: the time has no zone.
@@ -146,16 +147,12 @@ def _read_decimal(text: str) -> Decimal:
     return value
 
 
-def _no() -> Term:
-    raise ValueError
-
-
-_READERS = {
-    "decimal": _read_decimal,
-    "integer": int,
-    "boolean": _read_boolean,
-    "double": float,
-    "dateTime": read_time,
+_READERS: dict[str, Callable[[str], Term]] = {
+    DECIMAL: _read_decimal,
+    XSD + "integer": int,
+    XSD + "boolean": _read_boolean,
+    XSD + "double": float,
+    DATE_TIME: read_time,
 }
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The questions that the base answers, each a commented `.rq` file that anybody can run.
+"""Named queries: commented `.rq` files with a question and declared parameters.
 
 The first comment line of a file is its question. A line `# ?name  kind  meaning` declares a
 parameter: the kind says how an argument given as text becomes a term (a kind of individual such
-as object, or text, integer, decimal, time). Unbound parameters ask for all.
+as object, or text, integer, decimal, time). An unbound parameter matches everything.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _PARAMETER = re.compile(r"#\s*\?(\w+)\s+(\w+)\s+(.+)")
 
 @dataclass(frozen=True)
 class Parameter:
-    """A variable of a named query that can be given a value.
+    """A variable of a named query that can be bound.
 
     Attributes:
         name: the variable, without question mark.
-        kind: how a text becomes its value.
-        meaning: what it is, for the help.
+        kind: how an argument given as text becomes a term.
+        meaning: its description, for the help.
     """
 
     name: str
@@ -42,16 +42,17 @@ class Parameter:
     meaning: str
 
     def value(self, text: str) -> Term:
-        """The term that an argument stands for.
+        """The term of an argument given as text.
 
         Raises:
-            QueryError: the text is no value of this kind.
+            QueryError: the text is not a value of this kind.
         """
         if self.kind in KINDS:
-            # As tables show it, as ids are printed, as its whole address, or only its name.
+            # As tables show it, as ids are printed, as an IRI, or only its name.
             starts = (f"{self.kind}:", f"{self.kind}/", PREFIXES[self.kind])
             start = next((start for start in starts if text.startswith(start)), "")
-            return _printed(self.kind, text.removeprefix(start)) if start else iri(self.kind, text)
+            local = text.removeprefix(start)
+            return _individual(self.kind, local) if start else iri(self.kind, text)
         try:
             return _VALUES[self.kind](text)
         except (ValueError, InvalidOperation) as error:
@@ -60,11 +61,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class NamedQuery:
-    """A question with its text.
+    """A query with its question and its parameters.
 
     Attributes:
-        name: as `hilt query NAME` calls it.
-        question: one line that a person reads.
+        name: its name in `hilt query NAME`.
+        question: the question it answers, in one line.
         parameters: by name, in the order of the file.
         text: the SPARQL.
     """
@@ -75,13 +76,13 @@ class NamedQuery:
     text: str
 
     def bindings(self, arguments: Mapping[str, str | Sequence[str]]) -> Bindings:
-        """Values for the variables, from arguments given as texts; several are alternatives.
+        """The bindings of variables by arguments given as texts; several are alternatives.
 
-        A query that has no name and declares no parameters takes values for any variable.
+        A query that has no name and declares no parameters accepts any of its variables.
 
         Raises:
             UnknownNameError: there is no such parameter or variable.
-            QueryError: an argument is no value of its kind.
+            QueryError: an argument is not a value of its kind.
         """
         return {
             name: [self._value(name, text) for text in _as_list(given)]
@@ -101,10 +102,10 @@ class NamedQuery:
 
 @lru_cache(maxsize=64)
 def named_query(name: str) -> NamedQuery:
-    """The query of a name.
+    """The query with a name.
 
     Raises:
-        UnknownNameError: there is none; lists those there are.
+        UnknownNameError: there is none; lists the names.
     """
     if name not in query_names():
         raise UnknownNameError("query", name, query_names())
@@ -112,11 +113,11 @@ def named_query(name: str) -> NamedQuery:
 
 
 def read_query(text: str, name: str = "") -> NamedQuery:
-    """A query with the question and the parameters that its comments declare.
+    """The query of a text, with the question and the parameters that its comments declare.
 
     Args:
         text: the SPARQL.
-        name: what it is called; empty for one that somebody wrote just now.
+        name: its name; empty for a query without a name.
     """
     comments = [line for line in text.splitlines() if line.startswith("#")]
     found = (_PARAMETER.fullmatch(line) for line in comments)
@@ -126,14 +127,14 @@ def read_query(text: str, name: str = "") -> NamedQuery:
 
 
 def parse_term(text: str) -> Term:
-    """The term that a person writes for a value whose kind nobody declared.
+    """The term of an argument for a variable whose kind is not declared.
 
     >>> parse_term("object:wine glass"), parse_term("0.5"), parse_term("knife")
     (Iri('https://w3id.org/hilt/object/wine_glass'), Decimal('0.5'), 'knife')
     """
     kind, _, name = text.partition(":")
     if kind in KINDS and name:
-        return _printed(kind, name)
+        return _individual(kind, name)
     if kind in PREFIXES and name:
         return Iri(PREFIXES[kind] + name)
     if kind in {"http", "https", "urn"}:
@@ -153,8 +154,8 @@ def node_iri(node: str) -> Iri:
     return iri("node", node)
 
 
-def _printed(kind: str, local: str) -> Iri:
-    """An individual from the last part of its IRI; spaces need not be escaped."""
+def _individual(kind: str, local: str) -> Iri:
+    """The IRI of an individual from its local name; spaces need not be escaped."""
     return iri(kind, unquote(local.replace("_", " ")))
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a query found: rows, yes or no, or statements; and SPARQL 1.1 Query Results JSON.
+"""Query results (rows, booleans, statements), query limits, and SPARQL 1.1 Query Results JSON.
 
-Endpoints take liberties with that format; it is read by value and leniently.
+Endpoints deviate from that format in details, so it is read leniently and by value.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ _ASK_COLUMN = "__ASK_RETVAL"  # Virtuoso answers ASK with a row
 
 SECONDS = 30.0
 MEGABYTES = 2048
-MAX_SECONDS = threading.TIMEOUT_MAX  # what a timer takes: some hundred years, days on Windows
+MAX_SECONDS = threading.TIMEOUT_MAX  # the longest timer: some hundred years, days on Windows
 MAX_MEGABYTES = 10**9  # more than any machine has
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a query may use up before it is stopped.
+    """The time and memory a query may use before it is stopped.
 
     Attributes:
-        seconds: time from asking to the last row, in ]0, `MAX_SECONDS`].
-        megabytes: memory of the process that works on it, and of what it answers, in
+        seconds: time from the request to the last row, in ]0, `MAX_SECONDS`].
+        megabytes: memory of the process that evaluates it, and of its answer, in
             [1, `MAX_MEGABYTES`]; the embedded engine itself needs about 100.
     """
 
@@ -67,11 +67,11 @@ class Limits:
 
 @dataclass(frozen=True)
 class Solutions:
-    """The rows that a query found.
+    """The rows of a SELECT query.
 
     Attributes:
         variables: names of the columns, without question mark.
-        rows: one value a variable; None where it is unbound.
+        rows: one value for each variable; None where it is unbound.
     """
 
     variables: tuple[str, ...]
@@ -84,7 +84,7 @@ class Solutions:
         return len(self.rows)
 
     def as_json(self) -> dict[str, object]:
-        """The document of the W3C recommendation."""
+        """The document in SPARQL 1.1 Query Results JSON."""
         return {
             "head": {"vars": list(self.variables)},
             "results": {"bindings": [self._binding(row) for row in self.rows]},
@@ -97,7 +97,7 @@ class Solutions:
 
 @dataclass(frozen=True)
 class Statements(Solutions):
-    """The statements that a CONSTRUCT or DESCRIBE query made; also rows, one a statement."""
+    """The statements of a CONSTRUCT or DESCRIBE query, as rows of three columns."""
 
     @classmethod
     def from_quads(cls, quads: Iterable[Quad]) -> Statements:
@@ -112,12 +112,12 @@ class Statements(Solutions):
 
 @dataclass(frozen=True)
 class BooleanResult:
-    """What an ASK query found."""
+    """The answer to an ASK query."""
 
     value: bool
 
     def as_json(self) -> dict[str, object]:
-        """The document of the W3C recommendation."""
+        """The document in SPARQL 1.1 Query Results JSON."""
         return {"head": {}, "boolean": self.value}
 
 
@@ -125,10 +125,10 @@ QueryResult: TypeAlias = "Solutions | Statements | BooleanResult"
 
 
 def read_solutions(body: bytes) -> Solutions:
-    """The rows of a results document.
+    """The rows of a JSON results document.
 
     Raises:
-        QueryError: it is incomplete, or holds what RDF 1.1 has not.
+        QueryError: it is incomplete, or contains RDF 1.2 terms.
     """
     document = _parsed(body)
     try:
@@ -138,19 +138,19 @@ def read_solutions(body: bytes) -> Solutions:
             tuple(_term(row[name]) if name in row else None for name in names) for row in found
         )
     except (KeyError, TypeError, AttributeError) as error:
-        raise QueryError("The endpoint sent no rows where some were expected.") from error
+        raise QueryError("The endpoint sent no rows where rows were expected.") from error
     return Solutions(names, rows)
 
 
 def read_boolean(body: bytes) -> bool:
-    """Yes or no, of a results document; errors as for `read_solutions`."""
+    """The boolean of a JSON results document; errors as for `read_solutions`."""
     document = _parsed(body)
     if isinstance(document.get("boolean"), bool):
         return document["boolean"]
     found = read_solutions(body)
     if found.variables == (_ASK_COLUMN,):
         return any(row[0] for row in found)
-    raise QueryError("The endpoint answered neither yes nor no.")
+    raise QueryError("The endpoint sent no boolean for an ASK query.")
 
 
 def _parsed(body: bytes) -> dict[str, Any]:

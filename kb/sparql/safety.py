@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a query or an update must not do: reach outside the base, or differ each time.
+"""Refusal of queries and updates that access the network or files, or are not deterministic.
 
-The engine cannot be told to refuse SERVICE and LOAD, so they are found in the text. Words that
-stand in strings, names, IRIs and comments are harmless, but whether something is a string or an
+The engine has no option to refuse SERVICE and LOAD, so they are searched for in the text. In
+strings, names, IRIs and comments these words are harmless, but whether something is a string or an
 IRI depends in SPARQL on what comes before it: `<` opens an IRI or compares, `#` opens a comment or
-belongs to an IRI. Where a text that says one of the words could be read in two ways, it is
-refused too. A parser also takes words that are glued together (`SERVICESILENT<...>`, `1SERVICE`),
-so it is enough that a word contains one of them.
+belongs to an IRI. A text with one of the words that could be read in two ways is refused too. A
+parser also accepts words that are joined (`SERVICESILENT<...>`, `1SERVICE`), so a word that
+contains one of them is refused.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from collections.abc import Iterable, Iterator
 from ...ontology.errors import QueryError
 from .text import tokens
 
-# What makes an engine fetch something from elsewhere; DEFINE does so in Virtuoso.
-REACHING_OUT = frozenset({"SERVICE", "LOAD", "DEFINE"})
-CHANCE = frozenset({"RAND", "UUID", "STRUUID", "NOW", "BNODE"})
-OF_ONE_ENGINE = ("bif:", "sql:")  # functions of Virtuoso, some of which read files
+# Keywords of external access; DEFINE is one in Virtuoso.
+EXTERNAL_ACCESS = frozenset({"SERVICE", "LOAD", "DEFINE"})
+NONDETERMINISTIC = frozenset({"RAND", "UUID", "STRUUID", "NOW", "BNODE"})
+VIRTUOSO_FUNCTIONS = ("bif:", "sql:")  # some of them read files
 
 _CODE_POINT = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
 _OPERATORS = frozenset("(,=!<>+-*/&|^")  # after these a value is expected, so `<` opens an IRI
@@ -33,11 +33,11 @@ def refuse_external_access(text: str) -> None:
     """Refuse a query or update that would read from the network or from files.
 
     Raises:
-        QueryError: it says SERVICE or LOAD, in any spelling.
+        QueryError: it contains SERVICE or LOAD, in any spelling.
     """
     # Some engines read escaped characters before anything else.
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
-        found = _said(version, REACHING_OUT) or _function_of_one_engine(version)
+        found = _forbidden_word(version, EXTERNAL_ACCESS) or _virtuoso_function(version)
         if found:
             raise QueryError(
                 f"{found} is refused: a query reads this knowledge base and nothing else. "
@@ -46,14 +46,14 @@ def refuse_external_access(text: str) -> None:
 
 
 def refuse_nondeterminism(update: str) -> None:
-    """Refuse an update that would not do the same a second time.
+    """Refuse an update that would not have the same effect a second time.
 
-    It is tried out on a copy before it is applied, and both must come to the same.
+    It is tried on a copy before it is applied, and both must have the same effect.
 
     Raises:
         QueryError: it calls RAND, UUID, NOW or the like.
     """
-    found = _said(update, CHANCE)
+    found = _forbidden_word(update, NONDETERMINISTIC)
     if found:
         raise QueryError(
             f"{found} is refused in an update: it must do the same each time. "
@@ -61,8 +61,8 @@ def refuse_nondeterminism(update: str) -> None:
         )
 
 
-def _said(text: str, refused: Iterable[str]) -> str | None:
-    """One of the words, where the text says it as a keyword or may do so."""
+def _forbidden_word(text: str, refused: Iterable[str]) -> str | None:
+    """One of the words that the text has, or may have, as a keyword; None without any."""
     capitals = text.upper()
     suspects = [word for word in refused if word in capitals]
     if not suspects:
@@ -77,10 +77,10 @@ def _keywords(text: str, suspects: list[str]) -> Iterator[str]:
     for token, following in zip(found, after, strict=True):
         said, kind = token.group(), token.lastgroup
         if kind == "word":
-            yield from _within(said, suspects)
+            yield from _contained(said, suspects)
         elif kind == "pname":
-            yield from _glued(said, suspects, before, following, depth=len(brackets))
-        if _is_unsure(token, before, "".join(brackets[-1:])):
+            yield from _joined_to_name(said, suspects, before, following, depth=len(brackets))
+        if _is_ambiguous(token, before, "".join(brackets[-1:])):
             yield f"{suspects[0]} in a text that can be read in two ways, at {said[:30]!r},"
         brackets += [said] if said in _OPEN else []
         if said in _CLOSE and brackets:
@@ -88,25 +88,25 @@ def _keywords(text: str, suspects: list[str]) -> Iterator[str]:
         before = said
 
 
-def _within(said: str, suspects: list[str]) -> Iterator[str]:
+def _contained(said: str, suspects: list[str]) -> Iterator[str]:
     return (word for word in suspects if word in said.upper())
 
 
-def _glued(
+def _joined_to_name(
     name: str, suspects: list[str], before: str, following: str, *, depth: int
 ) -> Iterator[str]:
-    """Keywords that a parser may read at the start of what looks like a prefixed name."""
+    """The keywords that a parser may read at the start of what looks like a prefixed name."""
     prefix, _, local = name.upper().partition(":")
     is_declared_here = before.upper() == "PREFIX"
     opens_group = following == "{"  # as after SERVICE; names in a pattern are followed by others
     if not is_declared_here and (opens_group or depth == 0):
-        yield from _within(prefix, suspects)
+        yield from _contained(prefix, suspects)
     # After a dot, which may end the statement instead of being part of the name.
     yield from (word for word in suspects if f".{word}" in local)
 
 
-def _is_unsure(token: re.Match[str], before: str, bracket: str) -> bool:
-    """Whether another parser may see something else here."""
+def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
+    """Whether another parser may read the token differently."""
     said = token.group()
     match token.lastgroup:
         case "string":
@@ -123,9 +123,9 @@ def _may_be_iri(token: re.Match[str]) -> bool:
     return _MAYBE_IRI.match(token.string, token.start()) is not None
 
 
-def _function_of_one_engine(text: str) -> str | None:
+def _virtuoso_function(text: str) -> str | None:
     said = (token.group().lstrip("<").lower() for token in tokens(text))
-    return next((one[:60] for one in said if one.startswith(OF_ONE_ENGINE)), None)
+    return next((one[:60] for one in said if one.startswith(VIRTUOSO_FUNCTIONS)), None)
 
 
 def _decoded(match: re.Match[str]) -> str:

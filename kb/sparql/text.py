@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""SPARQL texts: giving values to variables, refusing what reaches outside, and telling mistakes.
+"""Processing of SPARQL texts: variable bindings, prefixes, paging, updates and error messages.
 
-Values reach a query as terms in a `VALUES` block at the head of its WHERE group, written by
-`terms.as_sparql`; they are never pasted into the text. The scanner below knows just enough of
-SPARQL's lexical grammar (section 19.8 of the recommendation) to tell words from what stands in
+Values are bound as terms in a `VALUES` block at the head of the WHERE group, written by
+`terms.as_sparql`; they are never pasted into the text. The tokenizer knows just enough of SPARQL's
+lexical grammar (section 19.8 of the recommendation) to distinguish keywords from the content of
 strings, IRIs and comments.
 """
 
@@ -43,10 +43,10 @@ _POSITION = re.compile(r"error at (\d+):(\d+): ")
 
 
 def bind_variables(query: str, bindings: Bindings) -> str:
-    """The query with values for some of its variables; several values are alternatives.
+    """A query with some of its variables bound; several values are alternatives.
 
     Raises:
-        QueryError: it has no WHERE group, or a value is no term.
+        QueryError: it has no WHERE group, or a value is not a valid term.
     """
     if not bindings:
         return query
@@ -56,25 +56,25 @@ def bind_variables(query: str, bindings: Bindings) -> str:
 
 
 def query_form(query: str) -> str:
-    """SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
+    """The form of a query: SELECT, ASK, CONSTRUCT or DESCRIBE; empty for anything else."""
     return next((word for word in keywords(query) if word in FORMS), "")
 
 
 def keywords(text: str) -> tuple[str, ...]:
-    """The keywords, in capitals: what is no name, variable, text, IRI or comment."""
+    """The keywords of a text in capitals: what is no name, variable, string, IRI or comment."""
     return tuple(token.group().upper() for token in tokens(text) if token.lastgroup == "word")
 
 
 def variables(text: str) -> tuple[str, ...]:
-    """The names of all variables, sorted, without question mark."""
+    """The names of all variables of a text, sorted, without question mark."""
     found = (token.group() for token in tokens(text) if token.lastgroup == "variable")
     return tuple(sorted({name[1:] for name in found}))
 
 
 def with_prefixes(text: str) -> str:
-    """The text with the prefixes of the vocabulary that it uses and does not declare itself.
+    """A text with declarations of the vocabulary's prefixes that it uses and does not declare.
 
-    They stand on its first line, so that the line numbers of messages stay right.
+    They are added to its first line, so that line numbers in messages stay right.
     """
     used = {t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname"}
     missing = [prefix for prefix in PREFIXES if prefix in used - _declared_prefixes(text)]
@@ -82,22 +82,22 @@ def with_prefixes(text: str) -> str:
 
 
 def result_limit(query: str) -> int | None:
-    """The LIMIT that a query sets for its result; None when it sets none."""
+    """The LIMIT of a query's result; None when it has none."""
     found = [token.group().upper() for token in _modifiers(query)]
     return next((int(n) for word, n in pairwise(found) if word == "LIMIT" and n.isdigit()), None)
 
 
 def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
-    """A query for some of the solutions of another one, in an order that stays.
+    """The query for one page of the solutions of another query, in a stable order.
 
     Args:
         query: a SELECT or CONSTRUCT query.
         variables: the columns of a SELECT; none for a CONSTRUCT.
-        size: how many solutions.
-        offset: how many to leave out.
+        size: the number of solutions of a page.
+        offset: the number of solutions before the page.
 
     Raises:
-        QueryError: the query cannot be read in parts.
+        QueryError: the query cannot be paged.
     """
     modifiers = {token.group().upper() for token in _modifiers(query)}
     if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in keywords(query):
@@ -117,7 +117,7 @@ def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) 
 
 
 def syntax_message(message: str, text: str) -> str:
-    """What is wrong with a text that the engine could not parse, in one line."""
+    """One line that says what is wrong with a text that the engine could not parse."""
     undeclared = _undeclared_prefix(text)
     if undeclared:
         return f'The prefix "{undeclared}:" is not declared.'
@@ -132,7 +132,7 @@ def syntax_message(message: str, text: str) -> str:
 
 
 def join_updates(update: str, another: str) -> str:
-    """An update followed by another one that declares no prefixes: one unit where it can be.
+    """An update followed by another one that declares no prefixes.
 
     Raises:
         QueryError: the first one is empty.
@@ -154,8 +154,8 @@ def delete_insert(delete: Sequence[Quad], insert: Sequence[Quad]) -> str:
     """The one update operation that deletes statements and inserts others."""
     # One operation, because `op ; op` is not atomic everywhere; a WHERE that is not empty,
     # because some engines take an empty one for no solution.
-    gone, new = _blocks(delete), _blocks(insert)
-    return f"DELETE {{ {gone} }} INSERT {{ {new} }} WHERE {{ VALUES ?once {{ 1 }} }}"  # noqa: S608
+    old, new = _blocks(delete), _blocks(insert)
+    return f"DELETE {{ {old} }} INSERT {{ {new} }} WHERE {{ VALUES ?once {{ 1 }} }}"  # noqa: S608
 
 
 def _blocks(quads: Iterable[Quad]) -> str:
@@ -173,7 +173,7 @@ def _block(graph: Iri | None, quads: Sequence[Quad]) -> str:
 
 def _values(name: str, terms: Sequence[Term]) -> str:
     if not re.fullmatch(r"\w+", name):
-        raise QueryError(f'"{name}" is no name of a variable.')
+        raise QueryError(f'"{name}" is not the name of a variable.')
     try:
         return f"VALUES ?{name} {{ {' '.join(map(as_sparql, terms))} }}"
     except ValueError as error:
@@ -187,7 +187,7 @@ def _as_list(value: Term | Sequence[Term]) -> Sequence[Term]:
 
 @lru_cache(maxsize=256)
 def _where_group(query: str) -> int:
-    """The place behind the brace that opens the outermost WHERE group."""
+    """The position after the brace that opens the outermost WHERE group."""
     depth, parentheses, before, is_template = 0, 0, "", False
     for token in tokens(query):
         text = token.group()
@@ -204,12 +204,12 @@ def _where_group(query: str) -> int:
 
 
 def tokens(text: str, start: int = 0) -> Iterator[re.Match[str]]:
-    """The tokens from a place on, without comments; `lastgroup` of each is its kind."""
+    """The tokens from a position on, without comments; `lastgroup` of each is its kind."""
     return (match for match in _TOKEN.finditer(text, start) if match.lastgroup != "comment")
 
 
 def _modifiers(query: str) -> list[re.Match[str]]:
-    """What stands behind the outermost WHERE group."""
+    """The tokens after the outermost WHERE group."""
     depth, found = 1, list[re.Match[str]]()
     for token in tokens(query, _where_group(query)):
         depth += (token.group() == "{") - (token.group() == "}")

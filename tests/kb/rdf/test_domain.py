@@ -38,8 +38,9 @@ def test_changed_domain_replaces_the_old_one(home: KnowledgeBase):
 
     found = home.select("SELECT ?o { GRAPH graph:domain { ?o a hilt:Object } }")
     assert {str(row[0]).rpartition("/")[2] for row in found} == {"knife", "cutlery"}
-    assert home.ask("ASK { GRAPH graph:domain { object:knife hilt:property property:flat } }")
-    assert not home.ask("ASK { GRAPH graph:domain { object:knife hilt:property property:sharp } }")
+    ask = "ASK {{ GRAPH graph:domain {{ object:knife hilt:property property:{} }} }}"
+    assert home.store.ask(ask.format("flat"))
+    assert not home.store.ask(ask.format("sharp"))
 
 
 @pytest.mark.parametrize("name", list(OBJECTS))

@@ -57,7 +57,7 @@ def test_malformed_value_is_refused():
     """A value that is no term, and a name that is no variable, are refused."""
     with pytest.raises(QueryError, match=r"value for \?x is wrong"):
         bind_variables("SELECT * { ?x ?p ?o }", {"x": Iri("urn:a> }")})
-    with pytest.raises(QueryError, match="no name of a variable"):
+    with pytest.raises(QueryError, match="not the name of a variable"):
         bind_variables("SELECT * { ?x ?p ?o }", {"x } #": 1})
 
 
