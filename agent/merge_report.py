@@ -3,78 +3,89 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 from ..inference.conflicts import Conflict, find_conflicts
+from ..kb.bulk.reconciliation import ImportSummary
+from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.merge import Merged
-from ..kb.merge import merge as take_over
+from ..kb.merge import merge as merge_stores
 from ..kb.rule import Rule
-from ..kb.validation import check_invariants, raise_findings
 
 
 @dataclass(frozen=True)
 class MergeReport:
-    """What came of a merge.
+    """What a merge changed.
 
     Attributes:
-        merged: what was taken over.
-        conflicts: pairs of a new rule and one that was there, the heaviest first.
-        kept: rules that hold in one base and were taken back in the other, as they stand in the
-            other; here they stay what they were.
-        is_dry: whether nothing was written.
+        summary: the change in numbers.
+        new: rules that the base did not know.
+        conflicts: pairs of a rule of the base and a new one, the heaviest first.
+        kept: rules that hold in one base and were retracted in the other, as they stand in the
+            other; in this base they stay what they were.
+        dry_run: whether nothing was written.
     """
 
-    merged: Merged
+    summary: ImportSummary
+    new: tuple[Rule, ...]
     conflicts: tuple[Conflict, ...]
     kept: tuple[Rule, ...]
-    is_dry: bool
+    dry_run: bool
 
     def as_json(self) -> dict[str, object]:
-        """As `hilt merge --json` prints it."""
+        """The report as `hilt merge --json` prints it."""
         return {
-            "new": [rule.as_json() for rule in self.merged.new],
-            "known": len(self.merged.known),
-            "utterances": self.merged.utterances,
-            "untrusted": list(self.merged.untrusted),
+            "new": [rule.as_json() for rule in self.new],
+            "known": self.summary.known,
+            "utterances": self.summary.utterances,
+            "untrusted": list(self.summary.untrusted),
             "conflicts": [each.as_json() for each in self.conflicts],
             "kept": [{**rule.as_json(), "status": rule.status} for rule in self.kept],
-            "dry_run": self.is_dry,
+            "dry_run": self.dry_run,
         }
 
 
 def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool) -> MergeReport:
-    """Take over what another base knows, as one unit.
+    """Add to a base what another one knows, as one unit.
 
     Args:
         base: what is written to.
         other: what is read.
-        name: of the other, for the history.
-        dry_run: only tell what would come of it.
+        name: of the other base, for the history.
+        dry_run: only report what would change.
 
     Raises:
-        ValidationError: the other breaks the laws of a base; nothing has changed.
+        ValidationError: the other base breaks a law; nothing has changed.
     """
-    raise_findings(check_invariants(other.store))
-    # Both are looked at first: what is merged cannot be told from what was there afterwards.
-    planned = take_over(base, other.reader, source=name, dry_run=True)
-    before = base.rules_at_nodes(sorted({rule.node for rule in planned.new}))
-    coming = [_weighed(rule, base) for rule in planned.new if rule.status == "active"]
-    found = _conflicts(before, coming)
-    kept = tuple(rule for rule in planned.known if base.rule(rule.id).status != rule.status)
-    merged = planned if dry_run else take_over(base, other.reader, source=name)
-    return MergeReport(merged, found, kept, dry_run)
+    found = _Findings({**other.trust_by_speaker(), **base.trust_by_speaker()})
+    summary = merge_stores(base, other.store, source=name, dry_run=dry_run, observer=found)
+    return MergeReport(
+        summary,
+        tuple(sorted(found.new, key=lambda rule: rule.id)),
+        tuple(sorted(found.conflicts, key=lambda one: (-one.weight, one.first.id, one.second.id))),
+        tuple(sorted(found.kept, key=lambda rule: rule.id)),
+        dry_run,
+    )
 
 
-def _weighed(rule: Rule, base: KnowledgeBase) -> Rule:
-    """A rule as it will weigh: whom the base has an opinion of, it goes on trusting so far."""
-    trust = base.trust(rule.speaker)
-    return replace(rule, trust=trust.lower) if trust else rule
+@dataclass
+class _Findings:
+    """Collects what a merge finds about each rule."""
 
+    trust: dict[str, Interval]
+    new: list[Rule] = field(default_factory=list[Rule])
+    conflicts: list[Conflict] = field(default_factory=list[Conflict])
+    kept: list[Rule] = field(default_factory=list[Rule])
 
-def _conflicts(before: Iterable[Rule], new: list[Rule]) -> tuple[Conflict, ...]:
-    """Contradictions between what is there and what comes, not those within either."""
-    ids = {rule.id for rule in new}
-    every = find_conflicts((*before, *new))
-    return tuple(each for each in every if (each.first.id in ids) != (each.second.id in ids))
+    def add_new(self, rule: Rule, believed: Sequence[Rule]) -> None:
+        """Keep a new rule, weighted by the trust in its speaker, and its conflicts."""
+        trust = self.trust.get(rule.speaker)
+        weighted = replace(rule, trust=trust.lower if trust else 0.0)
+        self.new.append(weighted)
+        for other in believed:
+            self.conflicts += find_conflicts((other, weighted))
+
+    def add_different(self, rule: Rule) -> None:
+        """Keep a rule that has another status in the base."""
+        self.kept.append(rule)

@@ -17,10 +17,10 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.formats.transfer import write_text
 from hilt.kb.interval import Interval
 from hilt.kb.rdf.rule_mapping import rule_quads
 from hilt.kb.rule import grasping
+from hilt.kb.stores.rdf_text import write_rdf
 
 pytestmark = pytest.mark.timeout(0)  # a busy machine takes several times as long
 
@@ -53,7 +53,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for n in range(RULES)
     ]
     quads = [quad for rule in rules for quad in rule_quads(rule)]
-    (folder / "rules.trig").write_bytes(write_text(quads, format="trig"))
+    (folder / "rules.trig").write_bytes(write_rdf(quads, format="trig"))
     rows = (
         f"{rule.object},{rule.context},graspObject,{rule.part},{rule.interval.lower}\n"
         for rule in rules

@@ -17,7 +17,7 @@ from .common import finish, open_base, open_for_reading, show, terminal
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
-    from ...kb.merge import Summary
+    from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.validation import Finding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
@@ -73,7 +73,7 @@ def import_(
         _show(found, file, dry_run=dry_run)
 
 
-def _show(found: Summary, file: str, *, dry_run: bool) -> None:
+def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
     read = "Would read" if dry_run else "Read"
     typer.echo(
         f"{read} {counted(found.new + found.known, 'rule')} from {file}: {found.new} new, "

@@ -79,10 +79,10 @@ def replayed(came: Replay, quote: Quote) -> RenderableType:
 
 def merged(report: MergeReport) -> RenderableType:
     """What came of a merge: numbers, contradictions, and what the two do not agree on."""
-    came = report.merged
-    done = "Would take over" if report.is_dry else "Took over"
+    came = report.summary
+    done = "Would take over" if report.dry_run else "Took over"
     lines: list[RenderableType] = [
-        Text(f"{done} {counted(len(came.new), 'rule')} ({len(came.known)} known already) "
+        Text(f"{done} {counted(came.new, 'rule')} ({came.known} known already) "
              f"and {counted(came.utterances, 'utterance')}.")
     ]  # fmt: skip
     if came.untrusted:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Imports of any size: a million rules are checked and written without being held in memory.
+"""The import: rules and history are checked as they stream by, and written as one unit.
 
-The file is read once. Each rule is checked on its own as it comes (its interval, its form, its
-name) and written as lines of N-Quads, which the engine takes while they are made; only numbers are
-kept of it. The engine makes them visible as one unit at the end, or drops all when something is
-wrong. What is not a rule (utterances, words, episodes) is staged and checked as for small files.
+Each rule is checked on its own (its interval, its form, its name) and written as lines of N-Quads,
+which the engine takes while they are made; only numbers are kept of it. The engine makes them
+visible as one unit at the end, or drops all when something is wrong. What is not a rule
+(utterances, words, episodes) is staged, checked and reconciled with the base.
 
 The statements of one rule must stand together, as they do in every export.
 """
@@ -16,55 +16,57 @@ import re
 import tempfile
 from array import array
 from collections import defaultdict, deque
-from collections.abc import Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from itertools import islice
-from typing import BinaryIO, Protocol, TypeVar, runtime_checkable
+from itertools import chain, islice
+from typing import BinaryIO, Protocol, TypeVar, cast, get_args, runtime_checkable
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance
 from ..knowledge_base import KnowledgeBase
-from ..merge import (
-    MAX_LISTED,
-    MergeConflict,
-    Plan,
-    Summary,
-    are_apart,
-    claim,
-    plan_history,
-    plan_rest,
-    plan_trust,
-)
 from ..rdf import rule_mapping
 from ..rdf.annotations import Reified
 from ..rdf.rule_mapping import BELIEFS, LABEL, RULE, STATUS, TYPE
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
-from ..rule import Rule
+from ..rule import Rule, Status
 from ..staging import check_graph, findings, stage
 from ..stores.base import Store
-from ..validation import raise_findings
+from ..validation import Finding, raise_findings
 from ..writer import to_milliseconds
-from .copying import FastRuleReader
-from .lines import LineWriter
-from .rule_lines import Printer, RuleSerializer, SerializedRule
-from .statements import Group, RuleBlock
+from .reconciliation import (
+    BelievedRules,
+    ImportPlan,
+    ImportSummary,
+    MergeConflict,
+    conflicts_of,
+    plan_history,
+    plan_rest,
+    plan_trust,
+)
+from .rule_lines import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from .statements import RuleBlock, StatementGroup
 
+MAX_LISTED = 20  # conflicts that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
+_MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
 _DERIVED = frozenset((TYPE, LABEL, RULE, term("usedFor"), term("graspedBy"), term("affords")))
-_NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
+_LABELLED = frozenset((*ATOM_KINDS, "node", "functor"))
 
+_STATUSES = tuple(rule_mapping.status_iri(cast(Status, one)) for one in get_args(Status))
 _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 T = TypeVar("T")
+# What an RDF text is read into.
+Statements = StatementGroup | RuleBlock | Reified
 
 
 @runtime_checkable
-class Loading(Protocol):
+class BulkLoading(Protocol):
     """A store that loads N-Quads as one unit, while they are made."""
 
     def load(self, lines: Iterable[bytes]) -> None:
@@ -72,10 +74,23 @@ class Loading(Protocol):
         ...
 
 
+class ImportObserver(Protocol):
+    """Receives what an import finds about each rule."""
+
+    def add_new(self, rule: Rule, believed: Sequence[Rule]) -> None:
+        """Take a new rule, and the rules that the base believes of the same conclusion."""
+        ...
+
+    def add_different(self, rule: Rule) -> None:
+        """Take a known rule that has another status in the base."""
+        ...
+
+
 @dataclass
-class _Read:
+class _Progress:
     """What is kept of what was read."""
 
+    observer: ImportObserver | None
     rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
     asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
         default_factory=lambda: defaultdict(lambda: array("Q"))
@@ -92,29 +107,11 @@ class _Read:
     utterances_added: int = 0
 
 
-@dataclass
-class _Plan(Plan):
-    """A plan that keeps apart what utterances assert: that is as much as there are rules."""
-
-    asserted: list[tuple[int, tuple[str, ...]]] = field(
-        default_factory=list[tuple[int, tuple[str, ...]]]
-    )
-
-    def add(self, utterance: Utterance) -> None:
-        """As `Plan.add`, without what it asserts."""
-        self.asserted.append((utterance.sequence, utterance.asserts))
-        super().add(replace(utterance, asserts=()))
-
-
 class _Held:
-    """What was written and is not taken yet."""
+    """A sink of lines that gives them back."""
 
     def __init__(self) -> None:
         self._chunks = deque[bytes]()
-
-    @property
-    def has_some(self) -> bool:
-        return bool(self._chunks)
 
     def write(self, chunk: bytes) -> None:
         self._chunks.append(chunk)
@@ -124,115 +121,101 @@ class _Held:
             yield self._chunks.popleft()
 
 
-def import_groups(
+def import_statements(
     base: KnowledgeBase,
-    groups: Iterable[Group | RuleBlock | Reified],
+    statements: Iterable[Statements],
     *,
     source: str,
-    dry_run: bool,
-) -> Summary:
-    """Take over a large RDF file; see `exchange.import_file`.
+    dry_run: bool = False,
+    check: Callable[[Store], Iterable[Finding]] = findings,
+    observer: ImportObserver | None = None,
+) -> ImportSummary:
+    """Import the statements of an RDF text: whole or not at all, and twice is once.
 
     Args:
         base: what is written to.
-        groups: its statements as they are read.
-        source: the name of the file.
-        dry_run: only say what would come of it.
+        statements: what is imported, as it is read.
+        source: the name of the file, for messages and the history.
+        dry_run: only find out what would change.
+        check: finds what is wrong with the statements that belong to no rule.
+        observer: receives new rules, and known ones of another status.
+
+    Raises:
+        DataError: it cannot be read; says where.
+        ValidationError: it breaks a law; the base is unchanged.
     """
-    read = _Read()
-    rules = _rules(groups, read, source)
-    return _import(base, rules, read, source=source, dry_run=dry_run)
+    progress = _Progress(observer)
+    rules = _read_rules(statements, progress, source)
+    return _import(base, rules, progress, source=source, dry_run=dry_run, check=check)
 
 
 def import_rules(
-    base: KnowledgeBase, rules: Iterable[SerializedRule], *, source: str, dry_run: bool
-) -> Summary:
-    """Take over many rules; as `import_groups`."""
-    return _import(base, rules, _Read(), source=source, dry_run=dry_run)
+    base: KnowledgeBase, rules: Iterable[SerializedRule], *, source: str, dry_run: bool = False
+) -> ImportSummary:
+    """Import rules; as `import_statements`."""
+    progress = _Progress(None)
+    return _import(base, rules, progress, source=source, dry_run=dry_run, check=findings)
 
 
 def _import(
-    base: KnowledgeBase, rules: Iterable[SerializedRule], read: _Read, *, source: str, dry_run: bool
-) -> Summary:
-    """Load the lines of all that is new while they are made; a mistake in any loads none."""
-    store = base.store
-    with store.writing(), _uncollected():
-        plan = _Plan(base.sequence)
-        lines = _lines(base, rules, read, plan, source)
+    base: KnowledgeBase,
+    rules: Iterable[SerializedRule],
+    progress: _Progress,
+    *,
+    source: str,
+    dry_run: bool,
+    check: Callable[[Store], Iterable[Finding]],
+) -> ImportSummary:
+    with base.store.writing(), _no_garbage_collection():
+        plan = ImportPlan(base.sequence)
+        lines = _lines(base, rules, progress, plan, source=source, check=check)
         if dry_run:
             deque(lines, maxlen=0)
         else:
-            old = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
-            _load(store, lines, source)
-            store.apply(delete={*plan.delete, *old} - {*plan.insert})
-    return Summary(
-        len(read.ids),
-        read.known,
-        read.conflicting,
-        read.utterances_added,
-        tuple(sorted(read.speakers - read.trusted)),
-        tuple(read.conflicts),
+            _write(base.store, lines, plan, source)
+    return ImportSummary(
+        len(progress.ids),
+        progress.known,
+        progress.conflicting,
+        progress.utterances_added,
+        tuple(sorted(progress.speakers - progress.trusted)),
+        tuple(progress.conflicts),
     )
 
 
 @contextmanager
-def _uncollected() -> Generator[None]:
-    """Look for no cycles meanwhile: millions of values are made, and none refers to itself."""
-    was = gc.isenabled()
+def _no_garbage_collection() -> Generator[None]:
+    """Switch the cyclic collector off: millions of values are made, and none refers to itself."""
+    was_enabled = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
-        if was:
+        if was_enabled:
             gc.enable()
 
 
-def _lines(
-    base: KnowledgeBase, rules: Iterable[SerializedRule], read: _Read, plan: _Plan, source: str
-) -> Iterator[bytes]:
-    """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
-    held, printer = _Held(), Printer()
-    write, before = LineWriter(held), plan.last
-    for star in _new(base, rules, read):
-        write.text(printer.lines(star))
-        if held.has_some:
-            yield from held.taken()
-    staging = stage(read.rest, source=source)
-    read.rest.clear()
-    try:
-        raise_findings(findings(staging))
-        other = _Staged(staging, read.asserted)
-        plan_trust(plan, base, other)
-        plan_history(plan, base, other)
-        plan_rest(plan, base, other)
-        for _ in _finish(base, plan, read, write, source):
-            yield from held.taken()
-        read.utterances_added = len({each for each in plan.numbers.values() if each > before})
-        read.trusted = {*base.speakers(), *other.speakers()}
-    finally:
-        staging.close()
-    write.flush()
-    yield from held.taken()
+# Reading
 
 
-def _rules(
-    things: Iterable[Group | RuleBlock | Reified], read: _Read, source: str
+def _read_rules(
+    statements: Iterable[Statements], progress: _Progress, source: str
 ) -> Iterator[SerializedRule]:
     """The rules among statements; what belongs to none is put aside."""
-    copier, stamps = FastRuleReader(), RuleSerializer()
-    for one in things:
-        if isinstance(one, RuleBlock):
-            star = copier.star(one)
-            if star:
-                yield star
+    fast, serializer = FastRuleReader(), RuleSerializer()
+    for item in statements:
+        if isinstance(item, RuleBlock):
+            rule = fast.read(item)
+            if rule:
+                yield rule
                 continue
-        for group in one.groups() if isinstance(one, RuleBlock) else [one]:
-            group = _checked(group, source)  # noqa: PLW2901
-            if group.node.startswith(_RULES):
-                yield stamps.of(_rule(group.node, group.pairs))
+        for group in item.groups() if isinstance(item, RuleBlock) else [item]:
+            checked = _checked(group, source)
+            if checked.node.startswith(_RULES):
+                yield serializer.serialize(_read_rule(checked.node, checked.pairs))
             else:
-                read.rest += _beside_rules(group, read)
-        if len(read.rest) > MAX_REST:
+                progress.rest += _besides_rules(checked, progress)
+        if len(progress.rest) > MAX_REST:
             raise DataError(
                 f"has more than {MAX_REST} statements besides its rules; import the rules alone "
                 "(hilt export --rules), or restore a backup.",
@@ -240,8 +223,8 @@ def _rules(
             )
 
 
-def _checked(group: Group | Reified, source: str) -> Group:
-    """Refuse what stands in no graph of a base, or cannot be read as it streams by."""
+def _checked(group: StatementGroup | Reified, source: str) -> StatementGroup:
+    """Refuse statements in a graph that a base has not, and those that cannot be streamed."""
     if isinstance(group, Reified):
         raise DataError(
             "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
@@ -251,87 +234,137 @@ def _checked(group: Group | Reified, source: str) -> Group:
     return group
 
 
-def _beside_rules(group: Group, read: _Read) -> Iterator[Quad]:
+def _besides_rules(group: StatementGroup, progress: _Progress) -> Iterator[Quad]:
     """What has to be kept of the statements about a node that is no rule."""
     node, graph, pairs = group
     kind, name = split(node)
-    # What a rule stands for besides its star is written again with the rule.
-    written = _DERIVED if graph == BELIEFS and kind in _NAMED else frozenset[Iri]()
-    # Formats without graphs have it among the beliefs.
-    is_told = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
+    # Edges and labels are written again with the rules.
+    derived = _DERIVED if graph == BELIEFS and kind in _LABELLED else frozenset[Iri]()
+    # Formats without graphs have utterances among the beliefs.
+    is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
     for key, value in pairs:
-        if is_told and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
-            read.asserted[int(name)].append(int(rule[1], 16))
-        elif key not in written:
+        if is_utterance and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
+            progress.asserted[int(name)].append(int(rule[1], 16))
+        elif key not in derived:
             yield Quad(node, key, value, graph)
 
 
-def _rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
+def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
     try:
         return rule_mapping.read_rule(properties)
     except ValidationError as error:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 
 
-def _new(
-    base: KnowledgeBase, rules: Iterable[SerializedRule], read: _Read
+# Lines
+
+
+def _lines(
+    base: KnowledgeBase,
+    rules: Iterable[SerializedRule],
+    progress: _Progress,
+    plan: ImportPlan,
+    *,
+    source: str,
+    check: Callable[[Store], Iterable[Finding]],
+) -> Iterator[bytes]:
+    """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
+    held = _Held()
+    writer, before = NQuadsWriter(held), plan.last
+    for rule in _new_rules(base, rules, progress):
+        writer.write_rule(rule)
+        yield from held.taken()
+    staging = stage(progress.rest, source=source)
+    progress.rest.clear()
+    try:
+        raise_findings(check(staging))
+        other = RuleReader(staging)
+        plan_trust(plan, base, other)
+        plan_history(plan, base, _utterances(other, progress))
+        plan_rest(plan, base, other)
+        for _ in _write_sources(base, plan, progress, writer, source):
+            yield from held.taken()
+        progress.utterances_added = len({each for each in plan.numbers.values() if each > before})
+        progress.trusted = {*base.speakers(), *other.speakers()}
+    finally:
+        staging.close()
+    writer.flush()
+    yield from held.taken()
+
+
+def _new_rules(
+    base: KnowledgeBase, rules: Iterable[SerializedRule], progress: _Progress
 ) -> Iterator[SerializedRule]:
-    """The rules that the base does not have; what has to be known of them is kept in `read`."""
-    contradicts = _Believed(base)
-    there = _ids_of(base.store) if base.sequence else frozenset[int]()
-    for star in rules:
-        number, utterance, time, *_ = star
+    """The rules that the base does not have; what has to be known of them is kept."""
+    believed, observer = BelievedRules(base), progress.observer
+    there = _statuses(base.store) if base.sequence else dict[int, Iri]()
+    for rule in rules:
+        number, utterance, time, *_ = rule
         if number in there:
-            read.known += 1
+            progress.known += 1
+            if observer and there[number] != rule_mapping.status_iri(rule.status):
+                observer.add_different(rule.rule)
             continue
-        if number in read.seen:
+        if number in progress.seen:
             continue
-        read.seen.add(number)
-        read.ids.append(number)
-        read.utterances.append(utterance or 0)
-        read.speakers.add(star.speaker)
+        progress.seen.add(number)
+        progress.ids.append(number)
+        progress.utterances.append(utterance or 0)
+        progress.speakers.add(rule.speaker)
         if time is None:
-            read.timeless.add(number)
-        if there and star.status == "active":
-            found = contradicts.by(star.rule)
-            read.conflicting += len(found)
-            read.conflicts += found[: MAX_LISTED - len(read.conflicts)]
-        yield star
+            progress.timeless.add(number)
+        if observer or (there and rule.status == "active"):
+            value = rule.rule
+            same = believed.with_conclusion_of(value) if there and value.status == "active" else ()
+            found = conflicts_of(value, same)
+            progress.conflicting += len(found)
+            progress.conflicts += found[: MAX_LISTED - len(progress.conflicts)]
+            if observer:
+                observer.add_new(value, same)
+        yield rule
 
 
-def _finish(
-    base: KnowledgeBase, plan: _Plan, read: _Read, write: LineWriter, source: str
+def _utterances(other: RuleReader, progress: _Progress) -> Iterator[Utterance]:
+    """The staged utterances, with the rules that they assert."""
+    for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
+        if isinstance(quad.object, int):
+            utterance = other.utterance(quad.object)
+            ids = map(_id, progress.asserted.get(quad.object, ()))
+            yield replace(utterance, asserts=tuple(sorted({*utterance.asserts, *ids})))
+
+
+def _write_sources(
+    base: KnowledgeBase, plan: ImportPlan, progress: _Progress, writer: NQuadsWriter, source: str
 ) -> Iterator[None]:
-    """Write where the rules come from, and everything else that is new; stop now and then."""
-    moment = to_milliseconds(base.clock())
-    for some, which in _nameless(read, plan):
+    """Write where the rules come from, and everything else that is new; pause now and then."""
+    time = to_milliseconds(base.clock())
+    for numbers, which in _without_utterance(progress, plan):
         plan.last += 1
-        plan.numbers[-plan.last] = plan.last  # it stands for no number of the other's
-        plan.add(import_utterance(source, plan.last, moment, some=which))
-        write.asserted(plan.last, some)
-        write.told(some, plan.last)
+        plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
+        plan.add(import_utterance(source, plan.last, time, some=which))
+        writer.write_assertions(plan.last, numbers)
+        writer.write_sources(numbers, plan.last)
         yield
-    for said, ids in plan.asserted:
-        write.asserted(said, map(_number, ids))
+    for utterance, ids in plan.assertions:
+        writer.write_assertions(utterance, map(_number, ids))
         yield
-    for number, told in zip(read.ids, read.utterances, strict=True):
-        if told in plan.numbers:
-            write.told([number], plan.numbers[told])
-    for several in _batched(read.timeless, PER_UTTERANCE):
-        write.believed(several, moment)
+    for number, utterance in zip(progress.ids, progress.utterances, strict=True):
+        if utterance in plan.numbers:
+            writer.write_sources([number], plan.numbers[utterance])
+    for numbers in _batched(progress.timeless, PER_UTTERANCE):
+        writer.write_times(numbers, time)
         yield
-    # The new number comes with what it counts; the old one goes after that, and never counts.
     if plan.last:
         plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
-    write.quads(plan.insert)
+    writer.write_quads(plan.insert)
 
 
-def _nameless(read: _Read, plan: Plan) -> Iterator[tuple[list[int], str]]:
-    """The rules that no utterance asserted, some at a time, and which of all these they are."""
+def _without_utterance(progress: _Progress, plan: ImportPlan) -> Iterator[tuple[list[int], str]]:
+    """The rules that no utterance asserts, some at a time, and which of all these they are."""
     numbers = [
         number
-        for number, told in zip(read.ids, read.utterances, strict=True)
-        if told not in plan.numbers
+        for number, utterance in zip(progress.ids, progress.utterances, strict=True)
+        if utterance not in plan.numbers
     ]
     start = 1
     for some in _batched(numbers, PER_UTTERANCE):
@@ -340,18 +373,31 @@ def _nameless(read: _Read, plan: Plan) -> Iterator[tuple[list[int], str]]:
         start += len(some)
 
 
-def _load(store: Store, lines: Iterable[bytes], source: str) -> None:
-    """Add all statements as one unit."""
-    if isinstance(store, Loading):
-        store.load(lines)
-        return
-    with tempfile.TemporaryFile(prefix="hilt-") as spool:
-        spool.writelines(lines)
+# Writing
+
+
+def _write(store: Store, lines: Iterator[bytes], plan: ImportPlan, source: str) -> None:
+    """Write a small import as one unit; load a large one, and then delete what it replaces."""
+    before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
+    first, size = list[bytes](), 0
+    for chunk in lines:
+        first.append(chunk)
+        size += len(chunk)
+        if size > _MAX_APPLIED and isinstance(store, BulkLoading):
+            store.load(chain(first, lines))
+            # The old sequence number never counts beside the new one, which is higher.
+            store.apply(delete={*plan.delete, *before} - {*plan.insert})
+            return
+        if size > _MAX_APPLIED:
+            break
+    with tempfile.SpooledTemporaryFile(_MAX_APPLIED, prefix="hilt-") as spool:
+        spool.writelines(chain(first, lines))
         spool.seek(0)
-        store.apply(insert=_spooled(spool, source))
+        delete = {*plan.delete, *before} - {*plan.insert}
+        store.apply(insert=_read_spool(cast(BinaryIO, spool), source), delete=delete)
 
 
-def _spooled(spool: BinaryIO, source: str) -> Iterator[Quad]:
+def _read_spool(spool: BinaryIO, source: str) -> Iterator[Quad]:
     from ..stores.rdf_text import read_rdf
 
     for one in read_rdf(spool, format="nquads", source=source, default=BELIEFS):
@@ -359,11 +405,13 @@ def _spooled(spool: BinaryIO, source: str) -> Iterator[Quad]:
             yield one
 
 
-def _ids_of(store: Store) -> frozenset[int]:
-    """The numbers of all rules of a store."""
-    return frozenset(
-        int(split(quad.subject)[1], 16) for quad in store.quads(None, STATUS, None, BELIEFS)
-    )
+def _statuses(store: Store) -> dict[int, Iri]:
+    """The status of every rule of a store, by the number of the rule."""
+    known = {str(one): one for one in _STATUSES}  # one object for all rules
+    return {
+        int(split(quad.subject)[1], 16): known[str(quad.object)]
+        for quad in store.quads(None, STATUS, None, BELIEFS)
+    }
 
 
 def _number(rule_id: str) -> int:
@@ -378,38 +426,3 @@ def _batched(things: Iterable[T], size: int) -> Iterator[list[T]]:
     rest = iter(things)
     while some := list(islice(rest, size)):
         yield some
-
-
-class _Staged(RuleReader):
-    """What was put aside; which rules an utterance asserts was kept as numbers only."""
-
-    def __init__(self, staging: Store, asserted: Mapping[int, array[int]]) -> None:
-        super().__init__(staging)
-        self._asserted = asserted
-
-    def utterance(self, sequence: int) -> Utterance:
-        """As `RuleReader.utterance`, with the rules that it asserts."""
-        found = super().utterance(sequence)
-        ids = map(_id, self._asserted.get(sequence, ()))
-        return replace(found, asserts=tuple(sorted({*found.asserts, *ids})))
-
-
-class _Believed:
-    """The active rules of a base by what they claim, read as they are needed."""
-
-    def __init__(self, base: KnowledgeBase) -> None:
-        self._base = base
-        self._nodes: set[str] = set()
-        self._rules: dict[object, list[Rule]] = defaultdict(list)
-
-    def by(self, rule: Rule) -> list[MergeConflict]:
-        """Where a rule contradicts what is believed."""
-        if rule.node not in self._nodes:
-            self._nodes.add(rule.node)
-            for one in self._base.rules_at_nodes([rule.node]):
-                self._rules[claim(one)].append(one)
-        return [
-            MergeConflict(rule, other)
-            for other in self._rules.get(claim(rule), ())
-            if are_apart(rule.interval, other.interval)
-        ]

@@ -1,50 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules as lines of N-Quads, stamped out of what many of them share: for millions of rules.
+"""Rules as lines of N-Quads, written from what many of them share.
 
-What rules have in common (`RuleTemplate`), and what they are about (`FeatureLines`), is worked out
-and checked once; of each rule, only its interval, its name and the joining of its lines are left.
-The statements are exactly those of `rule_mapping.statements`; a test compares them.
+What rules have in common (`RuleTemplate`) and what they are about (`FeatureLines`) is worked out
+and checked once; each further rule costs its name, its interval and the joining of its lines. The
+statements are those of `rule_mapping.rule_quads`; a test compares them.
+
+`FastRuleReader` does the same for the rules of a file. Most large files are exports, in which every
+rule stands as Hilt writes it. A rule that stands there in another form, or breaks a law, is left to
+`rule_mapping.read_rule`, which also says what is wrong.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Sequence
 from datetime import datetime
-from typing import Any, NamedTuple
+from decimal import Decimal
+from typing import Any, NamedTuple, Protocol, TypeAlias, cast
 
-from ...ontology.errors import IntervalError, ValidationError
-from ...ontology.vocabulary import PREFIXES
+from ...ontology.errors import HiltError, IntervalError, ValidationError
+from ...ontology.vocabulary import PREFIXES, Iri, split
+from ..history import ASSERTS, HISTORY
 from ..interval import DIGITS, Interval
 from ..rdf import rule_mapping
-from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import DECIMAL, Quad, as_sparql
+from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, RULE, UPPER
+from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status, atoms_text, id_from_content
+from .statements import RuleBlock
 
-MAX_KNOWN = 100_000  # of each kind that are remembered
-_RULES = PREFIXES["rule"]
-_END = f" {as_sparql(BELIEFS)} .\n"
-_LOWER, _UPPER, _TIME, _RULE = (
-    f" {as_sparql(key)} "
-    for key in (
-        rule_mapping.LOWER,
-        rule_mapping.UPPER,
-        rule_mapping.GENERATED_AT,
-        rule_mapping.RULE,
-    )
+Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
+
+MAX_KNOWN = 100_000  # values of each kind that are remembered
+_MAX_HELD = 2**20  # characters that are written at once
+_MAX_REPEATED = 4  # characters of a bound that is likely to come again: 0.95
+_RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
+_END, _HISTORY_END = (f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY))
+_LOWER, _UPPER, _TIME, _RULE, _SOURCE, _ASSERTS = (
+    f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, RULE, DERIVED_FROM, ASSERTS)
 )
 _BOUND_END = f'"^^<{DECIMAL}>{_END}'
-# What a rule does not share with those of its frame.
-OWN = frozenset(
-    (
-        rule_mapping.FEATURE,
-        rule_mapping.LOWER,
-        rule_mapping.UPPER,
-        rule_mapping.DERIVED_FROM,
-        rule_mapping.GENERATED_AT,
-    )
+_BOUND = re.compile(
+    f"({as_sparql(LOWER)}|{as_sparql(UPPER)}) "
+    rf'"([01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>(?: {as_sparql(BELIEFS)})? \.'
 )
-_MORE_OF_IT = Interval(1.0, 1.0)  # it asserts, so that its edge is found
-_ANY = frozenset([Atom("object", "any")])  # stands for what is seen
+_OWN = (FEATURE, LOWER, UPPER, DERIVED_FROM, GENERATED_AT)  # not of the template
+_SHARED = "shared"  # stands for all other predicates
+_ANY = Atom("object", "any")  # stands for the features of a rule
+_TRUE = Interval(1.0, 1.0)  # of a rule that asserts, so that it has edges
 
 
 class RuleTemplate(NamedTuple):
@@ -54,10 +56,10 @@ class RuleTemplate(NamedTuple):
         rule: one of them, about any object.
         contexts: as they stand in the content that gives a rule its name.
         conclusion: likewise.
-        ends: of its lines, behind the name of the rule.
-        node: how the action-tree node is written.
-        edge: how a plain edge goes on behind its feature; empty where there is none.
-        mentions: the lines that name what it speaks of.
+        ends: the lines of a rule without their subject.
+        node: the action-tree node, as it is written.
+        edge: the line of a plain edge without its subject; empty where there is none.
+        labels: the lines that type and name what the rules speak of.
     """
 
     rule: Rule
@@ -66,40 +68,40 @@ class RuleTemplate(NamedTuple):
     ends: tuple[str, ...]
     node: str
     edge: str
-    mentions: str
+    labels: str
 
 
 class FeatureLines(NamedTuple):
-    """The features of a rule.
+    """The features of a rule as text.
 
     Attributes:
-        atoms: they.
+        atoms: the features.
         spelled: as they stand in the content that gives a rule its name.
-        ends: of their lines, behind the name of the rule.
-        nodes: how they are written.
-        mentions: the lines that name them.
+        ends: their lines without the subject.
+        nodes: their IRIs, as they are written.
+        labels: the lines that type and name them.
     """
 
     atoms: frozenset[Atom]
     spelled: str
     ends: tuple[str, ...]
     nodes: tuple[str, ...]
-    mentions: str
+    labels: str
 
 
 class SerializedRule(NamedTuple):
     """A rule as text.
 
     Attributes:
-        number: that its name is made of.
+        number: its id as a number.
         utterance: number of the utterance in the file that it comes from; None without one.
         time: when it was first believed; None where nothing is said.
-        lower: its belief, in [0, 1], as it is written.
+        lower: its belief, in [0, 1], with all digits.
         upper: its plausibility.
         asserts: whether it speaks for its conclusion.
-        lines: its statements but for that of its source.
-        frame: what it shares with others.
-        seen: its features.
+        lines: its own statements but for its source.
+        template: what it shares with others.
+        features: what it is about.
     """
 
     number: int
@@ -109,178 +111,327 @@ class SerializedRule(NamedTuple):
     upper: str
     asserts: bool
     lines: str
-    frame: RuleTemplate
-    seen: FeatureLines
+    template: RuleTemplate
+    features: FeatureLines
 
     @property
     def id(self) -> str:
-        """Its name."""
+        """The id of the rule."""
         return f"rule/{self.number:016x}"
 
     @property
     def speaker(self) -> str:
-        """Who told it."""
-        return self.frame.rule.speaker
+        """Who told the rule."""
+        return self.template.rule.speaker
 
     @property
     def status(self) -> Status:
-        """Whether it is believed."""
-        return self.frame.rule.status
+        """Whether the rule is believed."""
+        return self.template.rule.status
 
     @property
     def rule(self) -> Rule:
-        """It as a rule."""
-        one, interval = self.frame.rule, Interval(float(self.lower), float(self.upper))
+        """The rule as a value."""
+        one, interval = self.template.rule, Interval(float(self.lower), float(self.upper))
         return Rule(
-            *(self.seen.atoms, one.contexts, one.functor, one.argument, interval, one.speaker),
-            *(self.utterance, self.time, one.status),
+            *(self.features.atoms, one.contexts, one.functor, one.argument, interval),
+            *(one.speaker, self.utterance, self.time, one.status),
         )
 
 
 class RuleSerializer:
-    """Makes rules into text."""
+    """Makes text of rules."""
 
     def __init__(self) -> None:
-        self._frames: dict[object, RuleTemplate] = {}
-        self._seen: dict[frozenset[Atom], FeatureLines] = {}
+        self._templates: dict[object, RuleTemplate] = {}
+        self._features: dict[frozenset[Atom], FeatureLines] = {}
         self._times: dict[datetime, tuple[str, ...]] = {}
 
-    def of(self, rule: Rule) -> SerializedRule:
-        """A rule as text."""
+    def serialize(self, rule: Rule) -> SerializedRule:
+        """Return a rule as text."""
         interval = rule.interval
-        return self.star(
-            *(self.frame(rule), self.seen(rule.features)),
+        return self.assemble(
+            *(self.template(rule), self.features(rule.features)),
             *(f"{interval.lower:.{DIGITS}f}", f"{interval.upper:.{DIGITS}f}"),
             time=rule.time,
             utterance=rule.utterance,
         )
 
-    def star(
+    def assemble(
         self,
-        frame: RuleTemplate,
-        seen: FeatureLines,
+        template: RuleTemplate,
+        features: FeatureLines,
         lower: str,
         upper: str,
         *,
         time: datetime | None = None,
         utterance: int | None = None,
     ) -> SerializedRule:
-        """A rule of what it is made of; its bounds with all their fractional digits.
+        """Return a rule of its parts; the bounds have all their fractional digits.
 
         Raises:
-            ValidationError: it speaks of nothing.
+            ValidationError: it has neither features nor contexts.
             IntervalError: its bounds are no interval.
         """
         belief, plausibility = float(lower), float(upper)
         if not 0.0 <= belief <= plausibility <= 1.0:
             raise IntervalError(belief, plausibility)
-        rule, _, conclusion, ends, *_ = frame
-        if not (seen.atoms or rule.contexts):
+        rule, contexts, conclusion, ends, *_ = template
+        if not (features.atoms or rule.contexts):
             raise ValidationError(["A rule needs at least one feature or context."])
         name = id_from_content(
-            *(rule.speaker, seen.spelled, frame.contexts, conclusion, f"{lower} {upper}")
+            *(rule.speaker, features.spelled, contexts, conclusion, f"{lower} {upper}")
         ).removeprefix("rule/")
-        said = (
-            *("", *ends, *seen.ends, *(self._since(time) if time else ())),
+        lines = (
+            *("", *ends, *features.ends, *(self._time_line(time) if time else ())),
             f'{_LOWER}"{lower}{_BOUND_END}',
             f'{_UPPER}"{upper}{_BOUND_END}',
         )
         return SerializedRule(
             *(int(name, 16), utterance, time, lower, upper),
             round(belief + plausibility, DIGITS) > 1.0,
-            *(f"<{_RULES}{name}>".join(said), frame, seen),
+            *(f"<{_RULES}{name}>".join(lines), template, features),
         )
 
-    def frame(self, rule: Rule) -> RuleTemplate:
-        """What a rule shares with others."""
+    def template(self, rule: Rule) -> RuleTemplate:
+        """Return what a rule shares with others."""
         key = (rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
-        known = self._frames.get(key)
+        known = self._templates.get(key)
         if known is None:
-            make_room(self._frames)
-            known = self._frames[key] = frame_of(rule)
+            known = remember(self._templates, key, _template(rule))
         return known
 
-    def seen(self, atoms: frozenset[Atom]) -> FeatureLines:
-        """Features as text."""
-        known = self._seen.get(atoms)
+    def features(self, atoms: frozenset[Atom]) -> FeatureLines:
+        """Return features as text."""
+        known = self._features.get(atoms)
         if known is None:
-            make_room(self._seen)
-            known = self._seen[atoms] = seen_of(atoms)
+            known = remember(self._features, atoms, _feature_lines(atoms))
         return known
 
-    def _since(self, time: datetime) -> tuple[str, ...]:
-        """The end of the line that says when a rule was first believed."""
+    def _time_line(self, time: datetime) -> tuple[str, ...]:
         known = self._times.get(time)
         if known is None:
-            make_room(self._times)
-            known = self._times[time] = (f"{_TIME}{as_sparql(time)}{_END}",)
+            known = remember(self._times, time, (f"{_TIME}{as_sparql(time)}{_END}",))
         return known
 
 
-class Printer:
-    """Writes stars with all that stands in the graph because of them."""
+class FastRuleReader:
+    """Reads the rules of a file that stand there as Hilt writes them."""
 
     def __init__(self) -> None:
+        self._serializer = RuleSerializer()
+        self._templates: dict[tuple[str, ...], RuleTemplate] = {}
+        self._features: dict[tuple[str, ...], FeatureLines] = {}
+        self._known: dict[str, tuple[str, Term]] = {}
+
+    def read(self, block: RuleBlock) -> SerializedRule | None:
+        """Return the rule of a block; None where it has to be read in full."""
+        try:
+            rule = self._read(block)
+        except (HiltError, KeyError, ValueError):
+            return None
+        return rule if f"{block.node}" == f"{_RULES}{rule.number:016x}" else None
+
+    def _read(self, block: RuleBlock) -> SerializedRule:
+        shared, features, own = list[str](), list[str](), dict[str, Term]()
+        known = self._known
+        for tail in block.tails:
+            key, value = known.get(tail) or self._read_line(tail, block)
+            if key is _SHARED:
+                shared.append(tail)
+            elif key is FEATURE:
+                features.append(tail)
+            elif key in own:
+                raise ValueError(tail)
+            else:
+                own[key] = value
+        return self._serializer.assemble(
+            *(self._template(tuple(shared), block), self._feature_lines(tuple(features), block)),
+            *(cast(str, own[LOWER]), cast(str, own[UPPER])),
+            time=cast("datetime | None", own.get(GENERATED_AT)),
+            utterance=cast("int | None", own.get(DERIVED_FROM)),
+        )
+
+    def _read_line(self, tail: str, block: RuleBlock) -> tuple[str, Term]:
+        """The predicate of a line, and its object as far as it is needed."""
+        if bound := _BOUND.fullmatch(tail):
+            key = LOWER if bound[1] == f"<{LOWER}>" else UPPER
+            found = key, f"{float(bound[2]):.{DIGITS}f}"
+            if len(bound[2]) > _MAX_REPEATED:
+                return found
+        else:
+            found = _own_or_shared(*block.pair(tail))
+        return remember(self._known, tail, found)
+
+    def _template(self, tails: tuple[str, ...], block: RuleBlock) -> RuleTemplate:
+        known = self._templates.get(tails)
+        if known is None:
+            pairs = [block.pair(tail)[0] for tail in tails]
+            own = ((FEATURE, rule_mapping.atom_iri(_ANY)), (LOWER, Decimal(1)), (UPPER, Decimal(1)))
+            rule = rule_mapping.read_rule([*pairs, *own])
+            written = [q for q in rule_mapping.property_quads(rule) if q.predicate not in _OWN]
+            _check_equal(pairs, written)
+            known = remember(self._templates, tails, self._serializer.template(rule))
+        return known
+
+    def _feature_lines(self, tails: tuple[str, ...], block: RuleBlock) -> FeatureLines:
+        known = self._features.get(tails)
+        if known is None:
+            pairs = [block.pair(tail)[0] for tail in tails]
+            atoms = {
+                rule_mapping.atom_from_iri(value) for _, value in pairs if isinstance(value, Iri)
+            }
+            _check_equal(
+                pairs, [Quad(Iri(""), FEATURE, rule_mapping.atom_iri(atom)) for atom in atoms]
+            )
+            known = remember(self._features, tails, self._serializer.features(frozenset(atoms)))
+        return known
+
+
+class LineSink(Protocol):
+    """What takes lines."""
+
+    def write(self, chunk: bytes, /) -> object:
+        """Take some whole lines."""
+        ...
+
+
+class NQuadsWriter:
+    """Writes rules and other statements as N-Quads; edges and labels come at least once."""
+
+    def __init__(self, stream: LineSink) -> None:
+        self._stream = stream
         self._edges: set[tuple[str, str]] = set()
-        self._mentioned: set[str] = set()
+        self._labelled: set[str] = set()
+        self._names: dict[Iri, str] = {}
+        self._held: list[str] = []
+        self._size = 0
 
-    def lines(self, star: SerializedRule) -> str:
-        """All lines of a rule but that of its utterance; names and edges come once at least."""
-        frame, seen, said = star.frame, star.seen, star.lines
-        if frame.rule.status == "active":
-            said += f"{frame.node}{_RULE}<{_RULES}{star.number:016x}>{_END}"
-            if star.asserts and frame.edge and self._is_first(seen.spelled, frame.edge):
-                said += "".join([node + frame.edge for node in seen.nodes])
-        if seen.mentions not in self._mentioned or frame.mentions not in self._mentioned:
-            make_room(self._mentioned)
-            self._mentioned.update((seen.mentions, frame.mentions))
-            said += seen.mentions + frame.mentions
-        return said
+    def write_rule(self, rule: SerializedRule) -> None:
+        """Write all statements of a rule but for its source."""
+        template, features, lines = rule.template, rule.features, rule.lines
+        if template.rule.status == "active":
+            lines += f"{template.node}{_RULE}<{_RULES}{rule.number:016x}>{_END}"
+            if rule.asserts and template.edge and self._is_first(features.spelled, template.edge):
+                lines += "".join([node + template.edge for node in features.nodes])
+        if features.labels not in self._labelled or template.labels not in self._labelled:
+            _make_room(self._labelled)
+            self._labelled.update((features.labels, template.labels))
+            lines += features.labels + template.labels
+        self._write(lines)
 
-    def _is_first(self, seen: str, edge: str) -> bool:
-        if (seen, edge) in self._edges:
+    def write_sources(self, numbers: Iterable[int], utterance: int) -> None:
+        """Write the utterance that rules come from, given the numbers of the rules."""
+        end = f">{_SOURCE}<{_UTTERANCES}{utterance}>{_END}"
+        self._write("".join([f"<{_RULES}{number:016x}{end}" for number in numbers]))
+
+    def write_assertions(self, utterance: int, numbers: Iterable[int]) -> None:
+        """Write which rules an utterance asserts."""
+        start = f"<{_UTTERANCES}{utterance}>{_ASSERTS}<{_RULES}"
+        self._write("".join([f"{start}{number:016x}>{_HISTORY_END}" for number in numbers]))
+
+    def write_times(self, numbers: Iterable[int], time: datetime) -> None:
+        """Write when rules were first believed."""
+        end = f">{_TIME}{as_sparql(time)}{_END}"
+        self._write("".join([f"<{_RULES}{number:016x}{end}" for number in numbers]))
+
+    def write_quads(self, quads: Iterable[Quad]) -> None:
+        """Write other statements."""
+        for subject, key, value, graph in quads:
+            end = self._name(value) if isinstance(value, Iri) else as_sparql(value)
+            self._write(
+                f"{self._name(subject)} {self._name(key)} {end} {self._name(graph or BELIEFS)} .\n"
+            )
+
+    def flush(self) -> None:
+        """Pass on what is held."""
+        self._stream.write("".join(self._held).encode())
+        self._held.clear()
+        self._size = 0
+
+    def _is_first(self, features: str, edge: str) -> bool:
+        if (features, edge) in self._edges:
             return False
-        make_room(self._edges)
-        self._edges.add((seen, edge))
+        _make_room(self._edges)
+        self._edges.add((features, edge))
         return True
 
+    def _name(self, node: Iri) -> str:
+        known = self._names.get(node)
+        return remember(self._names, node, as_sparql(node)) if known is None else known
 
-def frame_of(rule: Rule) -> RuleTemplate:
-    """What a rule shares with others."""
+    def _write(self, text: str) -> None:
+        self._held.append(text)
+        self._size += len(text)
+        if self._size > _MAX_HELD:
+            self.flush()
+
+
+def remember(known: dict[Any, Any], key: object, value: Any) -> Any:
+    """Put a value into a dictionary of bounded size, and return it."""
+    _make_room(known)
+    known[key] = value
+    return value
+
+
+def _make_room(known: dict[Any, Any] | set[Any]) -> None:
+    if len(known) >= MAX_KNOWN:
+        known.clear()
+
+
+def _template(rule: Rule) -> RuleTemplate:
     one = Rule(
-        *(_ANY, rule.contexts, rule.functor, rule.argument, _MORE_OF_IT, rule.speaker),
+        *(frozenset([_ANY]), rule.contexts, rule.functor, rule.argument, _TRUE, rule.speaker),
         status=rule.status,
     )
     edges = rule_mapping.plain_edges(one)
-    named = one.contexts | ({one.argument} if one.argument else frozenset())
+    atoms = one.contexts | ({one.argument} if one.argument else frozenset())
     return RuleTemplate(
         *(one, atoms_text(one.contexts), one.conclusion),
-        tuple(end(quad) for quad in rule_mapping.property_quads(one) if quad.predicate not in OWN),
+        tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in _OWN),
         as_sparql(rule_mapping.node_edge(one).subject),
-        end(edges[0]) if edges else "",
-        _lines([*rule_mapping.atom_label_quads(named), *rule_mapping.node_label_quads(one)]),
+        _end(edges[0]) if edges else "",
+        _lines([*rule_mapping.atom_label_quads(atoms), *rule_mapping.node_label_quads(one)]),
     )
 
 
-def seen_of(atoms: frozenset[Atom]) -> FeatureLines:
-    """Features as text."""
+def _feature_lines(atoms: frozenset[Atom]) -> FeatureLines:
     nodes = tuple(as_sparql(rule_mapping.atom_iri(atom)) for atom in sorted(atoms))
-    ends = tuple(f" {as_sparql(rule_mapping.FEATURE)} {node}{_END}" for node in nodes)
+    ends = tuple(f" {as_sparql(FEATURE)} {node}{_END}" for node in nodes)
     return FeatureLines(
         atoms, atoms_text(atoms), ends, nodes, _lines(rule_mapping.atom_label_quads(atoms))
     )
 
 
-def end(quad: Quad) -> str:
-    """The line of a statement behind its subject."""
+def _end(quad: Quad) -> str:
+    """The line of a statement without its subject."""
     return f" {as_sparql(quad.predicate)} {as_sparql(quad.object)}{_END}"
 
 
-def make_room(known: dict[Any, Any] | set[Any]) -> None:
-    """Forget all that is remembered, where that is too much."""
-    if len(known) >= MAX_KNOWN:
-        known.clear()
-
-
 def _lines(quads: Iterable[Quad]) -> str:
-    return "".join([as_sparql(quad.subject) + end(quad) for quad in quads])
+    return "".join([as_sparql(quad.subject) + _end(quad) for quad in quads])
+
+
+def _own_or_shared(pair: Pair, graph: Iri) -> tuple[str, Term]:
+    """The predicate of a statement where it is a rule's own, and its object."""
+    key, value = pair
+    if graph != BELIEFS or key in {LOWER, UPPER}:  # a bound, and not as Hilt writes it
+        raise ValueError(pair)
+    if key == DERIVED_FROM:
+        return DERIVED_FROM, _utterance(value)
+    if key == GENERATED_AT and not isinstance(value, datetime):
+        raise ValueError(pair)
+    return next((own for own in _OWN if own == key), _SHARED), value
+
+
+def _check_equal(pairs: Sequence[Pair], written: Sequence[Quad]) -> None:
+    """Refuse statements that differ from what Hilt writes."""
+    if sorted(pairs, key=str) != sorted(((q.predicate, q.object) for q in written), key=str):
+        raise ValueError(pairs)
+
+
+def _utterance(node: Term) -> int:
+    kind, name = split(node) if isinstance(node, Iri) else ("", "")
+    if kind != "utterance" or not name.isdecimal():
+        raise ValueError(node)
+    return int(name)

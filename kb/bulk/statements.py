@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Statements read node by node, and fast from the lines of N-Quads and N-Triples.
+"""A fast reader of N-Quads and N-Triples that groups statements by their subject.
 
-A line in the plain form that exports have, all of whose terms came before, is taken apart as text;
-any other line is given to a parser, and what it made of the terms is remembered. The lines about a
-rule are handed on as they are, because most can be copied (`copying`).
+A line in the plain form that exports have, all of whose terms came before, is split as text; any
+other line goes to a parser, and the terms that it found are remembered. The lines about a rule are
+passed on unread, because an import can copy most of them (`hilt.kb.bulk.rule_lines`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from ..rdf import rule_mapping
 from ..rdf.annotations import Reified
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, Quad, Term
-from .texts import whole_lines
 
 # Reads the statements of one line, of which there may be none.
 Parse: TypeAlias = "Callable[[str], Sequence[Quad | Reified]]"
@@ -26,75 +25,58 @@ T = TypeVar("T", bound="Term")
 
 _MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
 MAX_KNOWN = 200_000  # terms that are remembered
-_MAX_TOLD = 4  # characters of a bound as people say it: 0.95
+_MAX_REPEATED = 4  # characters of a bound that is likely to come again: 0.95
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 _RULE = re.compile(f"<({re.escape(PREFIXES['rule'])}[0-9a-f]{{16}})>")
 _TO_RULE = re.compile(rf"(<[^ ]+>) {_RULE.pattern}(?: (<[^ ]+>))? \.")
 _NUMBER = re.compile(rf'"([0-9]{{1,9}}(?:\.[0-9]{{1,9}})?)"\^\^<{re.escape(DECIMAL)}>', re.ASCII)
-# As the same objects, they are found in dictionaries without being compared.
-_KEYS = (
-    *(
-        rule_mapping.TYPE,
-        rule_mapping.LABEL,
-        rule_mapping.FEATURE,
-        rule_mapping.CONTEXT,
-        rule_mapping.FUNCTOR,
-        rule_mapping.PART,
-    ),
-    *(
-        rule_mapping.AFFORDANCE,
-        rule_mapping.ARGUMENT,
-        rule_mapping.LOWER,
-        rule_mapping.UPPER,
-        rule_mapping.STATUS,
-    ),
-    *(
-        rule_mapping.ATTRIBUTED_TO,
-        rule_mapping.DERIVED_FROM,
-        rule_mapping.GENERATED_AT,
-        rule_mapping.RULE,
-    ),
+# Dictionaries find identical objects without comparing them.
+_PREDICATES = (
+    *(rule_mapping.TYPE, rule_mapping.LABEL, rule_mapping.FEATURE, rule_mapping.CONTEXT),
+    *(rule_mapping.FUNCTOR, rule_mapping.PART, rule_mapping.AFFORDANCE, rule_mapping.ARGUMENT),
+    *(rule_mapping.LOWER, rule_mapping.UPPER, rule_mapping.STATUS, rule_mapping.ATTRIBUTED_TO),
+    *(rule_mapping.DERIVED_FROM, rule_mapping.GENERATED_AT, rule_mapping.RULE),
 )
 
 
-class Group(NamedTuple):
-    """Statements about one node in one graph that stand together."""
+class StatementGroup(NamedTuple):
+    """Consecutive statements about one subject in one graph."""
 
     node: Iri
     graph: Iri
     pairs: list[tuple[Iri, Term]]
 
     def quads(self) -> Iterator[Quad]:
-        """They one by one."""
+        """Iterate over the statements."""
         node, graph, pairs = self
         return (Quad(node, key, value, graph) for key, value in pairs)
 
 
 class RuleBlock(NamedTuple):
-    """The lines about a rule that stand together, as they are written.
+    """Consecutive lines about one rule, unread.
 
     Attributes:
         node: the rule.
-        tails: what follows it in each line.
-        line: 1-based number of the first of them.
-        reader: reads them in full.
+        tails: the lines without their subject.
+        line: 1-based number of the first line.
+        reader: reads the lines when they are needed.
     """
 
     node: Iri
     tails: Sequence[str]
     line: int
-    reader: Reader
+    reader: LineReader
 
-    def groups(self) -> Iterator[Group | Reified]:
-        """What they say."""
-        return self.reader.in_full(f"<{self.node}>", self.tails, self.line)
+    def groups(self) -> Iterator[StatementGroup | Reified]:
+        """Read the lines."""
+        return self.reader.read_block(f"<{self.node}>", self.tails, self.line)
 
     def pair(self, tail: str) -> tuple[tuple[Iri, Term], Iri]:
-        """Property and object, and the graph, of one of them.
+        """Return predicate and object, and the graph, of one line.
 
         Raises:
-            DataError: it is wrong.
-            KeyError, ValueError: it is not written plainly.
+            DataError: the line is malformed.
+            KeyError, ValueError: the line is not in plain form.
         """
         return self.reader.pair(f"<{self.node}>", tail)
 
@@ -105,17 +87,17 @@ def read_groups(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Group | RuleBlock | Reified]:
-    """The statements of an RDF text, those of one node together where they stand so.
+) -> Iterator[StatementGroup | RuleBlock | Reified]:
+    """Iterate over the statements of an RDF text, those about one subject together.
 
     Args:
         stream: the text in UTF-8.
         format: one of `hilt.kb.stores.rdf_text.RDF_FORMATS`.
         source: its name in messages.
-        default: the graph of statements that name none.
+        default: the graph of statements without one.
 
     Raises:
-        DataError: it is wrong; says where.
+        DataError: the text is malformed; says where.
     """
     from ..stores.errors import translated_text_errors
     from ..stores.rdf_text import line_format, read_lines  # pyoxigraph, only when it is needed
@@ -129,71 +111,89 @@ def read_groups(
         yield from reader.finish()
 
 
-def line_reader(format: str, *, source: str, default: Iri) -> Reader:  # noqa: A002
-    """A reader of N-Quads or N-Triples; arguments and errors as for `read_groups`."""
+def line_reader(format: str, *, source: str, default: Iri) -> LineReader:  # noqa: A002
+    """Return a reader of N-Quads or N-Triples; arguments and errors as for `read_groups`."""
     from ..stores.rdf_text import has_graphs, read_line
 
     def parse(line: str) -> list[Quad | Reified]:
         return read_line(line, format=format, source=source, default=default, number=reader.line)
 
-    reader = Reader(parse, default=default, has_graphs=has_graphs(format))
+    reader = LineReader(parse, default=default, has_graphs=has_graphs(format))
     return reader
 
 
-def in_full(things: Iterable[Group | RuleBlock | Reified]) -> Iterator[Group | Reified]:
-    """The same without blocks."""
-    for one in things:
-        if isinstance(one, RuleBlock):
-            yield from one.groups()
+def expand_blocks(
+    items: Iterable[StatementGroup | RuleBlock | Reified],
+) -> Iterator[StatementGroup | Reified]:
+    """Iterate over the same items, with every block of lines read."""
+    for item in items:
+        if isinstance(item, RuleBlock):
+            yield from item.groups()
         else:
-            yield one
+            yield item
 
 
-def _is_over(group: Group, subject: Iri, graph: Iri | None) -> bool:
+def complete_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:
+    """Return the lines that a chunk of a text completes, and the beginning of the next line.
+
+    Args:
+        rest: the beginning of a line, from the chunks before.
+        chunk: what comes after it.
+
+    Raises:
+        UnicodeDecodeError: the text is no UTF-8.
+    """
+    whole, end, left = chunk.rpartition(b"\n")
+    if not end:
+        return [], rest + chunk
+    return (rest + whole).decode().split("\n"), left
+
+
+def _is_complete(group: StatementGroup, subject: Iri, graph: Iri | None) -> bool:
     is_full = len(group.pairs) >= MAX_GROUP
     return is_full or group.node != subject or group.graph != (graph or BELIEFS)
 
 
-class Reader:
-    """Takes a text in chunks of bytes and gives the statements of its lines, node by node.
+class LineReader:
+    """Reads a text in chunks of bytes and groups the statements of its lines by their subject.
 
     Attributes:
-        line: 1-based number of the line that is read.
+        line: 1-based number of the current line.
     """
 
     def __init__(self, parse: Parse, *, default: Iri, has_graphs: bool) -> None:
-        """Begin a text.
+        """Start a text.
 
         Args:
-            parse: reads a line that is not plain; statements that name no graph are in `default`.
-            default: the graph of statements that name none.
+            parse: reads a line that is not plain; statements without a graph are in `default`.
+            default: the graph of statements without one.
             has_graphs: whether the lines name graphs (N-Quads); N-Triples do not.
         """
         self.line = 0
         self._parse, self._has_graphs = parse, has_graphs
-        self._nodes = _Nodes({f"<{one}>": one for one in (*_KEYS, default)})
+        self._nodes = _Nodes({f"<{one}>": one for one in (*_PREDICATES, default)})
         self._values = _Values()
         self._tails = _Tails(self._nodes, self._values, None if has_graphs else default)
         self._rest = b""
-        self._node, self._lines = "", list[str]()  # the lines about a node at hand
-        self._group: Group | None = None
+        self._node, self._lines = "", list[str]()  # of the current subject
+        self._group: StatementGroup | None = None
 
     @property
     def held(self) -> int:
-        """How many bytes of a line are there that is not complete."""
+        """Bytes of the last line, which is not complete."""
         return len(self._rest)
 
-    def feed(self, chunk: bytes) -> Iterator[Group | RuleBlock | Reified]:
-        """What is complete with this chunk.
+    def feed(self, chunk: bytes) -> Iterator[StatementGroup | RuleBlock | Reified]:
+        """Read a chunk, and iterate over what it completes.
 
         Raises:
-            UnicodeDecodeError: it is no UTF-8.
+            UnicodeDecodeError: the text is no UTF-8.
         """
-        lines, self._rest = whole_lines(self._rest, chunk)
+        lines, self._rest = complete_lines(self._rest, chunk)
         return self._read(lines)
 
-    def finish(self) -> Iterator[Group | RuleBlock | Reified]:
-        """What is left at the end."""
+    def finish(self) -> Iterator[StatementGroup | RuleBlock | Reified]:
+        """End the text, and iterate over what is left."""
         yield from self.feed(b"\n")
         yield from self._block(self._node, self._lines, self.line - len(self._lines))
 
@@ -208,8 +208,10 @@ class Reader:
                     self._remember(line, one)
         return self._tails[tail]
 
-    def in_full(self, node: str, tails: Sequence[str], line: int) -> Iterator[Group | Reified]:
-        """What lines about a node say, given the number of the first."""
+    def read_block(
+        self, node: str, tails: Sequence[str], line: int
+    ) -> Iterator[StatementGroup | Reified]:
+        """Read lines about a node, given the number of the first."""
         last, self.line = self.line, line - 1
         known, place, pairs = self._tails, None, list[tuple[Iri, Term]]()
         for tail in tails:
@@ -219,26 +221,26 @@ class Reader:
                 if graph is not place:
                     if graph != place:
                         subject = self._nodes[node]
-                        yield from self._ended()
-                        self._group = Group(subject, graph, [])
+                        yield from self._close_group()
+                        self._group = StatementGroup(subject, graph, [])
                         pairs = self._group.pairs
                     place = graph
                 pairs.append(pair)
             except (KeyError, ValueError):
-                yield from self._learnt(f"{node} {tail}")
+                yield from self._parse_line(f"{node} {tail}")
                 group = self._group
                 is_same = group is not None and node == f"<{group.node}>"
                 place, pairs = (group.graph, group.pairs) if group and is_same else (None, [])
-        yield from self._ended()
+        yield from self._close_group()
         self.line = last
 
-    def _ended(self) -> Iterator[Group]:
-        """The group at hand, if there is any."""
+    def _close_group(self) -> Iterator[StatementGroup]:
+        """The current group, if there is one."""
         if self._group is not None:
             yield self._group
         self._group = None
 
-    def _read(self, lines: Sequence[str]) -> Iterator[Group | RuleBlock | Reified]:
+    def _read(self, lines: Sequence[str]) -> Iterator[StatementGroup | RuleBlock | Reified]:
         node, tails = self._node, self._lines
         for line in lines:
             self.line += 1
@@ -251,14 +253,14 @@ class Reader:
 
     def _block(
         self, node: str, tails: Sequence[str], line: int
-    ) -> Iterator[Group | RuleBlock | Reified]:
+    ) -> Iterator[StatementGroup | RuleBlock | Reified]:
         if rule := _RULE.fullmatch(node):
             yield RuleBlock(Iri(rule[1]), tails, line, self)
         elif tails:
-            yield from self.in_full(node, tails, line)
+            yield from self.read_block(node, tails, line)
 
-    def _learnt(self, line: str) -> Iterator[Group | Reified]:
-        """What a line says that is not plain; how its terms are written is remembered."""
+    def _parse_line(self, line: str) -> Iterator[StatementGroup | Reified]:
+        """Parse a line that is not plain, and remember how its terms are written."""
         found = self._parse(line)
         if len(found) == 1 and isinstance(found[0], Quad):
             self._remember(line, found[0])
@@ -266,9 +268,9 @@ class Reader:
             if isinstance(one, Reified):
                 yield one
                 continue
-            if self._group is None or _is_over(self._group, one.subject, one.graph):
-                yield from self._ended()
-                self._group = Group(one.subject, one.graph or BELIEFS, [])
+            if self._group is None or _is_complete(self._group, one.subject, one.graph):
+                yield from self._close_group()
+                self._group = StatementGroup(one.subject, one.graph or BELIEFS, [])
             self._group.pairs.append((one.predicate, one.object))
 
     def _remember(self, line: str, quad: Quad) -> None:
@@ -283,10 +285,10 @@ class Reader:
 
 
 class _Known(dict[str, T]):
-    """Terms by how they are written."""
+    """Terms by their text."""
 
     def add(self, text: str, term: T) -> T:
-        """Remember one."""
+        """Remember a term."""
         if len(self) > MAX_KNOWN:
             self.clear()
         self[text] = term
@@ -294,10 +296,9 @@ class _Known(dict[str, T]):
 
 
 class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
-    """What follows the subject of a line: property and object, and the graph.
+    """Predicate and object, and the graph, by the text of a line without its subject.
 
-    Most lines of a large base differ from others in their subject alone, so their rest is found
-    at once.
+    Most lines of a large base differ in their subject only.
     """
 
     def __init__(self, nodes: _Nodes, values: _Values, graph: Iri | None) -> None:
@@ -306,9 +307,9 @@ class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
 
     def __missing__(self, text: str) -> tuple[tuple[Iri, Term], Iri]:
         if rule := _TO_RULE.fullmatch(text):  # they are many, and do not come again
-            return (self._nodes[rule[1]], Iri(rule[2])), self._place(rule[3])
+            return (self._nodes[rule[1]], Iri(rule[2])), self._graph_of(rule[3])
         key, rest = text.split(" ", 1)
-        value, graph = self._ended(rest)
+        value, graph = self._split(rest)
         found = (self._nodes[key], self._values[value]), graph
         if value in self._values:  # others hardly come again
             if len(self) > MAX_KNOWN:
@@ -316,13 +317,14 @@ class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
             self[text] = found
         return found
 
-    def _place(self, text: str | None) -> Iri:
-        """The graph that a line names, or may not name."""
+    def _graph_of(self, text: str | None) -> Iri:
+        """The graph of a line, given its text."""
         if (text is None) != (self._graph is not None):
             raise ValueError(text)
         return self._graph or self._nodes[text or ""]
 
-    def _ended(self, text: str) -> tuple[str, Iri]:
+    def _split(self, text: str) -> tuple[str, Iri]:
+        """The object and the graph of the end of a line."""
         if self._graph is None:
             value, graph, end = text.rsplit(" ", 2)
             place = self._nodes[graph]
@@ -335,7 +337,7 @@ class _Tails(dict[str, tuple[tuple[Iri, Term], Iri]]):
 
 
 class _Nodes(_Known[Iri]):
-    """IRIs; those of rules are read as they come."""
+    """IRIs by their text; those of rules are not remembered."""
 
     def __missing__(self, text: str) -> Iri:
         found = _RULE.fullmatch(text)
@@ -345,13 +347,13 @@ class _Nodes(_Known[Iri]):
 
 
 class _Values(_Known["Term"]):
-    """Objects of statements; bounds and rules are read as they come."""
+    """Objects by their text; rules and bounds with many digits are not remembered."""
 
     def __missing__(self, text: str) -> Term:
         if number := _NUMBER.fullmatch(text):
             value = Decimal(number[1])
-            # Nobody says more digits; what is computed hardly comes again.
-            return self.add(text, value) if len(number[1]) <= _MAX_TOLD else value
+            # Bounds with more digits are computed, and hardly come again.
+            return self.add(text, value) if len(number[1]) <= _MAX_REPEATED else value
         if rule := _RULE.fullmatch(text):
             return Iri(rule[1])
         raise KeyError(text)

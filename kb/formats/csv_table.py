@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules as a table: CSV with one rule a row, for spreadsheets and for millions of rules.
 
-The columns may stand in any order; `features`, `functor` and `lower` must be there. Several atoms
-in one cell are separated by a semicolon.
+The columns may have any order; `features`, `functor` and `lower` are required. A semicolon
+separates several atoms in one cell.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from operator import itemgetter
 from typing import Protocol
 
 from ...ontology.errors import DataError, HiltError, ValidationError
-from ..bulk.rule_lines import RuleSerializer, RuleTemplate, SerializedRule, make_room
+from ..bulk.rule_lines import RuleSerializer, RuleTemplate, SerializedRule, remember
 from ..interval import DIGITS
 from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
@@ -37,18 +37,6 @@ class Writable(Protocol):
         ...
 
 
-class Writer(Protocol):
-    """What writes the lines of a table."""
-
-    def writerow(self, row: Sequence[str], /) -> object:
-        """Write a line with these cells."""
-        ...
-
-    def writerows(self, rows: Iterable[Sequence[str]], /) -> object:
-        """Write several lines."""
-        ...
-
-
 class _Reader(Protocol):
     @property
     def line_num(self) -> int: ...
@@ -57,46 +45,47 @@ class _Reader(Protocol):
 
 
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]:
-    """The rules of a table, in its order.
+    """Iterate over the rules of a table, in its order.
 
     Args:
         lines: of the CSV, the first with the names of the columns.
         source: its name in messages.
 
     Raises:
-        DataError: something is wrong; says in which line, of several mistakes each.
+        DataError: rows are malformed; lists the first mistakes with their lines.
     """
     rows = _rows(csv.reader(lines, strict=True), source)
     _, first = next(rows, (1, []))
-    yield from notation.read_all(rows, _Rows(_header(first, source), source).star)
+    yield from notation.read_all(rows, _RowReader(_header(first, source), source).read)
 
 
-def begin_table(target: Writable) -> Writer:
-    """Begin a table; what is returned adds lines to it."""
-    writer = csv.writer(target, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    return writer
+class TableWriter:
+    """Writes a table, some rules at a time."""
 
+    def __init__(self, target: Writable) -> None:
+        """Start a table with the names of its columns."""
+        self._writer = csv.writer(target, lineterminator="\n")
+        self._writer.writerow(COLUMNS)
 
-def write_table(rules: Iterable[Rule], target: Writable) -> None:
-    """Write a table with these rules."""
-    begin_table(target).writerows(map(_cells, rules))
+    def write(self, rules: Iterable[Rule]) -> None:
+        """Add a row for each rule."""
+        self._writer.writerows(map(_cells, rules))
 
 
 @lru_cache(maxsize=2**16)
-def write_atoms(atoms: frozenset[Atom], kind: str) -> str:
-    """The cell of the features or contexts of a rule."""
+def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
+    """Return the cell of the features or contexts of a rule."""
     text = _BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
     return text or (notation.ANY if kind == notation.FEATURE_KIND else "")
 
 
-def write_bound(bound: float) -> str:
-    """The cell of a bound."""
+def _write_bound(bound: float) -> str:
+    """Return the cell of a bound."""
     return f"{bound:.{DIGITS}f}".rstrip("0").rstrip(".")
 
 
 def _rows(reader: _Reader, source: str) -> Iterator[tuple[int, list[str]]]:
-    """The rows that hold something, each with the line at which it ends."""
+    """The rows that are not empty, each with the line at which it ends."""
     try:
         for row in reader:
             if row:
@@ -119,54 +108,53 @@ def _header(names: Sequence[str], source: str) -> list[str]:
     return found
 
 
-class _Rows:
+class _RowReader:
     """Makes rules of rows; what comes again is read once."""
 
     def __init__(self, names: Sequence[str], source: str) -> None:
         self._count, self._source = len(names), source
-        # A column that is not there is found behind the last one.
+        # A column that is missing is found behind the last one.
         places = (names.index(name) if name in names else len(names) for name in COLUMNS)
         self._in_order = itemgetter(*places)
-        self._stamps = RuleSerializer()
-        self._frames: dict[tuple[str, ...], RuleTemplate] = {}
+        self._serializer = RuleSerializer()
+        self._templates: dict[tuple[str, ...], RuleTemplate] = {}
 
-    def star(self, numbered: tuple[int, list[str]]) -> SerializedRule:
-        """The rule of a row, given with its line."""
+    def read(self, numbered: tuple[int, list[str]]) -> SerializedRule:
+        """Return the rule of a row, which is given with its line."""
         line, row = numbered
         try:
             if len(row) != self._count:
                 raise ValidationError(
                     [f"expected {self._count} cells, one for each column, found {len(row)}."]
                 )
-            return self._star(self._in_order((*row, "")))
+            return self._read(self._in_order((*row, "")))
         except HiltError as error:
             raise DataError(str(error), source=self._source, line=line) from error
 
-    def _star(self, cells: Sequence[str]) -> SerializedRule:
+    def _read(self, cells: Sequence[str]) -> SerializedRule:
         features, contexts, functor, argument, lower, upper, speaker, status, time = cells
         key = (contexts, functor, argument, speaker, status)
-        frame = self._frames.get(key)
-        if frame and not time:
+        template = self._templates.get(key)
+        if template and not time:
             belief, low = _bound(lower)
             plausibility, high = _bound(upper or "1")
             if 0.0 <= belief <= plausibility <= 1.0:
-                seen = self._stamps.seen(_atoms(features, notation.FEATURE_KIND))
-                return self._stamps.star(frame, seen, low, high)
-        rule = read_row(cells)  # which also says what is wrong
-        if not frame:
-            make_room(self._frames)
-            self._frames[key] = self._stamps.frame(rule)
-        return self._stamps.of(rule)
+                atoms = self._serializer.features(_atoms(features, notation.FEATURE_KIND))
+                return self._serializer.assemble(template, atoms, low, high)
+        rule = _read_row(cells)  # which also says what is wrong
+        if not template:
+            remember(self._templates, key, self._serializer.template(rule))
+        return self._serializer.serialize(rule)
 
 
-def read_row(cells: Sequence[str]) -> Rule:
-    """The rule of a row with all columns.
+def _read_row(cells: Sequence[str]) -> Rule:
+    """Return the rule of a row with all columns.
 
     Raises:
-        HiltError: something is wrong with a cell.
+        HiltError: a cell is malformed.
     """
-    features, contexts, functor, argument, lower, upper, *told = map(str.strip, cells)
-    speaker, status, time = told
+    features, contexts, functor, argument, lower, upper, *rest = map(str.strip, cells)
+    speaker, status, time = rest
     return notation.make_rule(
         _atoms(features, notation.FEATURE_KIND),
         _atoms(contexts, notation.CONTEXT_KIND),
@@ -181,7 +169,7 @@ def read_row(cells: Sequence[str]) -> Rule:
 
 @lru_cache(maxsize=2**16)
 def _bound(cell: str) -> tuple[float, str]:
-    """A bound and how it is written in full; no number where the cell has none."""
+    """A bound, and its text with all digits; NaN where the cell is no number."""
     try:
         bound = float(cell)
     except ValueError:
@@ -204,12 +192,12 @@ def _atoms(cell: str, kind: str) -> frozenset[Atom]:
 def _cells(rule: Rule) -> tuple[str, ...]:
     argument_kind = ARGUMENT_KINDS.get(rule.functor)
     return (
-        write_atoms(rule.features, notation.FEATURE_KIND),
-        write_atoms(rule.contexts, notation.CONTEXT_KIND),
+        _write_atoms(rule.features, notation.FEATURE_KIND),
+        _write_atoms(rule.contexts, notation.CONTEXT_KIND),
         rule.functor,
         notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
-        write_bound(rule.interval.lower),
-        write_bound(rule.interval.upper),
+        _write_bound(rule.interval.lower),
+        _write_bound(rule.interval.upper),
         rule.speaker,
         rule.status,
         write_time(rule.time) if rule.time else "",

@@ -21,7 +21,8 @@ class Format:
         suffixes: of files that have it; the first is the usual one.
         whole: whether it keeps named graphs, and so a whole base.
         leaves_out: what it cannot carry of a rule or of the base, as half a sentence.
-        most: bytes that are read of it; None where it is read as it comes, however long.
+        most: bytes that are read of it; None where it streams, however long.
+        is_xml: whether it is XML, so that document types are refused.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Format:
     whole: bool = False
     leaves_out: str = "history that no rule comes from, words, episodes and the domain"
     most: int | None = None
+    is_xml: bool = False
 
 
 _MB = 2**20
@@ -37,13 +39,13 @@ _KNOWN = (
     Format("turtle", (".ttl",)),
     Format("turtle12", (".ttl12",)),
     Format("ntriples", (".nt",)),
-    Format("rdfxml", (".rdf", ".xml", ".owl"), most=256 * _MB),
+    Format("rdfxml", (".rdf", ".xml", ".owl"), most=256 * _MB, is_xml=True),
     Format("trig", (".trig",), whole=True, leaves_out=""),
     Format("nquads", (".nq",), whole=True, leaves_out=""),
     Format("jsonld", (".jsonld", ".json"), whole=True, leaves_out="", most=64 * _MB),
     Format("sheet", (".yaml", ".yml"), leaves_out=_ONLY_RULES, most=8 * _MB),
     Format("csv", (".csv",), leaves_out=_ONLY_RULES),
-    Format("graphml", (".graphml",), leaves_out=_ONLY_RULES, most=32 * _MB),
+    Format("graphml", (".graphml",), leaves_out=_ONLY_RULES, most=32 * _MB, is_xml=True),
 )
 FORMATS = {one.name: one for one in _KNOWN}
 SUFFIXES = {suffix: one for one in _KNOWN for suffix in one.suffixes}

@@ -6,12 +6,12 @@
       - {object: knife, affordance: cutting, interval: [0.95, 1]}
       - {object: knife, context: pass, part: blade, interval: 0.95}
 
-`docs/files.md` tells all keys. A mistake is told with its line and column.
+`docs/files.md` lists all keys. A mistake is reported with its line and column.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 
 from ...ontology.errors import DataError, HiltError
@@ -20,7 +20,7 @@ from ..interval import Interval
 from ..rdf.terms import write_time
 from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from . import notation
-from .csv_table import read_row
+from .csv_table import Writable
 
 _CONCLUSIONS = ("affordance", "part", "functor")
 _KEYS = (
@@ -30,52 +30,39 @@ _KEYS = (
 
 
 def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
-    """The rules of a sheet, in its order.
+    """Iterate over the rules of a sheet, in its order.
 
     Args:
         text: the YAML.
         source: its name in messages.
 
     Raises:
-        DataError: something is wrong; says where, of several mistakes each.
+        DataError: entries are malformed; lists the first mistakes with their places.
     """
     sheet = parse_yaml(text, source=source).entries(required=["rules"], optional=["speaker"])
     speaker = sheet["speaker"].text() if "speaker" in sheet else None
     yield from notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
-HEAD = "# Rules of Hilt, one a line: what is seen, in which context, what follows, how sure.\n"
-BEGIN = "rules:\n"  # of a sheet that has some
+class RuleSheetWriter:
+    """Writes a sheet, some rules at a time."""
 
+    def __init__(self, target: Writable) -> None:
+        """Start a sheet."""
+        self._target, self._is_empty = target, True
+        target.write(
+            "# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:"
+        )
 
-def write_sheet(rules: Iterable[Rule]) -> Iterator[str]:
-    """The lines of a sheet with these rules."""
-    yield HEAD
-    first = True
-    for rule in rules:
-        if first:
-            yield BEGIN
-        first = False
-        yield f"  - {{{', '.join(_entries(rule))}}}\n"
-    if first:
-        yield "rules: []\n"
+    def write(self, rules: Iterable[Rule]) -> None:
+        """Add an entry for each rule."""
+        text = "".join([f"\n  - {{{', '.join(_entries(rule))}}}" for rule in rules])
+        self._is_empty = self._is_empty and not text
+        self._target.write(text)
 
-
-def write_row(cells: Sequence[str]) -> str:
-    """The line of a rule given as `tables.write_table` writes it; as `write_sheet`."""
-    features, contexts, functor, argument, lower, upper, speaker, status, time = cells
-    told = f"interval: [{lower}, {upper}], speaker: {_quoted(speaker)}"
-    if status != "active":
-        told += f", status: {status}"
-    if time:
-        told += f", time: {_quoted(time)}"
-    return f"  - {{{_claim(features, contexts, functor, argument)}, {told}}}\n"
-
-
-@lru_cache(maxsize=2**16)
-def _claim(*cells: str) -> str:
-    """The entries of a rule that say what it claims."""
-    return ", ".join(_claims(read_row((*cells, "1", "", "", "", ""))))
+    def finish(self) -> None:
+        """End the sheet."""
+        self._target.write(" []\n" if self._is_empty else "\n")
 
 
 def _rule(entry: Field, speaker: str | None) -> Rule:
@@ -156,8 +143,8 @@ def _optional(found: Mapping[str, Field], key: str) -> str | None:
 
 
 def _entries(rule: Rule) -> Iterator[str]:
-    """The keys and values of a rule; what is plain is left out."""
-    yield from _claims(rule)
+    """The keys and values of a rule; the status of an active one is left out."""
+    yield _claims(rule.features, rule.contexts, rule.functor, rule.argument)
     yield f"interval: [{_number(rule.interval.lower)}, {_number(rule.interval.upper)}]"
     yield f"speaker: {_quoted(rule.speaker)}"
     if rule.status != "active":
@@ -166,18 +153,24 @@ def _entries(rule: Rule) -> Iterator[str]:
         yield f"time: {_quoted(write_time(rule.time))}"
 
 
-def _claims(rule: Rule) -> Iterator[str]:
-    """What is seen, in which context, and what follows."""
-    yield from _written_atoms("object", "features", rule.features)
-    yield from _written_atoms("context", "contexts", rule.contexts)
-    if rule.affordance and rule.functor == USED_FOR:
-        yield f"affordance: {_quoted(rule.affordance)}"
-    elif rule.part and rule.functor == GRASP_OBJECT:
-        yield f"part: {_quoted(rule.part)}"
+@lru_cache(maxsize=2**16)
+def _claims(
+    features: frozenset[Atom], contexts: frozenset[Atom], functor: str, argument: Atom | None
+) -> str:
+    """The entries for the features, the contexts and the conclusion of a rule."""
+    entries = [
+        *_written_atoms("object", "features", features),
+        *_written_atoms("context", "contexts", contexts),
+    ]
+    if argument and (functor, argument.kind) == (USED_FOR, "affordance"):
+        entries.append(f"affordance: {_quoted(argument.name)}")
+    elif argument and (functor, argument.kind) == (GRASP_OBJECT, "part"):
+        entries.append(f"part: {_quoted(argument.name)}")
     else:
-        yield f"functor: {rule.functor}"
-        if rule.argument:
-            yield f"argument: {_quoted(str(rule.argument))}"
+        entries.append(f"functor: {functor}")
+        if argument:
+            entries.append(f"argument: {_quoted(str(argument))}")
+    return ", ".join(entries)
 
 
 def _written_atoms(one: str, several: str, atoms: frozenset[Atom]) -> Iterator[str]:

@@ -79,8 +79,8 @@ class InputStream(io.RawIOBase):
         self._tail = b""
         return self._stream.seek(offset, whence)
 
-    def heard(self) -> None:
-        """Say that a statement is complete."""
+    def report_statement(self) -> None:
+        """Note that a statement is complete."""
         self._silent = 0
 
     def read(self, size: int = -1) -> bytes:
@@ -121,7 +121,7 @@ class InputStream(io.RawIOBase):
                 number += 1
                 if len(line) >= MAX_LINE:
                     raise DataError("is too long a line.", source=self.name, line=number)
-                self.heard()
+                self.report_statement()
                 yield line
         except UnicodeDecodeError as error:
             line = number + 1 + error.object[: error.start].count(b"\n")

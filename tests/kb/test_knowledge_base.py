@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.kb.formats.transfer import export_quads
+from hilt.kb.bulk.exporter import statements
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
@@ -337,10 +337,10 @@ def test_base_is_the_same_after_opening_again(tmp_path: Path):
     with KnowledgeBase.open(tmp_path / "kb") as base:
         teach(base, *ALL)
         base.set_trust("anna", 0.5)
-        before = export_quads(base.store, rules_only=False)
+        before = list(statements(base.store))
 
     with KnowledgeBase.open(tmp_path / "kb") as again:
-        assert export_quads(again.store, rules_only=False) == before
+        assert list(statements(again.store)) == before
         assert again.sequence == 4
 
 

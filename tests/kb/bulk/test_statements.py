@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.statements import Group, RuleBlock, in_full, line_reader, read_groups
+from hilt.kb.bulk.statements import (
+    RuleBlock,
+    StatementGroup,
+    expand_blocks,
+    line_reader,
+    read_groups,
+)
 from hilt.kb.rdf.annotations import Reified
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Quad
@@ -25,13 +31,18 @@ LOWER, DECIMAL = "<https://w3id.org/hilt#lower>", "<http://www.w3.org/2001/XMLSc
 GRAPH = "<https://w3id.org/hilt/graph/beliefs>"
 
 
-def fast(text: bytes, form: str = "nquads") -> list[Quad]:
+def read_fast(text: bytes, form: str = "nquads") -> list[Quad]:
     """The statements as the fast reader finds them."""
     groups = read_groups(io.BytesIO(text), format=form, source="x", default=BELIEFS)
-    return [quad for one in in_full(groups) if isinstance(one, Group) for quad in one.quads()]
+    return [
+        quad
+        for one in expand_blocks(groups)
+        if isinstance(one, StatementGroup)
+        for quad in one.quads()
+    ]
 
 
-def plain(text: bytes, form: str = "nquads") -> list[object]:
+def read_plain(text: bytes, form: str = "nquads") -> list[object]:
     """The statements as the engine finds them."""
     return list(read_rdf(io.BytesIO(text), format=form, source="x", default=BELIEFS))
 
@@ -42,7 +53,7 @@ def test_rules_are_read_as_the_engine_reads_them(some: list[Rule], form: str):
     """Every statement, in its order."""
     text = write_rdf([quad for rule in some for quad in rule_quads(rule)], format=form)
 
-    assert fast(text, form) == plain(text, form)
+    assert read_fast(text, form) == read_plain(text, form)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +79,7 @@ def test_lines_in_any_form_are_read_as_the_engine_reads_them(line: str):
     """Also the second time, when their terms are remembered."""
     text = f"{line}\n{line}\r\n{line}".encode()
 
-    assert fast(text) == plain(text)
+    assert read_fast(text) == read_plain(text)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +98,7 @@ def test_wrong_lines_are_told_with_their_number(line: str):
     good = f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .\n' * 3
 
     with pytest.raises(DataError) as error:
-        fast((good + line + "\n").encode())
+        read_fast((good + line + "\n").encode())
 
     assert (error.value.line, error.value.text) == (4, line)
 
@@ -99,13 +110,13 @@ def test_chunks_may_end_anywhere(size: int):
     text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
     reader = line_reader("nquads", source="x", default=BELIEFS)
 
-    def read() -> Iterator[Group | RuleBlock | Reified]:
+    def read() -> Iterator[StatementGroup | RuleBlock | Reified]:
         for start in range(0, len(text), size):
             yield from reader.feed(text[start : start + size])
         yield from reader.finish()
 
-    groups = [one for one in in_full(read()) if isinstance(one, Group)]
-    assert [quad for group in groups for quad in group.quads()] == plain(text)
+    groups = [one for one in expand_blocks(read()) if isinstance(one, StatementGroup)]
+    assert [quad for group in groups for quad in group.quads()] == read_plain(text)
 
 
 def test_an_endless_line_is_refused():
@@ -113,10 +124,10 @@ def test_an_endless_line_is_refused():
     endless = b"<urn:" + b"a" * (17 * 2**20)
 
     with pytest.raises(DataError, match="more than 16 MB"):
-        fast(endless)
+        read_fast(endless)
 
 
 def test_other_encodings_are_refused():
     """Bytes that are no UTF-8."""
     with pytest.raises(DataError, match="expected UTF-8 text"):
-        fast(f'{RULE} {LOWER} "Gr\\u00fc'.encode() + b'\xff" .\n')
+        read_fast(f'{RULE} {LOWER} "Gr\\u00fc'.encode() + b'\xff" .\n')

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How an import is reconciled with a base: conflicts, trust, utterances, episodes and words.
+
+Rules have their ids from their content, so the same rule is recognised. What the base already knows
+about a rule (that it was retracted, say) stays. Utterances come after those of the base, in their
+order; one that is there already, word for word and to the millisecond, is not repeated.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from ...ontology.vocabulary import Iri, iri
+from ..episodes import EPISODES
+from ..history import HISTORY, SEQUENCE, TEXT, Utterance, utterance_iri, utterance_quads
+from ..interval import Interval
+from ..knowledge_base import KnowledgeBase
+from ..learned_words import LEXICON
+from ..rdf.domain import DOMAIN, DOMAIN_HASH
+from ..rdf.rule_mapping import BELIEFS
+from ..rdf.terms import Quad
+from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
+from ..rule import Rule
+from ..writer import speaker_quads, trust_quads
+
+
+@dataclass(frozen=True)
+class MergeConflict:
+    """A new rule and a believed one that draw the same conclusion and cannot both be right.
+
+    Attributes:
+        new: the imported rule.
+        believed: the rule of the base; their intervals have nothing in common.
+    """
+
+    new: Rule
+    believed: Rule
+
+    def as_json(self) -> dict[str, object]:
+        """The conflict as `hilt import --json` prints it."""
+        return {"new": self.new.as_json(), "believed": self.believed.as_json()}
+
+
+@dataclass(frozen=True)
+class ImportSummary:
+    """What an import changed, in numbers.
+
+    Attributes:
+        new: rules that the base did not know.
+        known: rules that it knew already.
+        conflicting: conflicts between a new rule and one that the base believes.
+        utterances: new utterances of the history.
+        untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
+        conflicts: the first conflicts.
+    """
+
+    new: int
+    known: int
+    conflicting: int
+    utterances: int
+    untrusted: tuple[str, ...]
+    conflicts: tuple[MergeConflict, ...] = ()
+
+    def as_json(self) -> dict[str, object]:
+        """The summary as `hilt import --json` prints it."""
+        return {
+            "new": self.new,
+            "known": self.known,
+            "conflicting": self.conflicting,
+            "utterances": self.utterances,
+            "untrusted": list(self.untrusted),
+            "conflicts": [conflict.as_json() for conflict in self.conflicts],
+        }
+
+
+@dataclass
+class ImportPlan:
+    """What is to be written besides the rules.
+
+    Attributes:
+        last: the number of the last utterance there will be.
+        insert: statements to add.
+        delete: statements to delete.
+        numbers: the number that each imported utterance has in the base.
+        assertions: ids of the rules that new utterances assert, as many as there are rules.
+    """
+
+    last: int
+    insert: list[Quad] = field(default_factory=list[Quad])
+    delete: list[Quad] = field(default_factory=list[Quad])
+    numbers: dict[int, int] = field(default_factory=dict[int, int])
+    assertions: list[tuple[int, tuple[str, ...]]] = field(
+        default_factory=list[tuple[int, tuple[str, ...]]]
+    )
+
+    def add(self, utterance: Utterance) -> None:
+        """Add an utterance under the number that it has."""
+        self.assertions.append((utterance.sequence, utterance.asserts))
+        self.insert += utterance_quads(replace(utterance, asserts=()))
+        self.insert += speaker_quads(utterance.speaker, HISTORY)
+
+
+class BelievedRules:
+    """The active rules of a base by premises and conclusion, read node by node as needed."""
+
+    def __init__(self, base: KnowledgeBase) -> None:
+        self._base = base
+        self._nodes: set[str] = set()
+        self._rules: dict[object, list[Rule]] = defaultdict(list)
+
+    def with_conclusion_of(self, rule: Rule) -> Sequence[Rule]:
+        """The rules of the same premises and conclusion as a rule."""
+        if rule.node not in self._nodes:
+            self._nodes.add(rule.node)
+            for one in self._base.rules_at_nodes([rule.node]):
+                self._rules[_claim(one)].append(one)
+        return self._rules.get(_claim(rule), ())
+
+
+def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[MergeConflict]:
+    """The conflicts of a new rule with rules of the same premises and conclusion."""
+    return [
+        MergeConflict(rule, other)
+        for other in believed
+        if other.contexts == rule.contexts and _are_disjoint(rule.interval, other.interval)
+    ]
+
+
+def plan_trust(plan: ImportPlan, base: KnowledgeBase, other: RuleReader) -> None:
+    """Adopt trust in speakers of whom the base says nothing; an empty base adopts all."""
+    is_empty = base.sequence == 0
+    for speaker in other.speakers():
+        own, theirs = base.trust(speaker), other.trust(speaker)
+        if theirs and theirs != own and (own is None or is_empty):
+            plan.delete += base.store.quads(iri("speaker", speaker), None, None, BELIEFS)
+            plan.insert += trust_quads(speaker, theirs)
+
+
+def plan_history(plan: ImportPlan, base: KnowledgeBase, utterances: Iterable[Utterance]) -> None:
+    """Add the utterances that the base has not, after its own."""
+    for utterance in sorted(utterances, key=lambda one: one.sequence):
+        there = _same_utterance(base, utterance)
+        if there:
+            plan.numbers[utterance.sequence] = there
+            continue
+        plan.last = max(utterance.sequence, plan.last + 1)
+        plan.numbers[utterance.sequence] = plan.last
+        plan.add(replace(utterance, sequence=plan.last))
+
+
+def plan_rest(plan: ImportPlan, base: KnowledgeBase, other: RuleReader) -> None:
+    """Add episodes and words, and the domain where the base has none."""
+    renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
+    for graph in (EPISODES, LEXICON):
+        plan.insert += (
+            _renumbered(quad, renumbered) for quad in other.store.quads(None, None, None, graph)
+        )
+    if not any(base.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)):
+        plan.insert += other.store.quads(None, None, None, DOMAIN)
+        plan.insert += other.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)
+
+
+def _claim(rule: Rule) -> tuple[object, ...]:
+    """What a rule claims, apart from how sure it is and who says it."""
+    return (rule.features | rule.contexts, rule.functor, rule.argument)
+
+
+def _are_disjoint(one: Interval, other: Interval) -> bool:
+    return one.lower > other.upper or one.upper < other.lower
+
+
+def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:
+    """The number under which the base has this very utterance."""
+    for quad in base.store.quads(None, TEXT, utterance.text, HISTORY):
+        for number in base.store.quads(quad.subject, SEQUENCE, None, HISTORY):
+            if isinstance(number.object, int):
+                there = base.utterance(number.object)
+                if replace(there, sequence=utterance.sequence) == utterance:
+                    return there.sequence
+    return None
+
+
+def _renumbered(quad: Quad, renumbered: dict[Iri, Iri]) -> Quad:
+    if isinstance(quad.object, Iri) and quad.object in renumbered:
+        return quad._replace(object=renumbered[quad.object])
+    return quad
