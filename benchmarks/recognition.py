@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the eyes that have learned: how often they are right, and whether they know it.
+"""Measure the learned detector: its accuracy, and the calibration of its confidence.
 
     python benchmarks/recognition.py [--scenes 400] [--seed 0]
 
@@ -22,7 +22,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim.body import Body
 from hilt.sim.scene.scene import graspable, parse_scene
 from hilt.sim.vision.camera import CameraImage
-from hilt.sim.vision.learned_detector import LearnedVision
+from hilt.sim.vision.learned_detector import LearnedDetector
 from hilt.sim.vision.noise import Noise, with_depth_noise
 from hilt.sim.vision.percept import Percept
 
@@ -130,14 +130,14 @@ def main() -> None:
         with Body(
             parse_scene(f"random:{seed}", seed=0, objects=OBJECTS), OBJECTS, seed=seed
         ) as body:
-            eyes = LearnedVision(body.world.engine, OBJECTS)
-            views = eyes.look()
+            detector = LearnedDetector(body.world.engine, OBJECTS)
+            views = detector.capture()
             begun = time.process_time()
-            tallies["4 cameras"].add(body, eyes.search(ALL, views=views))
+            tallies["4 cameras"].add(body, detector.search(ALL, images=views))
             seconds += time.process_time() - begun
-            rough = replace(eyes, noise=Noise(depth_m=DEPTH_NOISE))
-            tallies["4 cameras, 2 mm noise"].add(body, rough.search(ALL, views=noisy(views, seed)))
-            tallies["1 camera"].add(body, eyes.search(ALL, views=[views[seed % len(views)]]))
+            rough = replace(detector, noise=Noise(depth_m=DEPTH_NOISE))
+            tallies["4 cameras, 2 mm noise"].add(body, rough.search(ALL, images=noisy(views, seed)))
+            tallies["1 camera"].add(body, detector.search(ALL, images=[views[seed % len(views)]]))
         if sys.stderr.isatty() or seed % 50 == 49:
             print(f"\r{seed - given.seed + 1} scenes", end="", file=sys.stderr, flush=True)
     print(

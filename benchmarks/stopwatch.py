@@ -12,20 +12,20 @@ from typing import Any
 from hilt.sim.grasping import scoring, selection
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import Chain
-from hilt.sim.robot.path_planner import Reacher
-from hilt.sim.vision.detector import Vision
+from hilt.sim.robot.path_planner import PathPlanner
+from hilt.sim.vision.detector import MaskDetector
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("stepping", PhysicsEngine, "step"),
     ("loading", PhysicsEngine, "load"),
-    ("seeing", Vision, "look"),
-    ("seeing", Vision, "search"),
-    ("seeing", Vision, "obstacles"),
+    ("seeing", MaskDetector, "capture"),
+    ("seeing", MaskDetector, "search"),
+    ("seeing", MaskDetector, "obstacles"),
     ("candidates", selection, "plan_grasps"),
-    ("judging", scoring, "judge"),
+    ("judging", scoring, "score_grasps"),
     ("joints", Chain, "solve"),
     ("joints", Chain, "track"),
-    ("paths", Reacher, "transit"),
+    ("paths", PathPlanner, "plan_transit"),
 )
 
 

@@ -21,13 +21,11 @@ from hilt.ontology.objects import ObjectType, load_household
 from hilt.sim.scene.scene import Placement, Scene, graspable, scene_of
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
-from hilt.sim.vision.classifier import fit
-from hilt.sim.vision.descriptors import describe
-from hilt.sim.vision.detector import Vision
-from hilt.sim.vision.familiarity import Familiarity
-from hilt.sim.vision.learned_detector import NETWORKS_FILE, Recogniser, point_inputs
+from hilt.sim.vision.classifier import NoveltyDetector, train_classifier
+from hilt.sim.vision.detector import MaskDetector
+from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point_inputs
 from hilt.sim.vision.noise import Noise
-from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, segments
+from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
 
 UNUSUAL = 0.3  # how often a thing lies in any way it can, usual or not
 NAIL, LOOSE_NAIL = 0.25, 0.15  # how often there is one
@@ -81,14 +79,14 @@ class Teacher:
         noise = Noise(depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed)
         try:
             with World.build(self.make_scene(seed), self.objects) as world:
-                views = Vision(world.engine, world.kinds, world.models, noise=noise).look()
+                views = MaskDetector(world.engine, world.kinds, world.models, noise=noise).capture()
                 kinds = {name: kind.name for name, kind in world.kinds.items()}
         except SimulationError:  # a table that is too full
             return []
         rows: Rows = []
         for count in (len(views), 2, 1):
             chosen = [views[i] for i in rng.choice(len(views), count, replace=False)]
-            for segment in segments(chosen, margin=TABLE_MARGIN + 4 * noise.depth_m):
+            for segment in segment_images(chosen, margin=TABLE_MARGIN + 4 * noise.depth_m):
                 rows += self._sample(segment, chosen, kinds, rng)
         return rows
 
@@ -112,7 +110,7 @@ class Teacher:
         kind = int(np.argmax(np.bincount(owned, minlength=len(self.kinds))))
         chosen = rng.permutation(np.flatnonzero(known >= 0))[:POINTS]
         yield (
-            describe(segment),
+            describe_segment(segment),
             kind,
             point_inputs(segment, kind, len(self.kinds))[chosen],
             known[chosen],
@@ -125,7 +123,7 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=260)
     parser.add_argument("--seed", type=int, default=1_000_000)
     parser.add_argument("--objects", type=Path, help="a file with objects of your own")
-    parser.add_argument("--out", type=Path, default=NETWORKS_FILE)
+    parser.add_argument("--out", type=Path, default=CLASSIFIERS_FILE)
     given = parser.parse_args()
     if given.scenes < FEWEST:
         parser.error(f"expected at least {FEWEST} scenes")
@@ -151,17 +149,17 @@ def _train(
     """Both networks and what is usual, calibrated on the scenes that were held back."""
     things, kinds, inputs, parts = _stacked(scenes)
     held_things, held_kinds, held_inputs, held_parts = _stacked(held)
-    named = fit(things, kinds, count=len(teacher.kinds), units=48, epochs=60, rng=rng)
+    named = train_classifier(things, kinds, count=len(teacher.kinds), units=48, epochs=60, rng=rng)
     named = named.calibrated(held_things, held_kinds)
-    shared = fit(inputs, parts, count=len(teacher.parts), units=64, epochs=20, rng=rng)
+    shared = train_classifier(inputs, parts, count=len(teacher.parts), units=64, epochs=20, rng=rng)
     shared = shared.calibrated(held_inputs, held_parts)
     for what, network, rows, wanted in (
         ("things", named, held_things, held_kinds),
         ("points", shared, held_inputs, held_parts),
     ):
-        right = (network.shares(rows).argmax(axis=1) == wanted).mean()
+        right = (network.probabilities(rows).argmax(axis=1) == wanted).mean()
         print(f"{what}: {right:.4f} of {len(rows)} right, temperature {network.temperature:.2f}")
-    usual = Familiarity.learned(things, kinds, held_things, held_kinds, count=EXAMPLES)
+    usual = NoveltyDetector.fit(things, kinds, held_things, held_kinds, count=EXAMPLES)
     return Recogniser(teacher.kinds, teacher.parts, named, shared, usual)
 
 

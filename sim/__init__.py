@@ -42,19 +42,19 @@ if TYPE_CHECKING:
     from .robot.models import RobotType, find_robot, load_robots
     from .scene.scene import Placement, Scene, parse_scene
     from .scene.world import World
-    from .vision.detector import Vision
+    from .vision.detector import MaskDetector
     from .vision.percept import PartPercept, Percept
 
 __all__ = [
     "REASONS",
     "Body",
+    "MaskDetector",
     "MotionReport",
     "PartPercept",
     "Percept",
     "Placement",
     "RobotType",
     "Scene",
-    "Vision",
     "World",
     "find_robot",
     "load_robots",
@@ -67,7 +67,7 @@ _HOMES = {
     "manipulation.report": ("REASONS", "MotionReport"),
     "robot.models": ("RobotType", "find_robot", "load_robots"),
     "scene.scene": ("Placement", "Scene", "parse_scene"),
-    "vision.detector": ("Vision",),
+    "vision.detector": ("MaskDetector",),
     "scene.world": ("World",),
 }
 

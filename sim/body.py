@@ -10,7 +10,6 @@ can help, and what cannot be done is reported without trying it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -18,19 +17,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ontology.objects import ObjectType
-from .manipulation.pick_and_place import LIFT_HEIGHT, LOST, PickAndPlace
+from .manipulation.motion import HandMotion
+from .manipulation.pick_and_place import LIFT_HEIGHT, PickAndPlace
 from .manipulation.report import MotionReport
-from .manipulation.striking import StrikingMotion
-from .manipulation.target import StrikeTarget
+from .manipulation.striking import Striking
 from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
 from .scene.sleeping import SleepManager
 from .scene.world import World
-from .vision.gaze import Gaze
 from .vision.noise import Noise
 from .vision.percept import Percept, visible_features
-from .vision.sensors import open_eyes
+from .vision.sensors import CachedVision, open_vision
 
 if TYPE_CHECKING:
     from .media.recording import Recorder
@@ -39,7 +37,6 @@ HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lo
 TABLE_HEIGHT = 0.0  # [m]
 RECEIVER = (1.15, 0.0, 0.40)  # [m], the person who receives objects sits across the table
 MEETING = (0.58, 0.0, 0.40)  # [m], where objects are handed over
-AFTER_BLOW = 0.15  # [s], until everything is at rest
 
 
 class Body:
@@ -60,8 +57,8 @@ class Body:
         world: the table, the objects, and time.
         vision: where percepts come from.
         robot: the arm and its hand.
-        motion: moves them among what is seen.
-        pick_and_place: takes objects and gives them.
+        pick_and_place: grasps objects and hands them over.
+        striking: drives nails with the held object.
     """
 
     def __init__(
@@ -77,19 +74,18 @@ class Body:
     ) -> None:
         kind = find_robot(robot)
         self.world = World.build(scene, objects, gui=gui)
-        self.vision = open_eyes(self.world, source=vision, noise=noise)
+        self.vision = open_vision(self.world, source=vision, noise=noise)
         sleeping = SleepManager(self.world)
         self.robot = Robot(self.world.engine, kind, step=sleeping.step)
-        self.motion = StrikingMotion(
+        motion = HandMotion(
             self.robot,
             table=TABLE_HEIGHT,
             receiver=np.array(RECEIVER),
             meeting=np.array(MEETING),
         )
-        self._gaze = Gaze(self.world, self.vision)
-        self.pick_and_place = PickAndPlace(
-            self.world, self.robot, self.motion, self._gaze, sleeping, seed=seed
-        )
+        self._vision = CachedVision(self.world, self.vision)
+        self.pick_and_place = PickAndPlace(self.world, motion, self._vision, sleeping, seed=seed)
+        self.striking = Striking(self.world, self.pick_and_place)
 
     def close(self) -> None:
         """Stop the simulator."""
@@ -125,13 +121,13 @@ class Body:
 
         An object in the hand is known as it was seen before, also where vision misses it now.
         """
-        found = self._gaze.search(features)
-        held, sight = self.pick_and_place.held, self.pick_and_place.sight
-        if held is None or sight is None:
+        found = self._vision.search(features)
+        held = self.pick_and_place.held
+        if held is None:
             return found
         is_missed = all(percept.name != held.name for percept in found)
-        is_wanted = not visible_features(sight.kind).isdisjoint(features)
-        return (*found, sight.percept) if is_missed and is_wanted else found
+        is_wanted = not visible_features(held.context.kind).isdisjoint(features)
+        return (*found, held.context.percept) if is_missed and is_wanted else found
 
     def picture(self, path: Path) -> Path:
         """Write a picture of the scene as it is now, and return the path."""
@@ -172,48 +168,16 @@ class Body:
 
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at an object without touching it."""
-        if self.holding:
-            self.put_back()
-        sight = self._gaze.sight(percept.name, None)
-        if sight is None:
-            return MotionReport("point_at", ok=False, reason="nothing_seen")
-        reacher = self.pick_and_place.reacher(sight)
-        reason = self.motion.point_at(sight.percept.cloud, reacher)
-        return MotionReport("point_at", ok=not reason, reason=reason)
+        return self.pick_and_place.point_at(percept)
 
     def move_above(self, percept: Percept) -> MotionReport:
         """Bring the held object above one that is to be driven in, a face of it downwards."""
-        hand = self.pick_and_place
-        if hand.held is None or hand.sight is None:
-            return MotionReport("move_above", ok=False, reason="nothing_held")
-        if self.world.support(percept.name) is None:
-            return hand.report("move_above", "nothing_to_strike")
-        hand.target = target = StrikeTarget(self.world, percept.name, percept.cloud)
-        reacher, cloud = hand.reacher(hand.sight), hand.sight.percept.cloud
-        reason = self.motion.move_above(hand.held, target.top, reacher, cloud)
-        return hand.report("move_above", reason)
+        return self.striking.move_above(percept)
 
     def raise_(self) -> MotionReport:
         """Bring the held object back above what it strikes, ready for a blow."""
-        hand = self.pick_and_place
-        if hand.held is None or hand.sight is None or hand.target is None:
-            return MotionReport("raise", ok=False, reason="nothing_held")
-        reacher, cloud = hand.reacher(hand.sight), hand.sight.percept.cloud
-        reason = self.motion.poise(hand.held, hand.target.top, reacher, cloud)
-        return hand.report("raise", reason)
+        return self.striking.raise_()
 
     def lower(self) -> MotionReport:
-        """Strike once; driving the target in all the way counts as success, even if the grip fails.
-
-        The report says how deep the target is in.
-        """
-        hand = self.pick_and_place
-        if hand.held is None or hand.sight is None or hand.target is None:
-            return MotionReport("lower", ok=False, reason="nothing_held")
-        reason = self.motion.blow(hand.held, hand.target.top, hand.reacher(hand.sight))
-        self.robot.wait(AFTER_BLOW)
-        report = hand.report("lower", reason)
-        if reason not in LOST:
-            return report
-        hand.release()
-        return replace(report, ok=True, reason="") if report.driven else report
+        """Strike once; the report says how deep the target is in."""
+        return self.striking.lower()

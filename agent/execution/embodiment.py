@@ -57,7 +57,7 @@ class Embodiment:
         if self.vision != _DEFAULTS.vision:
             from ...sim.vision import sensors
 
-            sensors.refuse_unknown(self.vision)
+            sensors.check_source(self.vision)
         self.noise_model()
 
     @classmethod

@@ -19,9 +19,10 @@ from ..execution.outcome import Constraint, WalkStep
 
 if TYPE_CHECKING:
     from ...sim.body import Body
-    from ...sim.grasping.planner import Grasp, GraspPlan
+    from ...sim.grasping.planner import GraspPlan
     from ...sim.media.drawings import GraspMark
     from ...sim.media.recording import Recorder
+    from ...sim.robot.hand_poses import Grasp
     from ..execution.goal_manager import GoalManager
 
 SHOW_FOUND, SHOW_GRASPS, SHOW_ANSWER = 1.0, 2.0, 1.0  # [s] of the film that rests on them
@@ -91,7 +92,7 @@ class Film:
     def _planned(self, name: str, part: str | None, plan: GraspPlan, taken: Grasp | None) -> None:
         """The hand has thought of grasps, and takes one of them or none."""
         marks = [_mark(grasp, accepted=True) for grasp in plan.grasps]
-        marks += [_mark(grasp, accepted=False) for grasp in plan.ruled_out]
+        marks += [_mark(grasp, accepted=False) for grasp in plan.examples]
         if taken:
             marks.append(replace(_mark(taken, accepted=True), chosen=True))
         if not marks:

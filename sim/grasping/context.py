@@ -1,30 +1,105 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thing in its surroundings, as it was seen at one moment: what a grasp is planned on."""
+"""The input of grasp planning: an object, the part to grasp it by, and the points round it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import IntEnum
 
 import numpy as np
 
 from ...ontology.objects import ObjectType
 from ..poses import Array
 from ..vision.percept import Percept
-from .point_clouds import Surroundings, surround, thin
+from ..vision.point_clouds import voxel_downsample
 
-CHECK_CELL = 0.006  # [m] between the points that paths are checked against
-_NOTHING = np.zeros((0, 3))
+CHECK_CELL = 0.006  # [m], voxel size of the points that paths are checked against
+MIN_GROWTH = 1.1  # of the voxels of a downsampled cloud, so that growing ends soon
+_EMPTY = np.zeros((0, 3))
+
+
+class PointLabel(IntEnum):
+    """What a point belongs to."""
+
+    TARGET = 0
+    OTHER_PART = 1
+    NEIGHBOUR = 2
+
+
+@dataclass(frozen=True)
+class LabelledCloud:
+    """The points that grasps of a part are planned on.
+
+    Attributes:
+        points: (n, 3), in the world [m].
+        labels: (n,) of `PointLabel`; those of the part to be grasped are `TARGET`.
+        table: height of the table [m].
+        centre_of_mass: of the object, as estimated (3,) [m].
+        mass: of the object [kg].
+    """
+
+    points: Array
+    labels: np.ndarray
+    table: float
+    centre_of_mass: Array
+    mass: float
+
+    @classmethod
+    def of(
+        cls,
+        target: Array,
+        *,
+        other_parts: Array = _EMPTY,
+        neighbours: Array = _EMPTY,
+        table: float,
+        centre_of_mass: Array,
+        mass: float,
+    ) -> LabelledCloud:
+        """Join clouds (n, 3) of the part, the other parts of the object, and other objects."""
+        groups = [target, other_parts, neighbours]
+        labels = np.repeat(np.array(list(PointLabel)), [len(group) for group in groups])
+        return cls(np.vstack(groups), labels, table, centre_of_mass, mass)
+
+    @property
+    def target(self) -> Array:
+        """The points of the part to be grasped (k, 3)."""
+        return self.points[self.labels == PointLabel.TARGET]
+
+    def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledCloud:
+        """Return fewer, evenly spread points near the part.
+
+        Args:
+            cell: voxel size [m].
+            reach: distance from the part up to which points are kept [m].
+            limit: of points with each label; the voxels grow until it is kept.
+        """
+        low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
+        near = np.all((self.points >= low) & (self.points <= high), axis=1)
+        index = np.concatenate(
+            [
+                self._spread(np.flatnonzero(near & (self.labels == label)), cell, limit)
+                for label in PointLabel
+            ]
+        )
+        return replace(self, points=self.points[index], labels=self.labels[index])
+
+    def _spread(self, group: np.ndarray, cell: float, limit: int) -> np.ndarray:
+        kept = group[voxel_downsample(self.points[group], cell)]
+        while len(kept) > limit:
+            cell *= max(MIN_GROWTH, float(np.sqrt(len(kept) / limit)))
+            kept = group[voxel_downsample(self.points[group], cell)]
+        return kept
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
-    """A thing that is to be grasped, and what stands round it.
+class GraspContext:
+    """An object that is to be grasped, and what surrounds it.
 
     Attributes:
-        percept: the thing.
+        percept: of the object.
         kind: its type, for the masses of its parts.
-        part: the part to grasp it by; None for any.
-        neighbours: points on everything else (n, 3) [m].
+        part: to grasp it by; None for any.
+        neighbours: points on all other objects (n, 3) [m].
     """
 
     percept: Percept
@@ -33,52 +108,52 @@ class Sight:
     neighbours: Array
 
     @property
-    def allowed(self) -> tuple[str, ...]:
+    def allowed_parts(self) -> tuple[str, ...]:
         """The parts that may be touched."""
         return tuple(self.kind.parts) if self.part is None else (self.part,)
 
     @property
-    def wanted(self) -> Array:
-        """Points on what may be touched (n, 3) [m]."""
-        return self._clouds(inside=True)
+    def target(self) -> Array:
+        """Points on the allowed parts (n, 3) [m]."""
+        return self._cloud(allowed=True)
 
     @property
-    def rest(self) -> Array:
-        """Points on the thing's other parts (n, 3) [m]."""
-        return self._clouds(inside=False)
+    def other_parts(self) -> Array:
+        """Points on the other parts of the object (n, 3) [m]."""
+        return self._cloud(allowed=False)
 
     @property
-    def everything(self) -> Array:
-        """Points on all that was seen (n, 3), thinned [m]."""
+    def scene(self) -> Array:
+        """Points on all objects (n, 3), for path planning [m]."""
         points = np.vstack([self.percept.cloud, self.neighbours])
-        return points[thin(points, CHECK_CELL)]
+        return points[voxel_downsample(points, CHECK_CELL)]
 
     @property
-    def others(self) -> Array:
-        """Points on all but the thing itself (n, 3), thinned [m]."""
-        return self.neighbours[thin(self.neighbours, CHECK_CELL)]
+    def obstacles(self) -> Array:
+        """Points on all other objects (n, 3), for path planning [m]."""
+        return self.neighbours[voxel_downsample(self.neighbours, CHECK_CELL)]
 
     @property
-    def balance(self) -> Array:
-        """Where the centre of mass is thought to be (3,): each seen part weighs what it does."""
+    def centre_of_mass(self) -> Array:
+        """The centre of mass (3,) estimated from the visible parts and their masses [m]."""
         masses = {name: self.kind.parts[name].mass for name in self.percept.parts}
         moments = [
             masses[name] * part.cloud.mean(axis=0) for name, part in self.percept.parts.items()
         ]
         return np.sum(moments, axis=0) / sum(masses.values())
 
-    def surroundings(self, table: float) -> Surroundings:
-        """What a grasp reckons with, on a table of this height [m]."""
-        return surround(
-            self.wanted,
-            [self.rest],
-            [self.neighbours],
+    def labelled_cloud(self, table: float) -> LabelledCloud:
+        """The points that grasps are planned on, over a table of this height [m]."""
+        return LabelledCloud.of(
+            self.target,
+            other_parts=self.other_parts,
+            neighbours=self.neighbours,
             table=table,
-            balance=self.balance,
+            centre_of_mass=self.centre_of_mass,
             mass=self.kind.mass,
         )
 
-    def _clouds(self, *, inside: bool) -> Array:
+    def _cloud(self, *, allowed: bool) -> Array:
         parts = self.percept.parts.items()
-        clouds = [part.cloud for name, part in parts if (name in self.allowed) == inside]
-        return np.vstack([_NOTHING, *clouds])
+        clouds = [part.cloud for name, part in parts if (name in self.allowed_parts) == allowed]
+        return np.vstack([_EMPTY, *clouds])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handling a thing: taken by a part, lifted, held, given, put back; what is lost is taken again.
+"""Pick and place: grasp an object by a part, lift it, hand it over, put it back, or point at it.
 
-Of every motion a `MotionReport` tells what came of it. A grasp that fails is followed by another
-one as long as the aim is not given up, and what cannot be done is said and not tried.
+Each action returns a `MotionReport`. A failed grasp is followed by another one until the attempts
+are used up, and a lost object is grasped again; what is impossible is reported without trying.
 """
 
 from __future__ import annotations
@@ -14,258 +14,258 @@ from typing import TypeAlias
 import numpy as np
 
 from .. import poses
-from ..grasping.context import Sight
-from ..grasping.planner import Grasp, GraspPlan
-from ..grasping.selection import Aim, choose
+from ..grasping.context import GraspContext
+from ..grasping.planner import GraspPlan
+from ..grasping.selection import GraspTask, select_grasp
 from ..poses import Array
-from ..robot.path_planner import Reach, Reacher
-from ..robot.robot import Robot
+from ..robot.hand_poses import Grasp
+from ..robot.path_planner import GraspPath
 from ..scene.sleeping import SleepManager
 from ..scene.world import World
-from ..vision.gaze import Gaze
 from ..vision.percept import Percept
-from .motion import FingerContacts, Held, Motion
+from ..vision.sensors import CachedVision
+from .motion import FingerContacts, HandMotion, HeldObject
 from .report import MotionReport
-from .target import StrikeTarget
 
 LIFT_HEIGHT = 0.15  # [m]
-LEAST_LIFT = 0.10  # [m], less is not lifted
+MIN_LIFT = 0.10  # [m], less is not lifted
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
-LOST = {"slipped", "dropped"}  # reasons that mean: the thing is not in the hand any more
+LOST = {"slipped", "dropped"}  # reasons that mean that the object has left the hand
 
 PlanListener: TypeAlias = Callable[[str, str | None, GraspPlan, Grasp | None], None]
 
 
 class PickAndPlace:
-    """Takes objects with a robot, lifts them, hands them over and puts them back.
+    """Grasps objects with a robot, lifts them, hands them over and puts them back.
 
     Args:
-        world: what is on the table.
-        robot: that acts.
-        motion: moves its arm.
-        gaze: sees the objects.
-        sleeping: which of them lie still.
-        seed: from which all choices of grasps are drawn.
+        world: with the objects.
+        motion: moves the robot.
+        vision: sees the objects.
+        sleeping: of the objects that lie still.
+        seed: of the choice of grasps.
 
     Attributes:
-        held: what is in the hand; None when it is empty.
-        sight: how the object that the hand closed on last was seen before.
-        target: what is struck with the held object, as it stands in reports.
-        on_plan: called while it is not None before each closing of the hand: name of the object,
-            the part it must be taken by, the last plan of grasps, and the grasp that is taken.
+        motion: moves the robot.
+        held: the object in the hand; None when it is empty.
+        on_plan: called, if not None, before each closing of the gripper, with the name of the
+            object, the part to grasp it by, the last grasp plan, and the selected grasp.
     """
 
     def __init__(
         self,
         world: World,
-        robot: Robot,
-        motion: Motion,
-        gaze: Gaze,
+        motion: HandMotion,
+        vision: CachedVision,
         sleeping: SleepManager,
         *,
         seed: int,
     ) -> None:
-        self.held: Held | None = None
-        self.sight: Sight | None = None
-        self.target: StrikeTarget | None = None
+        self.motion = motion
+        self.held: HeldObject | None = None
         self.on_plan: PlanListener | None = None
-        self._world, self._robot, self._motion = world, robot, motion
-        self._gaze, self._sleeping = gaze, sleeping
+        self._world, self._vision, self._sleeping = world, vision, sleeping
         self._rng = np.random.default_rng(seed)
-        self._aim = Aim("", None)
-        self._places: dict[str, Array] = {}
+        self._task = GraspTask("", None)
+        self._before: dict[str, Array] = {}  # poses of all objects before the task
 
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
-        """Close the hand on a thing.
-
-        Args:
-            percept: the thing.
-            part: the part by which it must be taken; None leaves the choice to the hand.
-        """
-        if self._robot.kind.gripper is None:
+        """Close the gripper on an object, by this part; None leaves the choice to the robot."""
+        if self.motion.robot.kind.gripper is None:
             return MotionReport("grasp", ok=False, reason="no_gripper")
         if self.held:
             self.put_back()
-        self._aim = Aim(percept.name, part)
-        self._places = {name: self._world.pose(name) for name in self._world.kinds}
+        self._task = GraspTask(percept.name, part)
+        self._before = {name: self._world.pose(name) for name in self._world.kinds}
         self._sleeping.sleep_again(but=percept.name)
-        return self._grasp_again()
+        return self._grasp()
 
     def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
-        """Take what is held up from the table and hold it for a second; regrasps what slips.
+        """Lift the held object and hold it for a second; grasp it again when it slips.
 
         Args:
-            height_m: how high; a grasp is only planned for `LIFT_HEIGHT`, more may be out of reach.
+            height_m: how high; grasps are planned for `LIFT_HEIGHT`, more may be out of reach.
         """
-        return self._with_it(lambda: self._lift_once(height_m), self._grasp_again)
+        return self._retry(lambda: self._lift(height_m), self._grasp)
 
     def hold(self, seconds: float) -> MotionReport:
-        """Stand still with what is held."""
+        """Stand still with the held object."""
         if self.held is None:
             return MotionReport("hold", ok=False, reason="nothing_held")
-        held_s = self._motion.hold_still(self.held, seconds)
+        held_s = self.motion.hold_still(self.held, seconds)
         return self.report("hold", "" if held_s >= seconds else "dropped", held_s=held_s)
 
     def hand_over(self) -> MotionReport:
-        """Bring what is held to the receiver, its free part first, and hold it there.
+        """Bring the held object to the receiver, its free part first, and hold it there.
 
-        What is lost on the way is taken and lifted again.
+        An object that is lost on the way is grasped and lifted again.
         """
-        return self._with_it(self._offer, self._lift_again)
+        return self._retry(self._hand_over, self._grasp_and_lift)
 
     def put_back(self) -> MotionReport:
-        """Put what is held back where it was taken up, and let it go."""
-        if self.held is None or self.sight is None:
+        """Put the held object back where it was taken up, and release it."""
+        if self.held is None:
             return MotionReport("put_back", ok=False, reason="nothing_held")
-        reason = self._motion.put_back(self.held, self.reacher(self.sight))
+        reason = self.motion.put_back(self.held, self.motion.path_planner(self.held.context))
         if not reason:
             self.held = None
         return self.report("put_back", reason)
 
-    # --- how ----------------------------------------------------------------------------------
+    def point_at(self, percept: Percept) -> MotionReport:
+        """Point at an object without touching it; a held one is put back before."""
+        if self.held:
+            self.put_back()
+        context = self._observe(percept.name, None)
+        if context is None:
+            return MotionReport("point_at", ok=False, reason="nothing_seen")
+        planner = self.motion.path_planner(context)
+        reason = self.motion.point_at(context.percept.cloud, planner)
+        return MotionReport("point_at", ok=not reason, reason=reason)
 
-    def _grasp_again(self) -> MotionReport:
-        """Look, plan and close the hand until it holds the part, or the attempts are used up."""
-        reason = "nothing_seen"
-        while not self._aim.is_given_up:
-            sight = self._gaze.sight(self._aim.name, self._aim.part)
-            if sight is None or not len(sight.wanted):
-                break
-            reason, reach = self._choose(sight)
-            if reach is None:
-                break
-            reason, touch = self._take(reach, sight)
-            if not reason:
-                return self.report("grasp", "", touched=touch.parts(self._aim.name))
-            self._aim = self._aim.failed(reason)
-            self.release()
-        return MotionReport(
-            "grasp",
-            ok=False,
-            reason=reason,
-            attempts=self._aim.attempts,
-            failures=self._aim.failures,
-            bumped=self._bumped(),
-        )
-
-    def _choose(self, sight: Sight) -> tuple[str, Reach | None]:
-        """The way to the best grasp that can be reached and has not failed before; or why not."""
-        choice = choose(
-            self._aim,
-            sight,
-            self.reacher(sight),
-            self._robot.gripper,
-            lift=LIFT_HEIGHT,
-            rng=self._rng,
-        )
-        if self.on_plan:
-            grasp = choice.reach.grasp if choice.reach else None
-            self.on_plan(self._aim.name, self._aim.part, choice.plan, grasp)
-        return choice.reason, choice.reach
-
-    def _take(self, reach: Reach, sight: Sight) -> tuple[str, FingerContacts]:
-        """Close the hand once; what went wrong, and what the fingers feel."""
-        name = self._aim.name
-        before = self._world.pose(name)
-        touch = self._motion.take(reach)
-        self._aim = self._aim.closed_on(reach.grasp)
-        self.sight = sight
-        if not touch.both:
-            return "missed", touch
-        if any(body != name or link not in sight.allowed for body, link in touch.both):
-            return "wrong_part", touch
-        if not touch.holds(name):
-            return "missed", touch
-        self.held = self._motion.grip_on(name, reach, sight, before)
-        return "", touch
-
-    def _with_it(
-        self, act: Callable[[], MotionReport], again: Callable[[], MotionReport]
-    ) -> MotionReport:
-        """Do something with what is held; take what is lost again, and do it anew."""
-        report = act()
-        while report.reason in LOST:
-            self._aim = self._aim.failed(report.reason)
-            self.release()
-            report = replace(report, failures=self._aim.failures)
-            if self._aim.is_given_up:
-                break
-            taken = again()
-            if not taken.ok:
-                return replace(report, attempts=taken.attempts, failures=taken.failures)
-            report = act()
-        return report
-
-    def _lift_again(self) -> MotionReport:
-        grasped = self._grasp_again()
-        return self.lift() if grasped.ok else grasped
-
-    def _offer(self) -> MotionReport:
-        if self.held is None or self.sight is None:
-            return MotionReport("hand_over", ok=False, reason="nothing_held")
-        reason = self._motion.hand_over(self.held, self.reacher(self.sight))
-        held_s = 0.0
-        if not reason:
-            held_s = self._motion.hold_still(self.held, OFFER_TIME)
-            reason = "" if held_s >= OFFER_TIME else "dropped"
-        report = self.report("hand_over", reason, held_s=held_s)
-        return replace(report, at=self._grip()) if report.ok else report
-
-    def _grip(self) -> tuple[float, ...]:
-        world_from_grip = self._robot.world_from_grip
-        return (*world_from_grip[:3, 3].tolist(), *poses.quaternion(world_from_grip[:3, :3]))
-
-    def _lift_once(self, height_m: float) -> MotionReport:
-        if self.held is None or self.sight is None:
-            return MotionReport("lift", ok=False, reason="nothing_held")
-        if not self._motion.raise_up(self.held, height_m, self.reacher(self.sight)):
-            return self.report("lift", "slipped")
-        held_s = self._motion.hold_still(self.held, HOLD_TIME)
-        if held_s < HOLD_TIME:
-            return self.report("lift", "dropped", held_s=held_s)
-        lifted = self._motion.height_gained(self.held) >= min(LEAST_LIFT, height_m)
-        return self.report("lift", "" if lifted else "slipped", held_s=held_s)
-
-    def release(self) -> None:
-        """Open the hand, go back and home."""
-        if self.sight is not None:
-            self._motion.let_go(self.reacher(self.sight))
+    def drop(self) -> None:
+        """Release the held object, or what is left of the grip on it, and go home."""
+        if self.held:
+            self.motion.release(self.motion.path_planner(self.held.context))
         self.held = None
-
-    def reacher(self, sight: Sight) -> Reacher:
-        """Return a planner of paths among what was seen."""
-        return Reacher(self._robot, self._motion.table, sight.everything, sight.others)
 
     def report(
         self, action: str, reason: str, *, held_s: float = 0.0, touched: tuple[str, ...] = ()
     ) -> MotionReport:
-        """Return a report on an action as things stand now; it succeeded when `reason` is ""."""
+        """Report on an action in the present state; it succeeded when `reason` is empty."""
         held = self.held
-        slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
+        slip_m, slip_rad = self.motion.slip(held) if held else (0.0, 0.0)
         return MotionReport(
             action,
             ok=not reason,
             reason=reason,
-            touched=touched or (self._motion.feel().parts(held.name) if held else ()),
-            lifted_m=self._motion.height_gained(held) if held else 0.0,
+            touched=touched or (self.motion.finger_contacts().parts(held.name) if held else ()),
+            lifted_m=self.motion.height_gained(held) if held else 0.0,
             held_s=held_s,
-            attempts=self._aim.attempts,
-            failures=self._aim.failures,
-            score=held.reach.grasp.score if held else 0.0,
+            attempts=self._task.attempts,
+            failures=self._task.failures,
+            score=held.path.grasp.score if held else 0.0,
             slip_m=slip_m,
             slip_rad=slip_rad,
             bumped=self._bumped(),
-            depth_m=self.target.depth if self.target else 0.0,
-            driven=self.target is not None and self.target.is_in,
         )
 
+    # --- steps --------------------------------------------------------------------------------
+
+    def _observe(self, name: str, part: str | None) -> GraspContext | None:
+        """How an object and its surroundings are seen now; None when it is not visible."""
+        percept = self._vision.find(name)
+        if percept is None:
+            return None
+        return GraspContext(percept, self._world.kinds[name], part, self._vision.obstacles(name))
+
+    def _grasp(self) -> MotionReport:
+        """Observe, plan and close the gripper until it holds the part or the task is given up."""
+        reason = "nothing_seen"
+        while not self._task.is_given_up:
+            context = self._observe(self._task.name, self._task.part)
+            if context is None or not len(context.target):
+                break
+            reason, path = self._select(context)
+            if path is None:
+                break
+            reason, contacts = self._close_on(path, context)
+            if not reason:
+                return self.report("grasp", "", touched=contacts.parts(self._task.name))
+            self._task = self._task.with_failure(reason)
+            self.motion.release(self.motion.path_planner(context))
+            self.held = None
+        return MotionReport(
+            "grasp",
+            ok=False,
+            reason=reason,
+            attempts=self._task.attempts,
+            failures=self._task.failures,
+            bumped=self._bumped(),
+        )
+
+    def _select(self, context: GraspContext) -> tuple[str, GraspPath | None]:
+        """The path to the selected grasp, or the reason why there is none."""
+        selection = select_grasp(
+            self._task,
+            context,
+            self.motion.path_planner(context),
+            self.motion.robot.gripper,
+            lift=LIFT_HEIGHT,
+            rng=self._rng,
+        )
+        if self.on_plan:
+            grasp = selection.path.grasp if selection.path else None
+            self.on_plan(self._task.name, self._task.part, selection.plan, grasp)
+        return selection.reason, selection.path
+
+    def _close_on(self, path: GraspPath, context: GraspContext) -> tuple[str, FingerContacts]:
+        """Close the gripper once; the reason of failure, and what the fingers touch."""
+        name = self._task.name
+        before = self._world.pose(name)
+        contacts = self.motion.grasp(path)
+        self._task = self._task.with_attempt(path.grasp)
+        allowed = {(name, part) for part in context.allowed_parts}
+        if contacts.both - allowed:
+            return "wrong_part", contacts
+        if not contacts.holds(name):
+            return "missed", contacts
+        self.held = self.motion.held_object(context, path, before)
+        return "", contacts
+
+    def _retry(
+        self, act: Callable[[], MotionReport], recover: Callable[[], MotionReport]
+    ) -> MotionReport:
+        """Act with the held object; when it is lost, recover it and act again."""
+        report = act()
+        while report.reason in LOST:
+            self._task = self._task.with_failure(report.reason)
+            self.drop()
+            report = replace(report, failures=self._task.failures)
+            if self._task.is_given_up:
+                break
+            recovered = recover()
+            if not recovered.ok:
+                return replace(report, attempts=recovered.attempts, failures=recovered.failures)
+            report = act()
+        return report
+
+    def _lift(self, height_m: float) -> MotionReport:
+        held = self.held
+        if held is None:
+            return MotionReport("lift", ok=False, reason="nothing_held")
+        if not self.motion.lift(held, height_m, self.motion.path_planner(held.context)):
+            return self.report("lift", "slipped")
+        held_s = self.motion.hold_still(held, HOLD_TIME)
+        if held_s < HOLD_TIME:
+            return self.report("lift", "dropped", held_s=held_s)
+        lifted = self.motion.height_gained(held) >= min(MIN_LIFT, height_m)
+        return self.report("lift", "" if lifted else "slipped", held_s=held_s)
+
+    def _grasp_and_lift(self) -> MotionReport:
+        grasped = self._grasp()
+        return self.lift() if grasped.ok else grasped
+
+    def _hand_over(self) -> MotionReport:
+        held = self.held
+        if held is None:
+            return MotionReport("hand_over", ok=False, reason="nothing_held")
+        reason = self.motion.hand_over(held, self.motion.path_planner(held.context))
+        if reason:
+            return self.report("hand_over", reason)
+        held_s = self.motion.hold_still(held, OFFER_TIME)
+        if held_s < OFFER_TIME:
+            return self.report("hand_over", "dropped", held_s=held_s)
+        grip = self.motion.robot.world_from_grip
+        at = (*grip[:3, 3].tolist(), *poses.quaternion(grip[:3, :3]))
+        return replace(self.report("hand_over", "", held_s=held_s), at=at)
+
     def _bumped(self) -> tuple[str, ...]:
-        """The neighbours that have moved since the hand went for its aim."""
+        """The neighbours that have moved since the task was set."""
         moved = {
             name: float(np.linalg.norm(self._world.pose(name)[:3, 3] - before[:3, 3]))
-            for name, before in self._places.items()
-            if name != self._aim.name
+            for name, before in self._before.items()
+            if name != self._task.name
         }
         return tuple(name for name, distance in moved.items() if distance > BUMP)

@@ -1,130 +1,327 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Striking with what is held: a face of it is brought above something, and comes down on it.
+"""Striking: drive an object such as a nail into another one with a face of the held object.
 
-Which face, and how the hand must be turned for it, is found in `pounding`; here the arm moves. The
-way down is straight, and aims below what is struck, so that the face is fast when it meets it.
+A good face is wide, level, the lowest of hand and object, and near below the hand: a blow far from
+the fingers turns the object in them. Faces are sought in the point cloud, over many orientations of
+the hand. The blow is straight down and aims below the target, so that the face is fast at contact.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.path_planner import Reacher
+from ..robot.collision import Spheres
+from ..robot.hand_poses import DOWN
+from ..robot.kinematics import Chain
+from ..robot.path_planner import PathPlanner
 from ..robot.robot import NAME
-from .motion import Held, Motion
-from .pounding import StrikePose, hand_points, strikes
+from ..scene.world import World
+from ..vision.percept import Percept
+from ..vision.point_clouds import voxel_downsample
+from .motion import HeldObject
+from .pick_and_place import LOST, PickAndPlace
+from .report import MotionReport
 
-POISE = 0.07  # [m] above what is struck, a blow begins
-THROUGH = (0.05, 0.02, 0.005)  # [m] below it, where a blow aims, to be fast when it strikes
-BLOW_PACE, POISE_PACE = 0.9, 0.4
-FELT_BLOW = 2.0  # [N]
-FOLLOW_STEPS = 5  # for so long the hand goes on after it has struck
+POINT_CELL = 0.003  # [m], voxel size of the points in which faces are sought
+LEVEL = 0.003  # [m] above the lowest point, up to which points belong to the face
+MIN_FACE = 4e-5  # [m^2], about 6 x 6 mm; a smaller face would slide off a nail
+BEST_FACE = 4e-4  # [m^2], a larger one is no better
+LEVER_COST = 6.0  # [1/m] of score for the distance between face and hand
+TILT_COST = 0.15  # of score for a hand that does not look down
+HAND_CLEARANCE = 0.012  # [m] of the hand above the face
+TILTS_DEG = (0.0, 30.0, 60.0, 80.0, 90.0)
+HEADINGS, ROLLS = 12, 12
+INWARDS = 0.4  # share of the way from the rim of a face to its middle, where it may strike
+MAX_POSES = 60  # that are tried
+
+START_HEIGHT = 0.07  # [m] above the target, where a blow starts
+THROUGH = (0.05, 0.02, 0.005)  # [m] below the target, where a blow aims
+BLOW_PACE, RAISE_PACE = 0.9, 0.4
+BLOW_FORCE = 2.0  # [N], contacts with more are a hit
+FOLLOW_STEPS = 5  # for which the hand moves on after a hit
+AFTER_BLOW = 0.15  # [s], until everything is at rest
 SAME_FACE = 0.6  # [rad]
-AROUND = 8  # strikes for which a way round is sought
+MAX_DETOURS = 8  # poses to which a detour is sought
+
+DRIVEN = 0.003  # [m], an object that lacks less is driven in
+TOP = 0.0015  # [m] below the highest point, down to which points belong to the top
 
 
-class StrikingMotion(Motion):
-    """Motion of a robot that can also strike."""
+class StrikeTarget:
+    """An object that is to be driven into another one.
 
-    def move_above(self, held: Held, target: Array, reacher: Reacher, cloud: Array) -> str:
-        """Bring a face of what is held above a point (3,) [m]; the reason why not, or "".
+    Args:
+        world: with the object.
+        name: of the object, which stands in another one.
+        cloud: its visible points (n, 3) [m].
 
-        Args:
-            held: what strikes.
-            target: the middle of what is to be struck, at its top.
-            reacher: plans the way.
-            cloud: what is held as it was seen before it was taken up (n, 3) [m].
-        """
-        above_it = np.array([0.0, 0.0, POISE])
-        for strike in self._strikes(held, cloud):
-            path = self._carry_to(held, strike.world_from_grip(target + above_it), reacher)
+    Raises:
+        UnknownNameError: it does not stand in another object.
+    """
+
+    def __init__(self, world: World, name: str, cloud: Array) -> None:
+        self._world, self.name = world, name
+        self._seen_top, self._seen_depth = top_of(cloud), world.depth(name)
+
+    @property
+    def depth(self) -> float:
+        """How deep it stands in the other object [m]."""
+        return self._world.depth(self.name)
+
+    @property
+    def top(self) -> Array:
+        """Its top (3,): where it was seen, lowered by as much as it was driven in since [m]."""
+        return self._seen_top - (0, 0, self.depth - self._seen_depth)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether it is driven in completely."""
+        mount = self._world.kinds[self.name].mount
+        return mount is not None and self.depth > mount.deepest - DRIVEN
+
+
+def top_of(cloud: Array) -> Array:
+    """The middle of the highest face of a cloud (n, 3) [m]."""
+    top = float(cloud[:, 2].max())
+    face = cloud[cloud[:, 2] > top - TOP]
+    return np.array([*(face[:, :2].min(axis=0) + face[:, :2].max(axis=0)) / 2, top])
+
+
+class Striking:
+    """Strikes with the object that a robot holds.
+
+    Args:
+        world: with the objects.
+        hand: holds the object.
+    """
+
+    def __init__(self, world: World, hand: PickAndPlace) -> None:
+        self._world, self._hand, self._motion = world, hand, hand.motion
+        self._robot = hand.motion.robot
+        self._target: StrikeTarget | None = None
+
+    def move_above(self, percept: Percept) -> MotionReport:
+        """Bring the held object above one that is to be driven in, a face of it downwards."""
+        held = self._hand.held
+        if held is None:
+            return MotionReport("move_above", ok=False, reason="nothing_held")
+        if self._world.support(percept.name) is None:
+            return self._hand.report("move_above", "nothing_to_strike")
+        self._target = StrikeTarget(self._world, percept.name, percept.cloud)
+        start, planner = self._start(self._target), self._motion.path_planner(held.context)
+        for strike in self._strike_poses(held):
+            path = self._plan_carry(held, strike.world_from_grip(start), planner)
             if path is not None:
-                return "" if self._follow_with(held, path) else "dropped"
-        return "unreachable"
+                return self._report(
+                    "move_above", "" if self._motion.carry(held, path) else "dropped"
+                )
+        return self._report("move_above", "unreachable")
 
-    def poise(self, held: Held, target: Array, reacher: Reacher, cloud: Array) -> str:
-        """Go back above a point (3,) [m], the face that struck level again; why not, or ""."""
-        now = self.robot.world_from_grip[:3, :3]
-        near = [
+    def raise_(self) -> MotionReport:
+        """Bring the held object back above the target, ready for a blow."""
+        held, target = self._hand.held, self._target
+        if held is None or target is None:
+            return MotionReport("raise", ok=False, reason="nothing_held")
+        return self._report("raise", self._raise(held, self._start(target)))
+
+    def lower(self) -> MotionReport:
+        """Strike once. Driving the target in completely is a success even if the grip is lost."""
+        held, target = self._hand.held, self._target
+        if held is None or target is None:
+            return MotionReport("lower", ok=False, reason="nothing_held")
+        reason = self._blow(held)
+        self._robot.wait(AFTER_BLOW)
+        report = self._report("lower", reason)
+        if reason not in LOST:
+            return report
+        self._hand.drop()
+        return replace(report, ok=True, reason="") if report.driven else report
+
+    def _report(self, action: str, reason: str) -> MotionReport:
+        report, target = self._hand.report(action, reason), self._target
+        if target is None:
+            return report
+        return replace(report, depth_m=target.depth, driven=target.is_driven)
+
+    def _start(self, target: StrikeTarget) -> Array:
+        """Where the face is before a blow (3,) [m]."""
+        return target.top + np.array([0.0, 0.0, START_HEIGHT])
+
+    def _raise(self, held: HeldObject, start: Array) -> str:
+        """Bring the face that struck level above the target; return the reason of failure."""
+        planner = self._motion.path_planner(held.context)
+        now = self._robot.world_from_grip[:3, :3]
+        same_face = [
             strike
-            for strike in self._strikes(held, cloud)
+            for strike in self._strike_poses(held)
             if poses.angle_between(strike.rotation, now) < SAME_FACE
         ]
-        here, above_it = self._strike_as_it_is(held, cloud), np.array([0.0, 0.0, POISE])
-        goals = [strike.world_from_grip(target + above_it) for strike in [*near, here]]
-        ways = ((goal, reacher.straight_to(goal)) for goal in goals)
-        straight = [(goal, way) for goal, way in ways if way is not None]
-        best = (way for goal, way in straight if self._can_strike(way[-1], goal, reacher))
-        # Where the arm comes to its limits on the straight way, it goes round by free space.
-        around = (self._carry_to(held, goal, reacher) for goal in goals[:AROUND])
-        for path in chain(best, around, (way for _, way in straight)):
+        goals = [strike.world_from_grip(start) for strike in [*same_face, self._present_pose(held)]]
+        paths = ((goal, planner.plan_straight(goal)) for goal in goals)
+        straight = [(goal, path) for goal, path in paths if path is not None]
+        best = (path for goal, path in straight if self._can_strike(path[-1], goal, planner))
+        # Where joint limits bar the straight path, a detour through free space is taken.
+        detours = (self._plan_carry(held, goal, planner) for goal in goals[:MAX_DETOURS])
+        for path in chain(best, detours, (path for _, path in straight)):
             if path is not None:
-                free = self.robot.follow(path, pace=POISE_PACE, stop=self._loses(held.name))
-                return "" if free else "dropped"
+                is_lost = self._motion.loss_check(held.name)
+                held_on = self._robot.follow(path, pace=RAISE_PACE, stop=is_lost)
+                return "" if held_on else "dropped"
         return "unreachable"
 
-    def blow(self, held: Held, target: Array, reacher: Reacher) -> str:
-        """Strike down on a point (3,) below the face [m]; the reason why not, or ""."""
-        grip = self.robot.world_from_grip
-        ways = (
-            reacher.straight_to(poses.translation(0, 0, -POISE - through) @ grip)
+    def _blow(self, held: HeldObject) -> str:
+        """Strike down on what is below the face; return the reason of failure, or ""."""
+        planner, grip = self._motion.path_planner(held.context), self._robot.world_from_grip
+        paths = (
+            planner.plan_straight(poses.translation(0, 0, -START_HEIGHT - through) @ grip)
             for through in THROUGH
         )
-        path = next((way for way in ways if way is not None), None)
+        path = next((path for path in paths if path is not None), None)
         if path is None:
             return "unreachable"
-        self.robot.follow(path, pace=BLOW_PACE, stop=self._strikes_something(held.name))
-        return "" if self.feel().holds(held.name) else "dropped"
+        self._robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
+        return "" if self._motion.finger_contacts().holds(held.name) else "dropped"
 
-    def _strikes(self, held: Held, cloud: Array) -> list[StrikePose]:
+    def _strike_poses(self, held: HeldObject) -> list[StrikePose]:
         hand = hand_points(
-            self.robot.body_spheres(self.robot.opening),
-            self.robot.chain,
-            self.robot.gripper.hand_from_grip,
+            self._robot.body_spheres(self._robot.opening),
+            self._robot.chain,
+            self._robot.gripper.hand_from_grip,
         )
-        return strikes(self._in_grip(held, cloud), hand)
+        return find_strike_poses(self._points_in_grip(held), hand)
 
-    def _strike_as_it_is(self, held: Held, cloud: Array) -> StrikePose:
-        """The lowest point of what is held, as it is held now."""
-        rotation = self.robot.world_from_grip[:3, :3]
-        thing = self._in_grip(held, cloud)
-        return StrikePose(rotation, thing[np.argmin((thing @ rotation.T)[:, 2])], 0.0)
+    def _present_pose(self, held: HeldObject) -> StrikePose:
+        """The pose that strikes with the lowest point of the object as it is held now."""
+        rotation = self._robot.world_from_grip[:3, :3]
+        points = self._points_in_grip(held)
+        return StrikePose(rotation, points[np.argmin((points @ rotation.T)[:, 2])], 0.0)
 
-    def _in_grip(self, held: Held, cloud: Array) -> Array:
-        grip_from_hand = poses.inverse(self.robot.gripper.hand_from_grip)
-        thing_from_seen = poses.inverse(held.world_from_start)
-        return poses.transform(grip_from_hand @ self._hand_from(held.name) @ thing_from_seen, cloud)
+    def _points_in_grip(self, held: HeldObject) -> Array:
+        """The points (n, 3) of the object as it was seen, in the grip frame now [m]."""
+        grip_from_hand = poses.inverse(self._robot.gripper.hand_from_grip)
+        object_from_seen = poses.inverse(held.world_from_start)
+        hand_from_object = self._motion.hand_from_object(held.name)
+        return poses.transform(
+            grip_from_hand @ hand_from_object @ object_from_seen, held.context.percept.cloud
+        )
 
-    def _poised(self, above: Array, reacher: Reacher) -> Array | None:
-        """The posture above a blow from which the way down is free to go; None if there is none."""
-        answer = reacher.postures(above[None])
-        is_good = answer.found[0] and self._can_strike(answer.joints[0], above, reacher)
-        return answer.joints[0] if is_good else None
+    def _plan_carry(self, held: HeldObject, goal: Array, planner: PathPlanner) -> Array | None:
+        """A path to a grip pose from which a blow is possible; None without one."""
+        answer = planner.inverse_kinematics(goal[None])
+        if not answer.found[0] or not self._can_strike(answer.joints[0], goal, planner):
+            return None
+        return self._motion.plan_carry(held, answer.joints[0], planner)
 
-    def _can_strike(self, joints: Array, above: Array, reacher: Reacher) -> bool:
-        """Whether a posture above a blow leaves the arm room to strike with all its speed."""
-        below = poses.translation(0, 0, -POISE - THROUGH[0]) @ above
-        return reacher.way_from(joints, above, below) is not None
+    def _can_strike(self, joints: Array, start: Array, planner: PathPlanner) -> bool:
+        """Whether the arm can strike at full speed from a posture and its grip pose."""
+        below = poses.translation(0, 0, -START_HEIGHT - THROUGH[0]) @ start
+        return planner.plan_straight(below, start=start, joints=joints) is not None
 
-    def _carry_to(self, held: Held, goal: Array, reacher: Reacher) -> Array | None:
-        """A way to a pose from which a blow can go down; None if there is none."""
-        posture = self._poised(goal, reacher)
-        return None if posture is None else self._carry(held, posture, reacher)
-
-    def _strikes_something(self, name: str) -> Callable[[], bool]:
-        """A question for each step: has what is held struck, and followed through?"""
+    def _hit_check(self, name: str) -> Callable[[], bool]:
+        """A function for each step that returns whether an object has hit and followed through."""
         after = 0
 
-        def struck() -> bool:
+        def is_done() -> bool:
             nonlocal after
-            contacts = self.robot.engine.contacts.find(name)
-            hit = any(c.force > FELT_BLOW and c.other != NAME for c in contacts)
+            contacts = self._robot.engine.contacts.find(name)
+            hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
             after += bool(after) or hit
             return after > FOLLOW_STEPS
 
-        return struck
+        return is_done
+
+
+@dataclass(frozen=True)
+class StrikePose:
+    """An orientation of the hand in which a face of the held object strikes.
+
+    Attributes:
+        rotation: `world_from_grip` (3, 3) at the blow.
+        point: of the face that meets the target (3,), in the grip frame [m].
+        score: the higher the better.
+    """
+
+    rotation: Array
+    point: Array
+    score: float
+
+    def world_from_grip(self, target: Array) -> Array:
+        """The grip (4, 4) with the face at a point (3,) of the world [m]."""
+        return poses.pose(self.rotation, target - self.rotation @ self.point)
+
+
+def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
+    """Return poses to strike with an object, best first.
+
+    Args:
+        held: points of the object (n, 3), in the grip frame [m].
+        hand: points of the hand (m, 3), in the grip frame [m].
+    """
+    cloud = held[voxel_downsample(held, POINT_CELL)]
+    found = (_strike_pose(rotation, cloud, hand) for rotation in _orientations())
+    good = [strike for strike in found if strike is not None]
+    return sorted(good, key=lambda strike: -strike.score)[:MAX_POSES]
+
+
+def hand_points(spheres: Spheres, chain: Chain, hand_from_grip: Array) -> Array:
+    """Points (m, 3) round the spheres of the hand, in the grip frame [m]."""
+    own = spheres.link == len(chain.links) - 1
+    centres = poses.transform(poses.inverse(hand_from_grip), spheres.centre[own])
+    around = np.vstack([np.eye(3), -np.eye(3)])
+    return (centres[:, None] + spheres.radius[own, None, None] * around).reshape(-1, 3)
+
+
+def _orientations() -> Iterator[Array]:
+    """Orientations of the hand (3, 3), from looking down to level."""
+    for tilt in np.radians(TILTS_DEG):
+        lean = poses.rotation_about((0, 1, 0), tilt)
+        for heading in np.arange(HEADINGS if tilt else 1) * 2 * np.pi / HEADINGS:
+            for roll in np.arange(ROLLS) * 2 * np.pi / ROLLS:
+                around, turn = (poses.rotation_about((0, 0, 1), each) for each in (heading, roll))
+                yield around @ lean @ DOWN @ turn
+
+
+def _strike_pose(rotation: Array, held: Array, hand: Array) -> StrikePose | None:
+    at = held @ rotation.T
+    lowest = float(np.partition(at[:, 2], 2)[2])  # one stray point is no face
+    if lowest > float((hand @ rotation.T)[:, 2].min()) - HAND_CLEARANCE:
+        return None
+    face = at[at[:, 2] < lowest + LEVEL]
+    area = _hull_area(face[:, :2])
+    if area < MIN_FACE:
+        return None
+    middle = face.mean(axis=0)
+    inner = middle + (1 - INWARDS) * (face - middle)
+    lever = np.linalg.norm(inner[:, :2], axis=1)
+    point = np.array([*inner[np.argmin(lever), :2], lowest])
+    score = np.sqrt(min(area / BEST_FACE, 1.0)) - LEVER_COST * float(lever.min())
+    return StrikePose(rotation, rotation.T @ point, score - TILT_COST * (1 + float(rotation[2, 2])))
+
+
+def _hull_area(points: Array) -> float:
+    """The area of the convex hull of points (n, 2) [m^2]."""
+    order = points[np.lexsort((points[:, 1], points[:, 0]))]
+    if len(order) < 3:
+        return 0.0
+    x, y = np.array([*_hull_side(order), *_hull_side(order[::-1])]).T
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+
+
+def _hull_side(points: Array) -> list[Array]:
+    """One side of the convex hull, without its last point (Andrew 1979)."""
+    side: list[Array] = []
+    for point in points:
+        while len(side) > 1 and _turn(side[-2], side[-1], point) <= 0:
+            side.pop()
+        side.append(point)
+    return side[:-1]
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

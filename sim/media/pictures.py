@@ -70,7 +70,7 @@ def take_picture(
         camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)
     )
     with engine.rendering.tinted(*tint, TINT) if tint else nullcontext():
-        view = large.look(engine, light=light)
+        view = large.capture(engine, light=light)
     picture = view.colour.copy()
     if TABLE_TOP[0] in engine.bodies.names:
         table = view.mask(*TABLE_TOP)

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How near an arm comes to things: spheres on its links against seen points and the table.
+"""Collision checks of an arm: spheres on its links against seen points, the table and itself.
 
-The robot knows of its surroundings only what its cameras saw, so a path is checked against points,
-not against the simulator's bodies. Spheres are cheap and a little too large, which is the safe
-side.
+The robot knows its surroundings only from its cameras, so paths are checked against points, not
+against the simulator's bodies. The spheres are a little larger than the links.
 """
 
 from __future__ import annotations
@@ -18,10 +17,10 @@ from ..poses import Array
 from .kinematics import Chain
 from .models import Gripper
 
-FINGER_BALLS = 4  # along each finger
-FAR = 0.04  # [m], a gap that no way needs
-AT_ONCE = 200_000  # pairs of a sphere and a point, so that their distances stay in the cache
-BALL_SHARE = 0.45  # radius of a finger's ball, as a share of the finger's width
+FINGER_SPHERES = 4  # along each finger
+MAX_GAP = 0.04  # [m], larger gaps are reported as this
+CHUNK = 200_000  # pairs of a sphere and a point, so that their distances stay in the cache
+FINGER_RADIUS = 0.45  # as a share of the finger's width
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class Spheres:
     radius: Array
 
     def joined(self, other: Spheres) -> Spheres:
-        """These and the other ones."""
+        """These spheres and others."""
         return Spheres(
             np.concatenate([self.link, other.link]),
             np.concatenate([self.centre, other.centre]),
@@ -47,7 +46,7 @@ class Spheres:
         )
 
     def placed(self, base_from_link: Array) -> Array:
-        """The centres (n, s, 3) when the links are at `base_from_link` (n, links, 4, 4)."""
+        """Centres (n, s, 3) for links at `base_from_link` (n, links, 4, 4)."""
         at = base_from_link[:, self.link]
         return np.einsum("nsij,sj->nsi", at[..., :3, :3], self.centre) + at[..., :3, 3]
 
@@ -60,16 +59,16 @@ def arm_spheres(chain: Chain, spheres: Mapping[str, Array]) -> Spheres:
 
 
 def finger_spheres(chain: Chain, gripper: Gripper, opening: float) -> Spheres:
-    """The fingers of a hand that is open by `opening` [m]."""
-    radius = BALL_SHARE * gripper.finger_width
-    heights = np.linspace(gripper.palm, gripper.tip - radius, FINGER_BALLS) + gripper.grip
+    """The fingers of a gripper that is open by `opening` [m]."""
+    radius = FINGER_RADIUS * gripper.finger_width
+    heights = np.linspace(gripper.palm, gripper.tip - radius, FINGER_SPHERES) + gripper.grip
     aside = opening / 2 + gripper.finger_thickness / 2
     centre = [(0.0, side * aside, z) for side in (-1, 1) for z in heights]
-    return on_hand(chain, np.array(centre), radius)
+    return hand_spheres(chain, np.array(centre), radius)
 
 
-def on_hand(chain: Chain, points: Array, radius: float) -> Spheres:
-    """Equal spheres at points (n, 3) of the hand's frame: something that the hand holds."""
+def hand_spheres(chain: Chain, points: Array, radius: float) -> Spheres:
+    """Equal spheres at points (n, 3) of the hand frame, such as those of a held object."""
     link = np.full(len(points), len(chain.links) - 1)
     return Spheres(link, points, np.full(len(points), radius))
 
@@ -80,36 +79,34 @@ def clearance(
     joints: Array,
     *,
     world_from_base: Array,
-    seen: Array,
+    points: Array,
     table: float,
 ) -> float:
-    """The smallest gap [m] between the spheres and what they may hit, over all postures.
-
-    Gaps to points that are larger than `FAR` are told as that.
+    """The smallest gap [m] between spheres and obstacles, over all postures.
 
     Args:
         chain: the arm.
-        spheres: what it fills.
+        spheres: on its links.
         joints: postures (n, k) [rad].
         world_from_base: (4, 4).
-        seen: points (p, 3) in the world [m].
+        points: of obstacles (p, 3), in the world [m]; gaps to them are at most `MAX_GAP`.
         table: height of the table in the world [m].
     """
     centres = poses.transform(world_from_base, spheres.placed(chain.frames(joints)).reshape(-1, 3))
     radius = np.tile(spheres.radius, len(joints))
     gap = float(np.min(centres[:, 2] - radius)) - table
-    return min(gap, _gap_to_points(centres, radius, seen)) if len(seen) else gap
+    return min(gap, _gap_to_points(centres, radius, points)) if len(points) else gap
 
 
 def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
-    """The smallest gap between spheres (n, 3), (n,) and points (p, 3), at most `FAR` [m].
+    """The smallest gap between spheres (n, 3), (n,) and points (p, 3), at most `MAX_GAP` [m].
 
-    Few points and few spheres near them: to compare them all takes less than a tree of them.
+    There are few points, and few spheres near them: a k-d tree takes longer than all pairs.
     """
-    reach = radius[:, None] + FAR
+    reach = radius[:, None] + MAX_GAP
     low, high = points.min(axis=0), points.max(axis=0)
     near = np.flatnonzero(((centres > low - reach) & (centres < high + reach)).all(axis=1))
-    gap, count = FAR, max(1, AT_ONCE // len(points))
+    gap, count = MAX_GAP, max(1, CHUNK // len(points))
     for first in range(0, len(near), count):
         some = near[first : first + count]
         squares = np.zeros((len(some), len(points)))
@@ -120,7 +117,7 @@ def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
 
 
 def self_clearance(chain: Chain, held: Spheres, arm: Spheres, joints: Array) -> float:
-    """The smallest gap [m] between what the hand holds and the arm behind it.
+    """The smallest gap [m] between a held object and the arm.
 
     Args:
         chain: the arm.

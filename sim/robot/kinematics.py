@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Kinematics of an arm: where its tip is for given joints, and which joints put it there.
+"""Forward and inverse kinematics of an arm, vectorised over postures and targets.
 
-A `Chain` is read from the URDF file of a robot. `forward` multiplies the joints' poses; `solve`
-is damped least squares (Wampler 1986) from several starts, all of them and all targets at once:
-a step is dq = J^T (J J^T + d^2 I)^-1 e, with the pose error e = (position, rotation vector) and a
-damping d that grows with the error, so that steps stay short near singular postures. Afterwards
-every answer is checked against its target and the limits of the joints.
+A `Chain` is read from the URDF file of a robot. `solve` is damped least squares (Wampler 1986)
+from several starts: a step is dq = J^T (J J^T + d^2 I)^-1 e, with the pose error
+e = (position, rotation vector) and a damping d that grows with the error, so that steps stay short
+near singular postures. Every solution is checked against its target and the joint limits.
 """
 
 from __future__ import annotations
@@ -24,12 +23,12 @@ from ..poses import Array
 
 POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to 30 steps
 ROTATION_TOLERANCE = 2e-3  # [rad]
-MAX_STEPS = 50  # from a start far away; what needs more is mostly out of reach
-TRACK_STEPS = 15  # from the pose before
-LARGEST_STEP = 0.4  # [rad] a joint may turn in one step, else the linearisation means little
-LARGEST_JUMP = 0.5  # [rad] between two poses of a path; more means another branch of the arm
-DAMPING = 0.03  # of a far target; near the target it goes down to a tenth
-REACH_SCALE = 0.3  # [m], an error of this size is far
+MAX_STEPS = 50  # from a distant start; targets that need more are mostly out of reach
+TRACK_STEPS = 15  # from the previous pose of a path
+MAX_STEP = 0.4  # [rad] of a joint, within which the linearisation holds
+MAX_JUMP = 0.5  # [rad] between two poses of a path; more is another branch of solutions
+DAMPING = 0.03  # of a distant target; near the target it falls to a tenth
+ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
 
 
 @dataclass(frozen=True)
@@ -37,13 +36,12 @@ class ChainJoint:
     """One joint of a chain.
 
     Attributes:
-        name: as the URDF has it.
+        name: in the URDF.
         kind: "revolute", "prismatic" or "fixed".
-        parent_from_joint: (4, 4), where the joint sits on the link before it.
+        parent_from_joint: (4, 4), pose on the link before it.
         axis: (3,), unit, in the joint's frame.
-        low: lower limit [rad] or [m].
-        high: upper limit [rad] or [m].
-        speed: the fastest it can go [rad/s] or [m/s].
+        low, high: limits [rad] or [m].
+        speed: limit [rad/s] or [m/s].
     """
 
     name: str
@@ -57,12 +55,12 @@ class ChainJoint:
 
 @dataclass(frozen=True)
 class Solution:
-    """What inverse kinematics found for m targets.
+    """Solutions of inverse kinematics for m targets.
 
     Attributes:
-        joints: (m, k) [rad], the best answer for each target, within the limits; for paths
+        joints: (m, k) [rad], the best posture for each target, within the limits; for paths
             (m, t, k).
-        found: (m,) bool, whether that answer reaches the target within the tolerances.
+        found: (m,) bool, whether that posture reaches the target within the tolerances.
     """
 
     joints: Array
@@ -74,7 +72,7 @@ class Chain:
     """The joints from the base of a robot to its tip.
 
     Attributes:
-        joints: all of them in order, the fixed ones too.
+        joints: all of them in order, with the fixed ones.
         links: the link behind each joint.
     """
 
@@ -83,7 +81,7 @@ class Chain:
 
     @cached_property
     def moving(self) -> tuple[ChainJoint, ...]:
-        """The joints that move; k of them."""
+        """The k joints that are not fixed."""
         return tuple(joint for joint in self.joints if joint.kind != "fixed")
 
     @cached_property
@@ -103,7 +101,7 @@ class Chain:
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array, Array]:
-        """What `frames` multiplies: (links, 4, 4) each, for 1, the sine, 1 - cosine, the value."""
+        """The factors (links, 4, 4) in `frames` of 1, the sine, 1 - cosine, and the joint value."""
         constant = np.stack([joint.parent_from_joint for joint in self.joints])
         sine, cosine, value = (np.zeros_like(constant) for _ in range(3))
         for index, joint in enumerate(self.joints):
@@ -117,16 +115,16 @@ class Chain:
 
     @cached_property
     def _is_moving(self) -> np.ndarray:
-        """Which of the links (links,) have a joint that moves."""
+        """Whether each joint is not fixed (links,)."""
         return np.array([joint.kind != "fixed" for joint in self.joints])
 
     @cached_property
     def _turning(self) -> Array:
-        """1 for each moving joint that turns, 0 for one that slides (k, 1)."""
+        """1 for each revolute joint, 0 for each prismatic one (k, 1)."""
         return np.array([[float(joint.kind == "revolute")] for joint in self.moving])
 
     def frames(self, joints: Array) -> Array:
-        """`base_from_link` of each link: (n, len(links), 4, 4) for joints (n, k)."""
+        """`base_from_link` (n, links, 4, 4) of each link, for joints (n, k)."""
         constant, sine, cosine, value = self._terms
         values = np.zeros((len(joints), len(self.joints), 1, 1))
         values[:, self._is_moving, 0, 0] = joints
@@ -141,7 +139,7 @@ class Chain:
         return self.frames(joints)[:, -1]
 
     def jacobian(self, frames: Array) -> Array:
-        """How tip position and rotation change with the joints (n, 6, k), from `frames`."""
+        """The Jacobian (n, 6, k) of tip position and rotation, from `frames`."""
         moving = frames[:, self._is_moving]
         axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self._axes)
         x, y, z = np.moveaxis(axes, -1, 0)
@@ -154,16 +152,16 @@ class Chain:
 
     @cached_property
     def _axes(self) -> Array:
-        """The axes of the moving joints, each in its own frame (k, 3)."""
+        """The axes of the moving joints, in their own frames (k, 3)."""
         return np.stack([joint.axis for joint in self.moving])
 
     def solve(self, base_from_tip: Array, starts: Array) -> Solution:
-        """Joints that put the tip at each of m targets.
+        """Solve inverse kinematics for each of m targets.
 
         Args:
             base_from_tip: targets (m, 4, 4).
-            starts: postures (s, k) to start from; of those that reach a target, the answer that
-                stays closest to the first start is taken.
+            starts: postures (s, k) to start from; of several solutions the one closest to the
+                first start is returned.
         """
         m, s = len(base_from_tip), len(starts)
         targets = np.repeat(base_from_tip, s, axis=0)
@@ -175,11 +173,11 @@ class Chain:
         rows = np.arange(m)
         return Solution(joints.reshape(m, s, -1)[rows, best], found[rows, best])
 
-    def _descend(self, joints: Array, targets: Array, *, most: int = MAX_STEPS) -> Array:
-        """Improve `joints` (n, k) in place, in `most` steps; the errors (n, 6) that remain."""
+    def _descend(self, joints: Array, targets: Array, *, steps: int = MAX_STEPS) -> Array:
+        """Improve `joints` (n, k) in place; return the remaining errors (n, 6)."""
         error = np.empty((len(joints), 6))
         busy = np.arange(len(joints))
-        for _ in range(most):
+        for _ in range(steps):
             frames = self.frames(joints[busy])
             error[busy] = pose_error(frames[:, -1], targets[busy])
             unfinished = ~_is_small(error[busy])
@@ -191,22 +189,22 @@ class Chain:
         return error
 
     def track(self, base_from_tip: Array, starts: Array) -> Solution:
-        """Joints along m paths of t poses each, every pose sought from the one before.
+        """Solve inverse kinematics along m paths of t poses, each from the solution before.
 
         Args:
             base_from_tip: (m, t, 4, 4).
-            starts: (m, k), joints a little before each path [rad].
+            starts: (m, k), postures just before each path [rad].
 
         Returns:
-            Joints (m, t, k); a path is found when all its poses are, without a jump of the joints.
+            Postures (m, t, k); a path is found when all its poses are, without a jump.
         """
         joints, path = starts.copy(), []
         found = np.ones(len(starts), dtype=bool)
         for step in range(base_from_tip.shape[1]):
-            rows = np.flatnonzero(found)  # those that are lost need not be followed any longer
+            rows = np.flatnonzero(found)  # lost paths are not followed any longer
             after = joints[rows]
-            error = self._descend(after, base_from_tip[rows, step], most=TRACK_STEPS)
-            near = np.abs(after - joints[rows]).max(axis=1, initial=0.0) < LARGEST_JUMP
+            error = self._descend(after, base_from_tip[rows, step], steps=TRACK_STEPS)
+            near = np.abs(after - joints[rows]).max(axis=1, initial=0.0) < MAX_JUMP
             found[rows] = _is_small(error) & near
             joints[rows] = after
             path.append(joints.copy())
@@ -214,22 +212,22 @@ class Chain:
 
 
 def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
-    """Position [m] and rotation vector [rad] (n, 6) that lead from the tip to the target."""
+    """Position [m] and rotation vector [rad] (n, 6) from the tip to the target."""
     turn = base_from_target[:, :3, :3] @ np.swapaxes(base_from_tip[:, :3, :3], 1, 2)
     shift = base_from_target[:, :3, 3] - base_from_tip[:, :3, 3]
     return np.concatenate([shift, poses.rotation_vector(turn)], axis=1)
 
 
 def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
-    """The chain of a URDF file from its root link to the link `tip`.
+    """Read the chain of a URDF file from its root link to the link `tip`.
 
     Args:
         path: the URDF.
         tip: the last link.
-        fixed: names of joints to take as fixed at zero.
+        fixed: names of joints to treat as fixed at zero.
 
     Raises:
-        DataError: the file is no URDF, or has no link `tip`.
+        DataError: the file is not a URDF, or has no joint to `tip`.
     """
     try:
         root = ElementTree.parse(path).getroot()  # noqa: S314 - a robot file of the installation
@@ -248,13 +246,13 @@ def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
 
 
 def _damped_step(jacobian: Array, error: Array) -> Array:
-    size = np.minimum(np.linalg.norm(error, axis=1) / REACH_SCALE, 1.0)
+    size = np.minimum(np.linalg.norm(error, axis=1) / ERROR_SCALE, 1.0)
     damping = DAMPING * np.maximum(size, 0.1)
     normal = jacobian @ np.swapaxes(jacobian, 1, 2)  # (n, 6, 6)
     normal += (damping**2)[:, None, None] * np.eye(6)
     step = np.einsum("nik,ni->nk", jacobian, np.linalg.solve(normal, error[..., None])[..., 0])
     longest = np.abs(step).max(axis=1, keepdims=True)
-    return step * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-12))
+    return step * np.minimum(1.0, MAX_STEP / np.maximum(longest, 1e-12))
 
 
 def _is_small(error: Array) -> np.ndarray:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Robots as data: arm, gripper and the spheres they fill, read from `robots.yaml`.
+"""Robot models: arm, gripper and collision spheres, read from `robots.yaml`.
 
-The comments at the head of that file say what each entry means. The numbers of the joints come
-from the robot's own URDF file.
+The comments at the head of that file describe its entries. Joint limits come from the robot's URDF
+file.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ _GRIPPER_LENGTHS = (
 
 @dataclass(frozen=True)
 class Gripper:
-    """Two parallel fingers.
+    """A parallel gripper with two fingers.
 
-    The grip frame lies in the middle between the pads: x along their width, y the way they
-    close, z out of the hand.
+    The grip frame lies midway between the pads: x along their width, y the closing direction, z out
+    of the hand.
 
     Attributes:
         joints: the two finger joints.
@@ -53,14 +53,14 @@ class Gripper:
         grip: from the hand's origin to the grip frame, along z [m].
         opening: the widest gap between the pads [m].
         force: of each finger [N].
-        pad_width: flat part of a finger along x [m].
-        finger_width: a finger along x [m].
-        pad_length: a pad along z, centred on the grip frame [m].
-        tip: the ends of the fingers, z in the grip frame [m].
-        finger_thickness: a finger along y, at its tip [m].
-        root_thickness: the same nearer to the hand than `root` [m].
-        root: where the finger becomes thicker, z in the grip frame [m].
-        palm: front of the hand, z in the grip frame [m].
+        pad_width: of the flat part of a finger, along x [m].
+        finger_width: along x [m].
+        pad_length: along z, centred on the grip frame [m].
+        tip: z of the finger tips in the grip frame [m].
+        finger_thickness: along y, at the tip [m].
+        root_thickness: the same between the hand and `root` [m].
+        root: z in the grip frame where the fingers become thicker [m].
+        palm: z of the front of the hand in the grip frame [m].
         palm_size: of the hand along x and y [m].
     """
 
@@ -81,25 +81,25 @@ class Gripper:
 
     @property
     def hand_from_grip(self) -> Array:
-        """The grip frame on the hand (4, 4)."""
+        """The grip frame in the hand frame (4, 4)."""
         return poses.translation(0.0, 0.0, self.grip)
 
 
 @dataclass(frozen=True)
 class RobotType:
-    """One kind of robot.
+    """A type of robot.
 
     Attributes:
-        name: how settings call it.
-        label: how people call it.
-        urdf: the file of its arm.
+        name: in settings.
+        label: for people.
+        urdf: file of the arm.
         hand: the link at the end of the arm.
-        home: (k,) joints of the arm where it waits [rad].
-        turns: added to the first of them for further starts of inverse kinematics [rad].
-        gripper: None when it has none.
-        spheres: link -> (n, 4), centres and radii [m] of the spheres that it fills.
+        home: (k,) posture in which the arm waits [rad].
+        turns: added to its first joint for further starts of inverse kinematics [rad].
+        gripper: None without one.
+        spheres: link -> (n, 4), centres and radii of its collision spheres [m].
         attachment: the hand, when it comes from another file.
-        speeds: of the joints, where the file does not tell how fast they can go [rad/s].
+        speeds: limits of the joints, where the URDF has none [rad/s].
     """
 
     name: str
@@ -115,42 +115,42 @@ class RobotType:
 
     @cached_property
     def file(self) -> Path:
-        """The URDF of arm and hand together, as the simulator loads it."""
+        """The URDF file of arm and hand together."""
         return robot_file(self.name, self.urdf, attachment=self.attachment, speeds=self.speeds)
 
     @cached_property
     def arm(self) -> Chain:
-        """The joints from the base to the hand."""
+        """The kinematic chain from the base to the hand."""
         return read_chain(self.file, self.hand)
 
     @cached_property
     def starts(self) -> Array:
-        """Postures (s, k) from which inverse kinematics starts; `home` is the first."""
+        """Starting postures (s, k) of inverse kinematics; `home` is the first."""
         starts = np.tile(self.home, (1 + len(self.turns), 1))
         starts[1:, 0] += self.turns
         return starts
 
 
 def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
-    """All robots of the file, by name.
+    """Read all robots of a file, by name.
 
     Raises:
-        DataError: the file says something else than expected; tells where.
+        DataError: an entry is missing or wrong.
     """
     entries = read_yaml(path).entries()
     return {name: _read_robot(name, field) for name, field in entries.items()}
 
 
 def find_robot(name: str) -> RobotType:
-    """The robot of this name.
+    """Return the robot of a name.
 
     Args:
-        name: one that comes with Hilt, or a file of robots like `robots.yaml`: "mine.yaml", or
-            "mine.yaml:NAME" where there are several in it.
+        name: of a robot that comes with Hilt, or a file like `robots.yaml`: "mine.yaml", or
+            "mine.yaml:NAME" when it has several.
 
     Raises:
-        UnknownNameError: there is none; lists those there are.
-        DataError: the file says something else than expected.
+        UnknownNameError: there is no such robot.
+        DataError: an entry of the file is missing or wrong.
     """
     file, mark, inside = name.partition(OWN_FILE)
     robots = load_robots(Path(file + mark)) if mark else _shipped()
@@ -164,7 +164,7 @@ def find_robot(name: str) -> RobotType:
 
 @cache
 def _shipped() -> Mapping[str, RobotType]:
-    """The robots that come with Hilt, read once in a process."""
+    """The robots that come with Hilt, read once per process."""
     return MappingProxyType(load_robots())
 
 
@@ -211,7 +211,7 @@ def _find_urdf(field: Field) -> Path:
     if not path.is_file():
         from importlib.util import find_spec
 
-        # Only the folder of this package is wanted, and importing it costs time.
+        # Only the folder of this package is needed, and importing it costs time.
         found = find_spec("pybullet_data")
         path = Path(found.origin or "").parent / field.text() if found else path
     if not path.is_file():

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot in the simulated world: its arm follows paths, its hand closes with force and feels.
+"""A robot in the simulator: its arm follows paths, its gripper closes and senses contacts.
 
-Nothing is ever fixed to the hand: what it holds, it holds by friction. The two fingers are coupled
-by a gear, as those of the real hand are.
+A path is a list of postures. `time_path` executes it with a speed that starts and ends at zero
+(s = 3 t^2 - 2 t^3) within a share of the joints' speed limits, and rounds its corners. The gripper
+holds by friction alone; a gear couples its fingers, as in the real hand.
 """
 
 from __future__ import annotations
@@ -18,29 +19,31 @@ from ..physics.types import Contact
 from ..poses import Array
 from .collision import Spheres, arm_spheres, finger_spheres
 from .models import Gripper, RobotType
-from .paths import timed
 
 NAME = "robot"
-FELT = 0.01  # [N], a weaker contact counts for nothing
+MIN_FORCE = 0.01  # [N], weaker contacts are ignored
 CLOSING_SPEED = 0.06  # [m/s] of each finger
 CLOSING_TIME = 1.6  # [s], longer than the fingers ever need
-STILL = 2e-4  # [m/s], a finger slower than this has met something or its end
-STILL_STEPS = 30  # for so long, until closing is over
-SQUEEZE_STEPS = 36  # then the force builds up
+STILL = 2e-4  # [m/s], a slower finger has met something or its end
+STILL_STEPS = 30  # after which closing is over
+SQUEEZE_STEPS = 36  # in which the force builds up
 FINGER_FRICTION, FINGER_SPINNING = 1.0, 0.002  # rubber pads; [m] of a small contact patch
 GEAR_FORCE, GEAR_STIFFNESS = 200.0, 0.3
 GAIN, DAMPING = 0.3, 1.0  # of the arm's motors: errors below a millimetre at full pace
 OPENING_FORCE = 40.0  # [N]
+PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
+MIN_DURATION = 0.12  # [s], of a path
+ROUNDING = 0.1  # [s] over which corners are rounded
 
 
 class Robot:
-    """A robot in an engine.
+    """A robot in a physics engine.
 
     Args:
-        engine: the world it moves in.
-        kind: what robot it is.
+        engine: the simulator.
+        kind: the type of robot.
         world_from_base: where it stands; the origin when None.
-        step: lets so many steps of time pass; the engine's own when None.
+        step: advances time by a number of steps; the engine's own method when None.
     """
 
     def __init__(
@@ -57,8 +60,8 @@ class Robot:
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = [joint.name for joint in self.chain.moving]
-        # Robot files tell inertias that no link of that mass can have (0.1 kg m^2 of each finger of
-        # the Panda): the wrist's motors then cannot follow, and the arm leaves its way by 0.3 rad.
+        # Robot files have inertias that no link of that mass can have (0.1 kg m^2 of each finger of
+        # the Panda): the wrist's motors could not follow, and the arm would be off by 0.3 rad.
         engine.bodies.load(NAME, kind.file, self.world_from_base, fixed=True, inertia_of_shape=True)
         facts = {joint.name: joint for joint in engine.bodies.joints(NAME)}
         self._efforts = [facts[name].effort for name in self._joints]
@@ -69,10 +72,10 @@ class Robot:
 
     @property
     def gripper(self) -> Gripper:
-        """Its hand.
+        """Its gripper.
 
         Raises:
-            SimulationError: it has none.
+            SimulationError: the robot has none.
         """
         if self.kind.gripper is None:
             raise SimulationError(f"The {self.kind.label} has no gripper.")
@@ -80,32 +83,32 @@ class Robot:
 
     @property
     def joints(self) -> Array:
-        """Where the joints of the arm are (k,) [rad]."""
+        """The present posture of the arm (k,) [rad]."""
         return self.engine.joints.positions(NAME, self._joints)
 
     @property
     def opening(self) -> float:
-        """How far the hand is open [m]."""
+        """How far the gripper is open [m]."""
         return float(self.engine.joints.positions(NAME, self.gripper.joints).sum())
 
     @property
     def world_from_hand(self) -> Array:
-        """The hand (4, 4)."""
+        """The pose of the hand (4, 4)."""
         return self.engine.bodies.pose(NAME, self.kind.hand)
 
     @property
     def world_from_grip(self) -> Array:
-        """The middle between the pads (4, 4)."""
+        """The pose of the grip frame, midway between the pads (4, 4)."""
         return self.world_from_hand @ self.hand_from_grip
 
     @property
     def hand_from_grip(self) -> Array:
-        """Where the grip is in the frame of the hand (4, 4); the same where there is no gripper."""
+        """The grip frame in the hand frame (4, 4); equal to it without a gripper."""
         return self.kind.gripper.hand_from_grip if self.kind.gripper else np.eye(4)
 
     @property
     def tip(self) -> float:
-        """How far the ends of the fingers are before the grip, or the end of a bare arm [m]."""
+        """Z of the finger tips in the grip frame, or of the end of an arm without gripper [m]."""
         if self.kind.gripper:
             return self.kind.gripper.tip
         return max(
@@ -113,28 +116,28 @@ class Robot:
         )
 
     def base_from_hand(self, world_from_grip: Array) -> Array:
-        """What inverse kinematics needs for grip poses (..., 4, 4)."""
+        """`base_from_hand` for grip poses (..., 4, 4), as targets of inverse kinematics."""
         base_from_world = poses.inverse(self.world_from_base)
         return base_from_world @ world_from_grip @ poses.inverse(self.hand_from_grip)
 
     def body_spheres(self, opening: float) -> Spheres:
-        """What arm and hand fill when the hand is open by `opening` [m]."""
+        """The spheres of arm and hand when the gripper is open by `opening` [m]."""
         if self.kind.gripper is None:
             return self.spheres
         return self.spheres.joined(finger_spheres(self.chain, self.gripper, opening))
 
     def follow(self, path: Array, *, pace: float, stop: Callable[[], bool] | None = None) -> bool:
-        """Run through a path of postures (n, k) [rad].
+        """Execute a path of postures (n, k) [rad].
 
         Args:
-            path: begins where the arm is.
+            path: starts where the arm is.
             pace: share of the joints' speed limits, in (0, 1].
-            stop: asked at every step; when it is true the arm stops there.
+            stop: called at every step; the arm stops when it returns true.
 
         Returns:
-            Whether the path was run through to its end.
+            Whether the path was executed to its end.
         """
-        positions, speeds = timed(path, self.chain.speed, step=TIME_STEP, pace=pace)
+        positions, speeds = time_path(path, self.chain.speed, step=TIME_STEP, pace=pace)
         for position, speed in zip(positions, speeds, strict=True):
             self._hold_arm(position, speed)
             self.advance(1)
@@ -144,18 +147,18 @@ class Robot:
         return True
 
     def wait(self, seconds: float) -> None:
-        """Stand still for a while [s]."""
+        """Stand still for some time [s]."""
         self.advance(round(seconds / TIME_STEP))
 
     def open(self, opening: float) -> None:
-        """Open the hand [m]; takes effect as time passes."""
+        """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
         self.engine.joints.drive_to(
             NAME, self.gripper.joints, [half] * 2, forces=[OPENING_FORCE] * 2
         )
 
     def close(self) -> None:
-        """Close the hand until it meets something or its end, and squeeze."""
+        """Close the gripper until it meets something or its end, and squeeze."""
         for joint in self.gripper.joints:
             self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
         still = 0
@@ -167,19 +170,19 @@ class Robot:
                 break
         self.advance(SQUEEZE_STEPS)
 
-    def felt(self) -> tuple[tuple[Contact, ...], tuple[Contact, ...]]:
-        """What each finger touches with more than `FELT`."""
-        first, second = (self._felt_by(link) for link in self.gripper.links)
+    def finger_contacts(self) -> tuple[tuple[Contact, ...], tuple[Contact, ...]]:
+        """The contacts of the first and of the second finger."""
+        first, second = (self._contacts(link) for link in self.gripper.links)
         return first, second
 
-    def bumps(self) -> bool:
-        """Whether the hand touches anything, with its fingers where it has some."""
+    def is_touching(self) -> bool:
+        """Whether the fingers, or the hand without gripper, touch anything."""
         links = self.gripper.links if self.kind.gripper else (self.kind.hand,)
-        return any(self._felt_by(link) for link in links)
+        return any(self._contacts(link) for link in links)
 
-    def _felt_by(self, link: str) -> tuple[Contact, ...]:
+    def _contacts(self, link: str) -> tuple[Contact, ...]:
         contacts = self.engine.contacts.find(NAME, link)
-        return tuple(c for c in contacts if c.force > FELT and c.other != NAME)
+        return tuple(c for c in contacts if c.force > MIN_FORCE and c.other != NAME)
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
         self.engine.joints.drive_to(
@@ -203,3 +206,47 @@ class Robot:
             )
         self.engine.joints.reset(NAME, gripper.joints, [gripper.opening / 2] * 2)
         self.open(gripper.opening)
+
+
+def time_path(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Array, Array]:
+    """Parametrise a path by time.
+
+    Args:
+        points: postures (n, k) [rad].
+        limits: of the joints' speeds (k,) [rad/s].
+        step: between two results [s].
+        pace: share of the limits that is used, in (0, 1].
+
+    Returns:
+        Positions (t, k) [rad] and speeds (t, k) [rad/s] at the steps; the last speeds are zero.
+    """
+    lengths = np.max(np.abs(np.diff(points, axis=0)) / limits, axis=1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    duration = max(MIN_DURATION, PEAK * along[-1] / pace)
+    t = np.linspace(0.0, 1.0, max(2, int(np.ceil(duration / step))) + 1)[1:]
+    where = along[-1] * t * t * (3 - 2 * t)
+    positions = np.column_stack([np.interp(where, along, column) for column in points.T])
+    if len(points) > 2:
+        positions = _rounded(positions, points[0], max(1, round(ROUNDING / step / 2)))
+    before = np.vstack([points[:1], positions[:-1]])
+    speeds = (positions - before) / step
+    speeds[-1] = 0.0
+    return positions, speeds
+
+
+def _rounded(positions: Array, start: Array, half: int) -> Array:
+    """The running mean over 2 half + 1 positions, from a standing start to a standing end."""
+    before, after = (np.repeat(end[None], 2 * half, axis=0) for end in (start, positions[-1]))
+    total = np.cumsum(np.vstack([0 * start[None], before, positions, after]), axis=0)
+    window = 2 * half + 1
+    return np.vstack([(total[window:] - total[:-window]) / window, positions[-1:]])
+
+
+def resample(positions: Array, spacing: float) -> Array:
+    """Those of the positions (t, k) that a joint is `spacing` [rad] apart from the one before.
+
+    Spacings are rounded up to a step; the first and the last position are kept.
+    """
+    turned = np.append(0.0, np.cumsum(np.abs(np.diff(positions, axis=0)).max(axis=1)))
+    chosen = np.searchsorted(turned, np.arange(0.0, turned[-1], spacing))
+    return positions[[*chosen, -1]]

@@ -1,2 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""vision."""
+"""Vision: from camera images to percepts, objects with the point clouds of their parts.
+
+`camera` renders images, `region_of_interest` only the part of them that shows objects. `detector`
+finds objects by the simulator's mask; `learned_detector` by the `classifier` of what `segmentation`
+separates. `noise` degrades percepts, `sensors` chooses the detector, `point_clouds` has the
+operations on points.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

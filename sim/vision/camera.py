@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cameras: from where they look, what they deliver, and the points in the world behind the pixels.
+"""Pinhole cameras, the images they deliver, and the points in the world behind the pixels.
 
-Pinhole cameras after OpenGL: the camera looks along its -z axis, x goes right and y up; pixel rows
-count from the top. A `CameraImage` is what one camera delivers at one moment: colours, depths
-in [m] and, as the simulator's stand-in for a perfect detector, which link every pixel shows.
+Cameras follow OpenGL: they look along their -z axis, x points right and y up; pixel rows count
+from the top. A `CameraImage` holds colours, depths in [m] and a segmentation mask: which link of
+which body every pixel shows.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from ..physics.engine import PhysicsEngine
 from ..physics.types import Light
 from ..poses import Array
 
-NEAR, FAR = 0.05, 6.0  # [m], what a camera can see at all
-# Where in its pixel the renderer looks, from the upper left corner: the lower left one. Half a
-# pixel would be 1 mm on the table, in another direction for each camera.
+NEAR, FAR = 0.05, 6.0  # [m], clipping planes
+# Where the renderer samples a pixel, from its upper left corner: at the lower left one. An error
+# of half a pixel would be 1 mm on the table, in another direction for each camera.
 SAMPLE = (0.0, 1.0)
 VISION_LIGHT = Light(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
 
-_WATCHED = (0.49, 0.0, 0.03)  # [m], the middle of where objects stand
-_EYES = (
+_TARGET = (0.49, 0.0, 0.03)  # [m], the middle of where objects stand
+_POSITIONS = (
     (1.12, -0.55, 0.72),
     (1.12, 0.55, 0.72),
     (0.30, -0.82, 0.70),
@@ -38,11 +38,11 @@ _EYES = (
 
 @dataclass(frozen=True)
 class Window:
-    """A part of an image, in its pixels.
+    """A rectangle of an image, in pixels.
 
     Attributes:
         left, top: its first column and row.
-        width, height: how many there are of them.
+        width, height: its size.
     """
 
     left: int
@@ -56,12 +56,11 @@ class Camera:
     """One camera.
 
     Attributes:
-        name: to tell it from others.
-        eye: where it is [m].
-        target: what it looks at [m].
-        field: angle of view from bottom to top [rad].
-        width: of the image in pixels.
-        height: of the image in pixels.
+        name: unique among the cameras of a scene.
+        eye: its position [m].
+        target: the point it looks at [m].
+        field: vertical angle of view [rad].
+        width, height: of the image in pixels.
     """
 
     name: str
@@ -101,11 +100,11 @@ class Camera:
         return self.height / 2 / tan(self.field / 2)
 
     def depths(self, points: Array) -> Array:
-        """How far before the camera points (n, 3) of the world are (n,) [m]."""
+        """Depths (n,) of points (n, 3) of the world in front of the camera [m]."""
         return -poses.transform(poses.inverse(self.world_from_camera), points)[:, 2]
 
     def pixels(self, points: Array) -> Array:
-        """Where points (n, 3) of the world appear: column, row (n, 2); NaN behind the camera."""
+        """Pixels, column and row (n, 2), of points (n, 3) of the world; NaN behind the camera."""
         seen = poses.transform(poses.inverse(self.world_from_camera), points)
         ahead = np.where(seen[:, 2] < -NEAR, -seen[:, 2], np.nan)
         column = self.width / 2 + self.focal * seen[:, 0] / ahead
@@ -114,26 +113,26 @@ class Camera:
 
     @property
     def whole(self) -> Window:
-        """All of its image."""
+        """The window of its whole image."""
         return Window(0, 0, self.width, self.height)
 
-    def coarser(self, times: int) -> Camera:
-        """The same with so many times fewer pixels to each side."""
-        return replace(self, width=self.width // times, height=self.height // times)
+    def downscaled(self, factor: int) -> Camera:
+        """The same camera with `factor` times fewer pixels along each side."""
+        return replace(self, width=self.width // factor, height=self.height // factor)
 
-    def look(
+    def capture(
         self, engine: PhysicsEngine, *, light: Light = VISION_LIGHT, window: Window | None = None
     ) -> CameraImage:
-        """What it sees now, or of that what is in a window of its image."""
+        """Take an image, or only a window of one."""
         window = window or self.whole
         view = poses.inverse(self.world_from_camera)
-        projection = self._through(window) @ self.projection
+        projection = self._window_matrix(window) @ self.projection
         image = engine.rendering.render(view, projection, window.width, window.height, light=light)
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
         return CameraImage(self, image.colour, depth, image.labels, image.names, window)
 
-    def _through(self, window: Window) -> Array:
-        """What moves and widens the image so that the window fills it (4, 4)."""
+    def _window_matrix(self, window: Window) -> Array:
+        """The matrix (4, 4) that shifts and scales clip space so that the window fills it."""
         wider, higher = self.width / window.width, self.height / window.height
         across = 1 - 2 * (window.left + window.width / 2) / self.width
         upwards = 2 * (window.top + window.height / 2) / self.height - 1
@@ -144,15 +143,15 @@ class Camera:
 
 @dataclass(frozen=True)
 class CameraImage:
-    """What one camera saw at one moment, in a window of its image.
+    """An image of one camera, or a window of one.
 
     Attributes:
-        camera: which one.
+        camera: that took it.
         colour: (height, width, 3) uint8.
-        depth: distance along the line of sight's z axis, (height, width) [m].
-        labels: (height, width) int32; what each pixel shows.
-        names: label -> (body, link); pixels of nothing have a label that is not in here.
-        window: which part of the image that is.
+        depth: distance along the camera's z axis, (height, width) [m].
+        labels: (height, width) int32, what each pixel shows.
+        names: label -> (body, link); the label of empty pixels is not among them.
+        window: which part of the whole image this is.
     """
 
     camera: Camera
@@ -163,7 +162,7 @@ class CameraImage:
     window: Window
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
-        """Which pixels show a body, or one of its links, (height, width)."""
+        """The pixels that show a body, or one of its links (height, width)."""
         wanted = [
             label
             for label, (each, part) in self.names.items()
@@ -183,8 +182,8 @@ class CameraImage:
 
 
 def cameras_round_table(*, width: int = 640, height: int = 480) -> tuple[Camera, ...]:
-    """The cameras that vision uses: four round the table."""
+    """The four cameras of the robot, round the table."""
     return tuple(
-        Camera(f"camera {i + 1}", eye, _WATCHED, width=width, height=height)
-        for i, eye in enumerate(_EYES)
+        Camera(f"camera {i + 1}", eye, _TARGET, width=width, height=height)
+        for i, eye in enumerate(_POSITIONS)
     )

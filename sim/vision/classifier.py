@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A small neural network: one hidden layer, trained by Adam, calibrated by one temperature.
+"""A calibrated neural classifier with one hidden layer, and detection of novel inputs.
 
-Inputs are brought to mean 0 and deviation 1, the hidden units are tanh, the outputs a softmax.
-Training minimises the cross entropy with weight decay (Kingma & Ba 2015 for the steps). Networks
-are too sure of themselves: dividing their outputs by a temperature found on data that they have
-not seen makes their shares mean what they say (Guo et al. 2017).
+Inputs are standardised, hidden units are tanh, outputs a softmax. Training minimises the cross
+entropy with weight decay by Adam (Kingma & Ba 2015). Networks are overconfident: dividing the
+logits by a temperature found on held-out data calibrates them (Guo et al. 2017).
+
+A classifier is confident even of inputs that belong to no class. `NoveltyDetector` compares them
+with stored examples of the class, and lowers the confidence beyond a distance that hardly any
+known input exceeds.
 """
 
 from __future__ import annotations
@@ -16,25 +19,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses import Array
+from .point_clouds import Integers, farthest_points
 
-RATE = 0.003  # of the first steps; falls to nothing in a half cosine
+RATE = 0.003  # of the first steps; falls to zero in half a cosine
 DECAY = 1e-4
-MEMORY, SPREAD_MEMORY, TINY = 0.9, 0.999, 1e-8  # Adam's
+MEAN_DECAY, SQUARE_DECAY, EPSILON = 0.9, 0.999, 1e-8  # of Adam
 BATCH = 256
-LEAST_DEVIATION = 1e-3  # what hardly varies in training must not shout when it does
-MOST_DEVIATIONS = 6.0  # inputs farther out are cut back to it
+MIN_DEVIATION = 1e-3  # so that inputs that hardly vary in training do not dominate later
+MAX_DEVIATIONS = 6.0  # standardised inputs are clipped to it, so that none decides alone
 TEMPERATURES = np.geomspace(0.25, 10.0, 200)
+
+LIMIT_QUANTILE = 0.99  # of held-out inputs that are within the limit
+MIN_LIMIT = 0.1  # hardly any two inputs are nearer
+MAX_LIMIT_RATIO = 1.25  # of a limit to the median of all limits
+STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
 
 
 @dataclass(frozen=True, eq=False)
-class Network:
+class Classifier:
     """A trained network.
 
     Attributes:
         mean, deviation: of the inputs (d,).
         hidden, hidden_bias: (d, h), (h,).
         output, output_bias: (h, c), (c,).
-        temperature: by which outputs are divided.
+        temperature: by which logits are divided.
     """
 
     mean: Array
@@ -45,132 +54,176 @@ class Network:
     output_bias: Array
     temperature: float = 1.0
 
-    def scores(self, inputs: Array) -> Array:
-        """Outputs before the softmax (n, c) for inputs (n, d)."""
-        units = np.tanh(self._normal(inputs) @ self.hidden + self.hidden_bias)
+    def logits(self, inputs: Array) -> Array:
+        """Calibrated logits (n, c) of inputs (n, d)."""
+        units = np.tanh(
+            _standardised(inputs, self.mean, self.deviation) @ self.hidden + self.hidden_bias
+        )
         return (units @ self.output + self.output_bias) / self.temperature
 
-    def shares(self, inputs: Array) -> Array:
-        """How probable each class is (n, c) for inputs (n, d)."""
-        return softmax(self.scores(inputs))
+    def probabilities(self, inputs: Array) -> Array:
+        """Class probabilities (n, c) of inputs (n, d)."""
+        return softmax(self.logits(inputs))
 
-    def _normal(self, inputs: Array) -> Array:
-        normal = (inputs - self.mean) / self.deviation
-        return np.clip(normal, -MOST_DEVIATIONS, MOST_DEVIATIONS)
-
-    def calibrated(self, inputs: Array, classes: NDArray[np.int64]) -> Network:
+    def calibrated(self, inputs: Array, classes: Integers) -> Classifier:
         """The same network at the temperature that makes these classes (n,) most probable."""
-        scores = self.scores(inputs) * self.temperature
+        logits = self.logits(inputs) * self.temperature
         rows = np.arange(len(classes))
-        losses = [-np.log(softmax(scores / t)[rows, classes] + TINY).mean() for t in TEMPERATURES]
+        losses = [
+            -np.log(softmax(logits / t)[rows, classes] + EPSILON).mean() for t in TEMPERATURES
+        ]
         return replace(self, temperature=float(TEMPERATURES[int(np.argmin(losses))]))
 
     def as_arrays(self, prefix: str) -> dict[str, NDArray[np.float32]]:
-        """Its numbers by name, to be kept in a file."""
-        return {
-            f"{prefix}_{name}": np.asarray(value, dtype=np.float32)
-            for name, value in vars(self).items()
-        }
+        """Its numbers by name, for a file."""
+        return {f"{prefix}_{n}": np.asarray(v, dtype=np.float32) for n, v in vars(self).items()}
 
     @classmethod
-    def from_arrays(cls, arrays: Mapping[str, NDArray[np.float32]], prefix: str) -> Network:
-        """The network whose numbers `as_arrays` gave."""
+    def from_arrays(cls, arrays: Mapping[str, NDArray[np.float32]], prefix: str) -> Classifier:
+        """The classifier whose numbers `as_arrays` returned."""
         names = ("mean", "deviation", "hidden", "hidden_bias", "output", "output_bias")
         values = (np.asarray(arrays[f"{prefix}_{name}"], dtype=np.float64) for name in names)
         return cls(*values, temperature=float(arrays[f"{prefix}_temperature"]))
 
 
-def softmax(scores: Array) -> Array:
-    """Scores (n, c) as shares that add up to 1."""
-    raised = np.exp(scores - scores.max(axis=1, keepdims=True))
+def _standardised(inputs: Array, mean: Array, deviation: Array) -> Array:
+    return np.clip((inputs - mean) / deviation, -MAX_DEVIATIONS, MAX_DEVIATIONS)
+
+
+def softmax(logits: Array) -> Array:
+    """Probabilities (n, c) from logits (n, c)."""
+    raised = np.exp(logits - logits.max(axis=1, keepdims=True))
     return raised / raised.sum(axis=1, keepdims=True)
 
 
-def fit(
+def train_classifier(
     inputs: Array,
-    classes: NDArray[np.int64],
+    classes: Integers,
     *,
     count: int,
     units: int,
     epochs: int,
     rng: np.random.Generator,
-) -> Network:
-    """Train a network.
+) -> Classifier:
+    """Train a classifier.
 
     Args:
         inputs: (n, d).
         classes: of each input (n,), in [0, count).
-        count: how many classes there are.
+        count: number of classes.
         units: in the hidden layer.
         epochs: how often each input is used.
-        rng: for the first weights and the order of the inputs.
+        rng: for the initial weights and the order of the inputs.
     """
-    mean, deviation = inputs.mean(axis=0), inputs.std(axis=0) + LEAST_DEVIATION
-    shapes = _Shapes(inputs.shape[1], units, count)
-    normal = np.clip((inputs - mean) / deviation, -MOST_DEVIATIONS, MOST_DEVIATIONS)
-    adam = _Adam(shapes.first_weights(rng), steps=epochs * -(-len(inputs) // BATCH))
+    mean, deviation = inputs.mean(axis=0), inputs.std(axis=0) + MIN_DEVIATION
+    standardised = _standardised(inputs, mean, deviation)
+    d = inputs.shape[1]
+    hidden = rng.normal(0, 1 / np.sqrt(d), (d, units))
+    output = rng.normal(0, 1 / np.sqrt(units), (units, count))
+    weights = [hidden, np.zeros(units), output, np.zeros(count)]
+    means, squares = ([np.zeros_like(each) for each in weights] for _ in range(2))
+    steps, step = epochs * -(-len(inputs) // BATCH), 0
     for _ in range(epochs):
         order = rng.permutation(len(inputs))
         for start in range(0, len(order), BATCH):
             chosen = order[start : start + BATCH]
-            adam.move(_slope(shapes.parted(adam.weights), normal[chosen], classes[chosen]))
-    return Network(mean, deviation, *shapes.parted(adam.weights))
+            step += 1
+            rate = RATE * 0.5 * (1 + np.cos(np.pi * step / steps))
+            gradients = _gradients(weights, standardised[chosen], classes[chosen])
+            for i, gradient in enumerate(gradients):
+                means[i] += (1 - MEAN_DECAY) * (gradient - means[i])
+                squares[i] += (1 - SQUARE_DECAY) * (gradient**2 - squares[i])
+                deviations = np.sqrt(squares[i] / (1 - SQUARE_DECAY**step))
+                weights[i] -= rate * (means[i] / (1 - MEAN_DECAY**step)) / (deviations + EPSILON)
+    hidden, hidden_bias, output, output_bias = weights
+    return Classifier(mean, deviation, hidden, hidden_bias, output, output_bias)
 
 
-@dataclass(frozen=True)
-class _Shapes:
-    """How all weights lie in one row."""
-
-    inputs: int
-    units: int
-    classes: int
-
-    def parted(self, weights: Array) -> tuple[Array, Array, Array, Array]:
-        """Hidden weights and biases, output weights and biases."""
-        d, h, c = self.inputs, self.units, self.classes
-        hidden, hidden_bias, output, output_bias = np.split(weights, np.cumsum([d * h, h, h * c]))
-        return hidden.reshape(d, h), hidden_bias, output.reshape(h, c), output_bias
-
-    def first_weights(self, rng: np.random.Generator) -> Array:
-        """Random weights that keep sums of inputs at about their size; biases of 0."""
-        d, h, c = self.inputs, self.units, self.classes
-        hidden = rng.normal(0, 1 / np.sqrt(d), d * h)
-        output = rng.normal(0, 1 / np.sqrt(h), h * c)
-        return np.concatenate([hidden, np.zeros(h), output, np.zeros(c)])
-
-
-class _Adam:
-    """Weights, and how they have moved so far."""
-
-    def __init__(self, weights: Array, *, steps: int) -> None:
-        self.weights, self._steps, self._step = weights, steps, 0
-        self._mean, self._square = np.zeros_like(weights), np.zeros_like(weights)
-
-    def move(self, slope: Array) -> None:
-        """One step against the slope of the loss."""
-        self._step += 1
-        self._mean += (1 - MEMORY) * (slope - self._mean)
-        self._square += (1 - SPREAD_MEMORY) * (slope**2 - self._square)
-        mean = self._mean / (1 - MEMORY**self._step)
-        square = self._square / (1 - SPREAD_MEMORY**self._step)
-        rate = RATE * 0.5 * (1 + np.cos(np.pi * self._step / self._steps))
-        self.weights -= rate * mean / (np.sqrt(square) + TINY)
-
-
-def _slope(
-    weights: tuple[Array, Array, Array, Array], inputs: Array, classes: NDArray[np.int64]
-) -> Array:
-    """How the mean loss of a batch grows with each weight, in one row."""
+def _gradients(weights: list[Array], inputs: Array, classes: Integers) -> tuple[Array, ...]:
+    """The gradient of the mean loss of a batch, for each of the weights."""
     hidden, hidden_bias, output, output_bias = weights
     units = np.tanh(inputs @ hidden + hidden_bias)
     error = softmax(units @ output + output_bias)
     error[np.arange(len(classes)), classes] -= 1
     error /= len(classes)
     back = (error @ output.T) * (1 - units**2)
-    slopes = (
+    return (
         inputs.T @ back + DECAY * hidden,
         back.sum(axis=0),
         units.T @ error + DECAY * output,
         error.sum(axis=0),
     )
-    return np.concatenate([slope.ravel() for slope in slopes])
+
+
+@dataclass(frozen=True, eq=False)
+class NoveltyDetector:
+    """Examples of each class, to tell known inputs from novel ones.
+
+    Attributes:
+        deviation: of each input within classes (d,); the unit of distances.
+        examples: some members of all classes (m, d).
+        classes: the class of each example (m,).
+        limit: distance to the nearest example up to which an input is known (c,).
+    """
+
+    deviation: Array
+    examples: Array
+    classes: Integers
+    limit: Array
+
+    @classmethod
+    def fit(
+        cls,
+        inputs: Array,
+        classes: Integers,
+        held_inputs: Array,
+        held_classes: Integers,
+        *,
+        count: int,
+    ) -> NoveltyDetector:
+        """Choose `count` examples of each class among inputs (n, d), and limits from held-out ones.
+
+        The examples of a class lie far from each other (farthest point sampling).
+        """
+        kinds = range(int(classes.max()) + 1)
+        centres = np.array([inputs[classes == kind].mean(axis=0) for kind in kinds])
+        deviation = (inputs - centres[classes]).std(axis=0) + MIN_DEVIATION
+        members = [np.flatnonzero(classes == kind) for kind in kinds]
+        index = np.concatenate(
+            [each[farthest_points(inputs[each] / deviation, count, first=0)] for each in members]
+        )
+        unlimited = cls(deviation, inputs[index], classes[index], np.ones(len(members)))
+        novelty = unlimited.novelty(held_inputs, held_classes)
+        held = [novelty[held_classes == kind] for kind in kinds]
+        limits = [np.quantile(each, LIMIT_QUANTILE) if len(each) else np.nan for each in held]
+        # Few inputs of some classes are held out; one outlier must not accept everything.
+        limit = np.fmin(limits, MAX_LIMIT_RATIO * np.nanmedian(limits))
+        return replace(unlimited, limit=np.maximum(limit, MIN_LIMIT))
+
+    def novelty(self, inputs: Array, classes: Integers) -> Array:
+        """Distances (n,) of inputs (n, d) from known members of their classes; the limit is 1."""
+        pairs = zip(inputs, classes, strict=True)
+        return np.array([self._distance(row, kind) / self.limit[kind] for row, kind in pairs])
+
+    def _distance(self, row: Array, kind: int) -> float:
+        """The root mean square deviation from the nearest example of a class."""
+        deviations = np.abs(self.examples[self.classes == kind] - row) / self.deviation
+        squares = np.minimum(deviations, MAX_DEVIATIONS) ** 2
+        return float(np.sqrt(squares.mean(axis=1).min()))
+
+    def confidence(self, inputs: Array, classes: Integers) -> Array:
+        """Confidence (n,) in (0, 1] that inputs (n, d) are members of their classes at all."""
+        return np.maximum(self.novelty(inputs, classes), 1.0) ** -STEEPNESS
+
+    def as_arrays(self, prefix: str) -> dict[str, NDArray[np.float32]]:
+        """Its numbers by name, for a file."""
+        return {f"{prefix}_{n}": np.asarray(v, dtype=np.float32) for n, v in vars(self).items()}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[np.float32]], prefix: str) -> NoveltyDetector:
+        """The detector whose numbers `as_arrays` returned."""
+        names = ("deviation", "examples", "classes", "limit")
+        deviation, examples, classes, limit = (
+            np.asarray(arrays[f"{prefix}_{name}"], dtype=np.float64) for name in names
+        )
+        return cls(deviation, examples, classes.astype(np.int64), limit)

@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recognition: vision that has learned what things look like, without the simulator's mask.
+"""Object detection by trained classifiers, from colours and depths only.
 
-What stands on the table is segmented by depth, each segment is named by one small network and its
-points are shared out to parts by another. Both were trained on rendered views
-(`examples/train_recognition.py`) and are kept in `recognition.npz`. The confidence of a percept is
-the first network's, calibrated (of all percepts with 0.8, eight in ten are right), and less where
-the thing looks like nothing that was learned.
+Depths are segmented into objects; one classifier recognises each segment, another assigns its
+points to parts. Both were trained on rendered images (`examples/train_recognition.py`) and are
+stored in `recognition.npz`. The confidence of a percept is the calibrated probability of its type
+(of all percepts with 0.8, eight in ten are right), reduced for segments unlike any known object.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -22,90 +21,101 @@ from ...ontology.objects import ObjectType
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
-from .classifier import Network
-from .descriptors import describe, describe_points
-from .detector import OBSTACLE_SPACING, thinned, with_noise
-from .familiarity import Familiarity
+from .classifier import Classifier, NoveltyDetector
+from .detector import OBSTACLE_SPACING, with_camera_noise
 from .noise import Noise
 from .percept import PartPercept, Percept, visible_features
-from .segmentation import TABLE_MARGIN, Segment, cube_numbers, segments
+from .point_clouds import voxel_downsample, voxel_keys
+from .segmentation import (
+    TABLE_MARGIN,
+    Segment,
+    describe_points,
+    describe_segment,
+    segment_images,
+)
 
-NETWORKS_FILE = Path(__file__).with_name("recognition.npz")
-LEAST_PART = 12  # points; fewer are a slip of the part network
-NOISE_MARGIN = 4.0  # standard deviations of depth noise that still are the table
-SMOOTHING = 0.006  # [m], side of the cubes in which points agree on their part
+CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
+MIN_PART_POINTS = 12  # fewer are errors of the part classifier
+NOISE_MARGIN = 4.0  # standard deviations of depth noise that still belong to the table
+SMOOTHING = 0.006  # [m], voxels in which points share their part
 
 
 @dataclass(frozen=True, eq=False)
 class Recogniser:
-    """The two networks, and what their outputs mean.
+    """Recognises the objects and parts that segments show.
 
     Attributes:
-        kinds: the types that segments are named by, in the order of the outputs.
-        parts: (type, part) in the order of the outputs of the part network.
-        things: names segments.
-        points: names points, given the type.
-        usual: what segments of each type usually look like.
+        kinds: the types, in the order of the outputs of the object classifier.
+        parts: (type, part), in the order of the outputs of the part classifier.
+        objects: classifies segments.
+        points: classifies points of a segment of known type.
+        novelty: tells segments unlike any known object.
     """
 
     kinds: tuple[str, ...]
     parts: tuple[tuple[str, str], ...]
-    things: Network
-    points: Network
-    usual: Familiarity
+    objects: Classifier
+    points: Classifier
+    novelty: NoveltyDetector
 
     @classmethod
-    def load(cls, path: Path = NETWORKS_FILE) -> Recogniser:
-        """The networks of a file.
+    def load(cls, path: Path) -> Recogniser:
+        """Read a recogniser from a file.
 
         Raises:
             DataError: the file cannot be read.
         """
         try:
-            with np.load(path, allow_pickle=False) as kept:
+            with np.load(path, allow_pickle=False) as arrays:
                 return cls(
-                    tuple(str(kind) for kind in kept["kinds"]),
-                    tuple(_pair(str(text)) for text in kept["parts"]),
-                    Network.from_arrays(kept, "things"),
-                    Network.from_arrays(kept, "points"),
-                    Familiarity.from_arrays(kept, "usual"),
+                    tuple(str(kind) for kind in arrays["kinds"]),
+                    tuple(_pair(str(text)) for text in arrays["parts"]),
+                    Classifier.from_arrays(arrays, "things"),
+                    Classifier.from_arrays(arrays, "points"),
+                    NoveltyDetector.from_arrays(arrays, "usual"),
                 )
         except (OSError, ValueError, KeyError) as error:
             raise DataError(f"cannot be read: {error}.", source=str(path)) from error
 
+    @staticmethod
+    @cache
+    def default() -> Recogniser:
+        """The recogniser of Hilt's own objects."""
+        return Recogniser.load(CLASSIFIERS_FILE)
+
     def save(self, path: Path) -> None:
-        """Keep the networks in a file."""
+        """Write the recogniser to a file."""
         np.savez_compressed(
             path,
             allow_pickle=False,
             kinds=np.array(self.kinds),
             parts=np.array(["/".join(pair) for pair in self.parts]),
-            **self.things.as_arrays("things"),
+            **self.objects.as_arrays("things"),
             **self.points.as_arrays("points"),
-            **self.usual.as_arrays("usual"),
+            **self.novelty.as_arrays("usual"),
         )
 
-    def name(self, segment: Segment) -> tuple[str, float]:
-        """What a segment is taken for, and how sure that is, in [0, 1]."""
-        described = describe(segment)[None]
-        shares = self.things.shares(described)[0]
-        best = int(np.argmax(shares))
-        familiar = self.usual.of(described, np.array([best]))[0]
-        return self.kinds[best], float(shares[best] * familiar)
+    def recognise(self, segment: Segment) -> tuple[str, float]:
+        """Return the type of a segment, and the confidence in it, in [0, 1]."""
+        described = describe_segment(segment)[None]
+        probabilities = self.objects.probabilities(described)[0]
+        best = int(np.argmax(probabilities))
+        known = self.novelty.confidence(described, np.array([best]))[0]
+        return self.kinds[best], float(probabilities[best] * known)
 
-    def share_out(
+    def assign_parts(
         self, segment: Segment, kind: str, candidates: Sequence[tuple[str, str]]
     ) -> np.ndarray:
-        """Which of some (type, part) each point of a segment belongs to (n,), as its index.
+        """Return the part of each point of a segment, as an index (n,) of the candidates.
 
         Args:
             segment: its points.
-            kind: what the segment is taken for.
-            candidates: what can be there.
+            kind: type of the segment.
+            candidates: (type, part) that can be there.
         """
-        scores = self.points.scores(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
+        logits = self.points.logits(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
         columns = [self.parts.index(pair) for pair in candidates]
-        return np.argmax(_agreed(segment.points, scores[:, columns]), axis=1)
+        return np.argmax(_voxel_means(segment.points, logits[:, columns]), axis=1)
 
 
 def _pair(text: str) -> tuple[str, str]:
@@ -114,109 +124,98 @@ def _pair(text: str) -> tuple[str, str]:
 
 
 def point_inputs(segment: Segment, kind: int, count: int) -> Array:
-    """Descriptors of points with the type of their segment, one column a type (n, k + count)."""
+    """Descriptors of a segment's points with its type as a one-hot vector (n, k + count)."""
     types = np.zeros((len(segment), count))
     types[:, kind] = 1.0
     return np.hstack([describe_points(segment), types])
 
 
-def _agreed(points: Array, scores: Array) -> Array:
-    """Scores (n, c) averaged over the points of each small cube: neighbours are mostly alike."""
-    _, index = np.unique(cube_numbers(points, SMOOTHING), return_inverse=True)
+def _voxel_means(points: Array, logits: Array) -> Array:
+    """Logits (n, c) averaged over each voxel: neighbouring points mostly share their part."""
+    _, index = np.unique(voxel_keys(points, SMOOTHING), return_inverse=True)
     counts = np.bincount(index)
-    sums = [np.bincount(index, weights=column) for column in scores.T]
+    sums = [np.bincount(index, weights=column) for column in logits.T]
     return np.column_stack(sums)[index] / counts[index, None]
 
 
-@cache
-def _recogniser() -> Recogniser:
-    return Recogniser.load()
-
-
-def _by_kind(percept: Percept) -> str:
+def _by_type(percept: Percept) -> str:
     return percept.object
 
 
 @dataclass(frozen=True)
-class LearnedVision:
-    """The eyes round the table, with what they have learned instead of a perfect detector.
-
-    It is used as `Vision` is, and needs nothing of the world but pictures.
+class LearnedDetector:
+    """Detects objects by trained classifiers; used like `MaskDetector`.
 
     Attributes:
-        engine: where the world is.
-        objects: the types there are, by name; only those that were learned are recognised.
-        cameras: the eyes.
-        noise: of which the cameras have the depth noise.
-        track: gives a percept the name by which its thing is tracked; by what it is when left out.
-        recogniser: what was learned; that of Hilt's own objects when left out.
+        engine: the simulator that renders.
+        objects: all types, by name; only those of the recogniser are detected.
+        cameras: where from.
+        noise: only its depth noise is used here.
+        track: names a percept; by its type when left out.
+        recogniser: that of Hilt's own objects when left out.
 
     Raises:
-        DataError: something was learned that is not among the types.
+        DataError: the recogniser knows a type that is not among the objects.
     """
 
     engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
     noise: Noise = field(default_factory=Noise)
-    track: Callable[[Percept], str] = _by_kind
-    recogniser: Recogniser = field(default_factory=_recogniser)
+    track: Callable[[Percept], str] = _by_type
+    recogniser: Recogniser = field(default_factory=Recogniser.default)
 
     def __post_init__(self) -> None:
         missing = [kind for kind in self.recogniser.kinds if kind not in self.objects]
         if missing:
             raise DataError(
-                f"they know {', '.join(missing)}, which is not among the objects: name the file of "
-                "those with --objects.",
-                source="networks",
+                f"the classifiers were trained on {', '.join(missing)}, which is not among the "
+                "objects. Name the file that defines them with --objects.",
+                source="classifiers",
             )
 
-    def look(self) -> tuple[CameraImage, ...]:
-        """What all cameras see now."""
-        views = (camera.look(self.engine) for camera in self.cameras)
-        return with_noise(views, self.noise, self.engine.steps)
+    def capture(self) -> tuple[CameraImage, ...]:
+        """Take one image with each camera."""
+        images = (camera.capture(self.engine) for camera in self.cameras)
+        return with_camera_noise(images, self.noise, self.engine.steps)
 
     def search(
-        self, features: Iterable[str], *, views: Sequence[CameraImage] | None = None
+        self, features: Iterable[str], *, images: Sequence[CameraImage] | None = None
     ) -> tuple[Percept, ...]:
-        """The things in sight that seem to have one of the features, the surest first.
+        """Return the objects that seem to have one of the features, most confident first.
 
         Args:
             features: "object:knife", "part:blade", "property:sharp", ...; others are not visible.
-            views: what to search in; a new look when None.
+            images: where to search; new ones are taken when None.
         """
         wanted = frozenset(features)
-        found = self._segments(views)
-        named = map(self.recogniser.name, found)
+        images = self.capture() if images is None else images
+        margin = TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m
+        segments = segment_images(images, margin=margin)
         percepts = [
             percept
-            for segment, (kind, sure) in zip(found, named, strict=True)
-            if any(wanted & visible_features(self.objects[each]) for each in self._in(kind))
-            for percept in self._percepts(segment, kind, sure)
+            for segment, (kind, confidence) in [(s, self.recogniser.recognise(s)) for s in segments]
+            if any(
+                wanted & visible_features(self.objects[each]) for each in self._with_mounted(kind)
+            )
+            for percept in self._percepts(segment, kind, confidence)
             if wanted & visible_features(self.objects[percept.object])
         ]
         ordered = sorted(percepts, key=lambda percept: -percept.confidence)
-        return tuple(_told_apart(ordered, self.track))
+        return tuple(_named(ordered, self.track))
 
     def obstacles(
-        self, besides: str | None, *, views: Sequence[CameraImage] | None = None
+        self, exclude: str | None, *, images: Sequence[CameraImage] | None = None
     ) -> Array:
-        """Points on all other things in sight (n, 3), in the world [m].
-
-        Args:
-            besides: name of the thing that is not in the way.
-            views: what to search in; a new look when None.
-        """
+        """Return points (n, 3) on all detected objects but `exclude`, in the world [m]."""
         features = [f"object:{kind}" for kind in self.objects]
-        others = [p.cloud for p in self.search(features, views=views) if p.name != besides]
-        return thinned(np.vstack([np.empty((0, 3)), *others]), OBSTACLE_SPACING)
+        found = self.search(features, images=images)
+        clouds = [percept.cloud for percept in found if percept.name != exclude]
+        cloud = np.vstack([np.empty((0, 3)), *clouds])
+        return cloud[voxel_downsample(cloud, OBSTACLE_SPACING)]
 
-    def _segments(self, views: Sequence[CameraImage] | None) -> tuple[Segment, ...]:
-        seen = self.look() if views is None else views
-        return segments(seen, margin=TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m)
-
-    def _in(self, kind: str) -> tuple[str, ...]:
-        """A type, and the types that may stand in it: they are one segment."""
+    def _with_mounted(self, kind: str) -> tuple[str, ...]:
+        """A type, and the types that may stand in it: together they are one segment."""
         mounted = (
             name
             for name in self.recogniser.kinds
@@ -224,25 +223,25 @@ class LearnedVision:
         )
         return (kind, *mounted)
 
-    def _percepts(self, segment: Segment, kind: str, sure: float) -> Iterator[Percept]:
-        """What a segment shows: a thing of that type, and what stands in it."""
-        candidates = [(each, part) for each in self._in(kind) for part in self.objects[each].parts]
-        parts = self.recogniser.share_out(segment, kind, candidates)
-        for each in self._in(kind):
-            seen = {
+    def _percepts(self, segment: Segment, kind: str, confidence: float) -> Iterator[Percept]:
+        """The percepts of one segment: an object of that type, and what stands in it."""
+        kinds = self._with_mounted(kind)
+        candidates = [(each, part) for each in kinds for part in self.objects[each].parts]
+        parts = self.recogniser.assign_parts(segment, kind, candidates)
+        for each in kinds:
+            visible = {
                 part: PartPercept(part, segment.points[parts == i], int((parts == i).sum()))
                 for i, (owner, part) in enumerate(candidates)
-                if owner == each and (parts == i).sum() >= LEAST_PART
+                if owner == each and (parts == i).sum() >= MIN_PART_POINTS
             }
-            if seen:
-                yield Percept(each, each, sure, seen, self.objects[each].properties)
+            if visible:
+                yield Percept(each, each, confidence, visible, self.objects[each].properties)
 
 
-def _told_apart(percepts: Sequence[Percept], track: Callable[[Percept], str]) -> Iterator[Percept]:
-    """The percepts under the names of what they show; a name given twice gets a number."""
+def _named(percepts: Sequence[Percept], track: Callable[[Percept], str]) -> Iterator[Percept]:
+    """The percepts under the names of their objects; a name given twice gets a number."""
     taken: dict[str, int] = {}
     for percept in percepts:
         name = track(percept)
         taken[name] = number = taken.get(name, 0) + 1
-        name = name if number == 1 else f"{name} {number}"
-        yield Percept(name, percept.object, percept.confidence, percept.parts, percept.properties)
+        yield replace(percept, name=name if number == 1 else f"{name} {number}")

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Noise: how eyes fail, with a seed.
+"""Seeded perception noise: missed and confused objects, lower confidence, noisy depths.
 
-Section 4.1 of the paper measures without sensor noise and expects that whatever then goes wrong in
-the world is due to it. `Noise` says how much of it there is; `NoisyVision` puts it between any
-source of percepts and whoever searches. A thing is misperceived in the same way as long as the
-scene stands, whoever looks for it first: the same seed gives the same run. Depth noise belongs to
-the cameras and is new with every look.
+Section 4.1 of the paper measures without sensor noise and attributes further errors in the world
+to it. `Noise` holds its amounts; `NoisyVision` applies it to the percepts of any detector. An
+object is misperceived in the same way in every search of a run, so that a seed gives the same run.
+Depth noise is applied by the cameras and drawn anew for every image.
 """
 
 from __future__ import annotations
@@ -22,19 +21,19 @@ from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
 from .percept import PartPercept, Percept, visible_features
 
-MOST_DEPTH = 0.05  # [m], more is no camera any more
+MAX_DEPTH_NOISE = 0.05  # [m], more than any camera has
 
 
 @dataclass(frozen=True)
 class Noise:
-    """How much eyes fail.
+    """The amounts of perception noise.
 
     Attributes:
-        missed: how often a thing is not seen at all, in [0, 1].
-        confused: how often a thing is taken for another type, in [0, 1].
+        missed: probability that an object is not detected.
+        confused: probability that an object is detected as another type.
         confidence: largest share of its confidence that a percept loses, in [0, 1].
         depth_m: standard deviation of each pixel's depth [m].
-        seed: from which all of it is drawn.
+        seed: of all random numbers.
 
     >>> Noise.parse("missed=0.1,confused=0.05", seed=7)
     Noise(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, seed=7)
@@ -47,26 +46,26 @@ class Noise:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name, most in _MOST.items():
+        for name, high in _MAX.items():
             value: float = getattr(self, name)
-            if not 0 <= value <= most:
+            if not 0 <= value <= high:
                 raise DataError(
-                    f"{name} must be in [0, {most:g}], found {value:g}.", source="noise"
+                    f"{name} must be in [0, {high:g}], found {value:g}.", source="noise"
                 )
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> Noise:
-        """Read what `--noise` says: "missed=0.1,confused=0.05"; nothing is no noise.
+        """Read the text of `--noise`, such as "missed=0.1,confused=0.05"; empty for no noise.
 
         Raises:
-            DataError: a word or a number in it is wrong.
+            DataError: a name or a number in it is wrong.
         """
         values: dict[str, float] = {}
         for item in filter(None, (piece.strip() for piece in text.split(","))):
             name, _, number = item.partition("=")
-            if name not in _MOST:
+            if name not in _MAX:
                 raise DataError(
-                    f'expected one of {", ".join(_MOST)}, found "{name}".', source="--noise"
+                    f'expected one of {", ".join(_MAX)}, found "{name}".', source="--noise"
                 )
             try:
                 values[name] = float(number)
@@ -78,74 +77,74 @@ class Noise:
 
     @property
     def is_none(self) -> bool:
-        """Whether eyes see as if there were no noise."""
-        return not any(getattr(self, name) for name in _MOST)
+        """Whether all amounts are zero."""
+        return not any(getattr(self, name) for name in _MAX)
 
-    def of(self, what: str, *numbers: int) -> np.random.Generator:
-        """The source of randomness for one thing, independent of what else is looked at."""
-        return np.random.default_rng([self.seed, crc32(what.encode()), *numbers])
+    def generator(self, name: str, *numbers: int) -> np.random.Generator:
+        """The random generator for one name, independent of all others."""
+        return np.random.default_rng([self.seed, crc32(name.encode()), *numbers])
 
 
-_MOST = {
-    each.name: MOST_DEPTH if each.name == "depth_m" else 1.0
+_MAX = {
+    each.name: MAX_DEPTH_NOISE if each.name == "depth_m" else 1.0
     for each in fields(Noise)
     if each.name != "seed"
 }
 
 
-class PerceptSource(Protocol):
-    """Anything that finds what has one of some features."""
+class Detector(Protocol):
+    """Anything that can search for objects by their features."""
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
-        """The things in view that have one of the features."""
+        """Return the visible objects that have one of the features."""
         ...
 
 
 @dataclass(frozen=True)
 class NoisyVision:
-    """Eyes that miss, confuse and doubt what better eyes see.
+    """A detector with noise: it misses and confuses objects, and lowers their confidence.
 
-    What is confused appears as another type: it is found by the features of that type, and not by
-    its own. So all that there is has to be looked at when things can be confused.
+    A confused object is found by the features of the type it is taken for, not by its own. So all
+    objects have to be searched for when they can be confused.
 
     Attributes:
-        eyes: what sees without noise; its cameras may add their own to depths.
-        noise: how much.
-        objects: the types that there are, by name.
+        detector: without noise, but for the depth noise of its cameras.
+        noise: the amounts.
+        objects: all types, by name.
     """
 
-    eyes: PerceptSource
+    detector: Detector
     noise: Noise
     objects: Mapping[str, ObjectType]
 
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
-        """The things that seem to have one of the features, the surest first."""
-        looked_for = features
+        """Return the objects that seem to have one of the features, most confident first."""
+        searched = features
         if features and self.noise.confused:
-            looked_for = [f"object:{name}" for name in self.objects]
-        seen = (self._misperceived(percept) for percept in self.eyes.search(looked_for))
+            searched = [f"object:{name}" for name in self.objects]
+        noisy = (self._misperceived(percept) for percept in self.detector.search(searched))
         wanted = frozenset(features)
         percepts = [
             percept
-            for percept in seen
+            for percept in noisy
             if percept and wanted & visible_features(self.objects[percept.object])
         ]
         return tuple(sorted(percepts, key=lambda percept: -percept.confidence))
 
     def _misperceived(self, percept: Percept) -> Percept | None:
-        """What a percept becomes; None when it is missed."""
-        miss, confuse, doubt, which = self.noise.of(percept.name).random(4)
+        """A percept with noise; None when the object is missed."""
+        miss, confuse, loss, which = self.noise.generator(percept.name).random(4)
         if miss < self.noise.missed:
             return None
         others = [name for name, kind in self.objects.items() if kind.graspable]
         others = [name for name in others if name != percept.object]
         if confuse < self.noise.confused and others:
-            percept = taken_for(percept, self.objects[others[int(which * len(others))]])
-        return replace(percept, confidence=percept.confidence * (1 - doubt * self.noise.confidence))
+            percept = relabelled(percept, self.objects[others[int(which * len(others))]])
+        return replace(percept, confidence=percept.confidence * (1 - loss * self.noise.confidence))
 
 
-def taken_for(percept: Percept, kind: ObjectType) -> Percept:
-    """The same sight, taken for a thing of another type: its parts get the names of that one's."""
+def relabelled(percept: Percept, kind: ObjectType) -> Percept:
+    """Return a percept with the type, part names and properties of another type."""
     parts = {
         name: PartPercept(name, part.cloud, part.pixels)
         for name, part in zip(kind.parts, percept.parts.values(), strict=False)
@@ -154,17 +153,17 @@ def taken_for(percept: Percept, kind: ObjectType) -> Percept:
 
 
 def with_depth_noise(
-    depth: NDArray[np.float32], noise: Noise, camera: str, moment: int
+    depth: NDArray[np.float32], noise: Noise, camera: str, step: int
 ) -> NDArray[np.float32]:
-    """Depths (height, width) [m] as a camera with noise delivers them.
+    """Return a depth image with noise.
 
     Args:
-        depth: without noise.
-        noise: how much.
-        camera: its name.
-        moment: number of the look; each has noise of its own.
+        depth: without noise (height, width) [m].
+        noise: of which the depth noise is added.
+        camera: name of the camera.
+        step: time step of the image; each has noise of its own.
     """
     if not noise.depth_m:
         return depth
-    errors = noise.of(camera, moment).normal(0.0, noise.depth_m, depth.shape)
+    errors = noise.generator(camera, step).normal(0.0, noise.depth_m, depth.shape)
     return (depth + errors).astype(np.float32)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Percepts: what has been seen of an object, part by part.
+"""Percepts: detected objects with the point clouds of their parts.
 
-These values pass from vision to everybody else; they hold points and numbers, never a reference
-into the simulator.
+They hold points and numbers, never a reference into the simulator.
 """
 
 from __future__ import annotations
@@ -15,19 +14,17 @@ import numpy as np
 
 from ...ontology.errors import UnknownNameError
 from ...ontology.objects import ObjectType
-from .. import poses
-from ..grasping.point_clouds import level_direction
 from ..poses import Array
 
 
 @dataclass(frozen=True, eq=False)
 class PartPercept:
-    """What has been seen of one part.
+    """The visible surface of one part.
 
     Attributes:
         name: of the part.
         cloud: points on its surface (n, 3), in the world [m]; read-only.
-        pixels: how many pixels of all cameras show it.
+        pixels: number of pixels of all cameras that show it.
     """
 
     name: str
@@ -43,14 +40,14 @@ class PartPercept:
 
 @dataclass(frozen=True, eq=False)
 class Percept:
-    """What has been seen of one object.
+    """One detected object.
 
     Attributes:
-        name: by which the object is tracked.
-        object: the type it is taken for.
-        confidence: how sure that is, in [0, 1].
-        parts: the parts that have been seen, by name.
-        properties: what is perceived of the object as a whole.
+        name: under which the object is tracked.
+        object: its type, as detected.
+        confidence: in that type, in [0, 1].
+        parts: the visible parts, by name.
+        properties: perceived of the object as a whole.
     """
 
     name: str
@@ -60,10 +57,10 @@ class Percept:
     properties: frozenset[str] = field(default_factory=frozenset[str])
 
     def part(self, name: str) -> PartPercept:
-        """One of the parts that have been seen.
+        """One of the visible parts.
 
         Raises:
-            UnknownNameError: it has no such part, or the part was out of sight.
+            UnknownNameError: the object has no such part, or the part is not visible.
         """
         if name not in self.parts:
             raise UnknownNameError(f"visible part of {self.name}", name, self.parts)
@@ -76,30 +73,15 @@ class Percept:
 
     @cached_property
     def centre(self) -> Array:
-        """The middle of the box round its points (3,), in the world [m]."""
+        """The centre of the bounding box of its points (3,), in the world [m]."""
         return (self.cloud.min(axis=0) + self.cloud.max(axis=0)) / 2
-
-    @cached_property
-    def world_from_box(self) -> Array:
-        """Where the upright box round its points is (4, 4): a first estimate of its pose.
-
-        The origin is the middle of the box, x runs along the longest level extent, z up.
-        """
-        turn = poses.rotation_about((0.0, 0.0, 1.0), level_direction(self.cloud))
-        along = self.cloud @ turn
-        return poses.pose(turn, turn @ (along.min(axis=0) + along.max(axis=0)) / 2)
-
-    @cached_property
-    def size(self) -> Array:
-        """Length, width and height of that box (3,) [m]."""
-        return np.ptp(self.cloud @ self.world_from_box[:3, :3], axis=0)
 
     def __repr__(self) -> str:
         return f"<Percept {self.name}, {self.object} {self.confidence:.2f}>"
 
 
 def visible_features(kind: ObjectType) -> frozenset[str]:
-    """The features by which a type can be searched for."""
+    """The features by which objects of a type can be searched for."""
     parts = kind.parts.values()
     properties = kind.properties.union(*(part.properties for part in parts))
     return frozenset(

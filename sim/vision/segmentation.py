@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Segmentation without a mask: what stands on the table, one cloud of coloured points a thing.
+"""Segmentation of depth images into objects on the table, and descriptors of the segments.
 
-All cameras' depths become points of the world; those of the table and of what is not on it are
-taken away, and what is left falls into groups that are clear of each other when seen from above.
-Nothing here asks the simulator what a pixel shows.
+The depths of all cameras become points of the world; the table and what is not on it are removed,
+and the rest falls into groups that do not touch when seen from above. Nothing here uses the mask.
+
+Descriptors are numbers that do not change when an object is turned: they use the segment's own
+frame, with the origin on the table below its middle, x along its longest extent towards its heavier
+end, and z up.
 """
 
 from __future__ import annotations
@@ -15,31 +18,35 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..grasping.point_clouds import thin
+from .. import poses
 from ..poses import Array
 from .camera import SAMPLE, Camera, CameraImage
-
-Integers = NDArray[np.int64]
+from .point_clouds import Integers, principal_direction, voxel_downsample, voxel_keys
 
 TABLE_MARGIN = 0.0012  # [m], what is lower is the table
-REGION = ((0.19, 0.83), (-0.55, 0.55))  # [m], x and y of where things can stand
-CEILING = 0.30  # [m]; what reaches higher is the arm and no thing on the table
-LOOKED_AT = 0.45  # [m], so far up it is found out whether something goes on
-SPACING = 0.0012  # [m], one point is kept of each cube of this size
-CELL = 0.004  # [m], of the plan in which groups are found
-LEAST_IN_CELL = 3  # points in a cell and those round it; fewer are errors of depth
-_HALF = 2**20  # more cubes than there are in any direction of a room
-LEAST_POINTS = 80  # fewer are not taken for anything
+REGION = ((0.19, 0.83), (-0.55, 0.55))  # [m], x and y of where objects can stand
+MAX_HEIGHT = 0.30  # [m]; what reaches higher is the arm
+MAX_CONSIDERED_HEIGHT = 0.45  # [m], up to where points are kept, to see what reaches higher
+SPACING = 0.0012  # [m], voxel size of a segment
+CELL = 0.004  # [m], of the plan view in which groups are found
+MIN_POINTS_IN_CELL = 3  # in a cell and its neighbours; fewer are errors of depth
+MIN_POINTS = 80  # of a segment
+
+SLICES = 12  # along the longest extent
+DISTANCE_BINS, HEIGHT_BINS = 8, 8
+MAX_DISTANCE, MAX_HEIGHT_BIN = 0.16, 0.2  # [m], where the last bins end
+SHADES = 3  # of each of red, green and blue in the colour histogram
+SCALE = 10.0  # of lengths, so that all numbers are of about one size
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """One thing, as its points.
+    """The points of one segment.
 
     Attributes:
         points: on its surface (n, 3), in the world [m].
         colours: of the points (n, 3), red, green and blue in [0, 1].
-        sources: number of the view and of the pixel that each point comes from (n, 2).
+        sources: index of the image and of the pixel that each point comes from (n, 2).
     """
 
     points: Array
@@ -53,32 +60,34 @@ class Segment:
         return Segment(self.points[chosen], self.colours[chosen], self.sources[chosen])
 
 
-def segments(views: Sequence[CameraImage], *, margin: float = TABLE_MARGIN) -> tuple[Segment, ...]:
-    """The things on the table that some views show, in a fixed order.
+def segment_images(
+    images: Sequence[CameraImage], *, margin: float = TABLE_MARGIN
+) -> tuple[Segment, ...]:
+    """Return the segments of the objects on the table, in a fixed order.
 
     Args:
-        views: of all cameras at one moment.
-        margin: up to where points are taken for the table [m]; more where depths are noisy.
+        images: of all cameras at one moment.
+        margin: height up to which points belong to the table [m]; more with depth noise.
     """
-    scene = _above_table(views, margin)
-    scene = scene[thin(scene.points, SPACING)]
+    scene = _above_table(images, margin)
+    scene = scene[voxel_downsample(scene.points, SPACING)]
     groups = _groups(scene.points)
     found = (scene[groups == number] for number in range(1, int(groups.max(initial=0)) + 1))
     return tuple(
-        each for each in found if len(each) >= LEAST_POINTS and each.points[:, 2].max() < CEILING
+        each for each in found if len(each) >= MIN_POINTS and each.points[:, 2].max() < MAX_HEIGHT
     )
 
 
-def _above_table(views: Sequence[CameraImage], margin: float) -> Segment:
+def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
     pieces: list[Segment] = []
-    for number, view in enumerate(views):
-        heights = view.camera.eye[2] + view.depth * _rise(view.camera)
-        mask = (heights > margin) & (heights < LOOKED_AT)
-        points = view.points(mask)
+    for number, image in enumerate(images):
+        heights = image.camera.eye[2] + image.depth * _height_per_depth(image.camera)
+        mask = (heights > margin) & (heights < MAX_CONSIDERED_HEIGHT)
+        points = image.points(mask)
         pixels = np.flatnonzero(mask)
         sources = np.column_stack([np.full(len(pixels), number), pixels])
-        piece = Segment(points, view.colour[mask] / 255.0, sources)
-        pieces.append(piece[_is_on_table(points)])
+        piece = Segment(points, image.colour[mask] / 255.0, sources)
+        pieces.append(piece[_is_in_region(points)])
     return Segment(
         np.vstack([np.empty((0, 3)), *(piece.points for piece in pieces)]),
         np.vstack([np.empty((0, 3)), *(piece.colours for piece in pieces)]),
@@ -87,8 +96,8 @@ def _above_table(views: Sequence[CameraImage], margin: float) -> Segment:
 
 
 @lru_cache(maxsize=8)
-def _rise(camera: Camera) -> NDArray[np.float32]:
-    """How much higher a point is than the eye for each metre of depth, (height, width)."""
+def _height_per_depth(camera: Camera) -> NDArray[np.float32]:
+    """How much higher than the camera a point is, per metre of depth (height, width)."""
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     across = (columns + SAMPLE[0] - camera.width / 2) / camera.focal
     upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
@@ -96,16 +105,16 @@ def _rise(camera: Camera) -> NDArray[np.float32]:
     return (across * right + upwards * up - back).astype(np.float32)
 
 
-def _is_on_table(points: Array) -> NDArray[np.bool_]:
+def _is_in_region(points: Array) -> NDArray[np.bool_]:
     low, high = np.array(REGION).T
     return ((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1)
 
 
 def _groups(points: Array) -> Integers:
-    """To which group each point belongs (n,), counted from 1.
+    """The group of each point (n,), counted from 1; 0 for none.
 
-    Cells of the plan are one group when they touch, or nearly: the slots of a spatula are
-    narrower than the space between two things.
+    Cells of the plan view belong together when they touch, or nearly: the slots of a spatula are
+    narrower than the gap between two objects.
     """
     from scipy import ndimage
 
@@ -113,16 +122,100 @@ def _groups(points: Array) -> Integers:
     plan = np.zeros(np.ceil(np.ptp(REGION, axis=1) / CELL).astype(int) + 5)
     np.add.at(plan, tuple(cells.T), 1)
     square = np.ones((3, 3), dtype=bool)
-    plan = (plan > 0) & (ndimage.convolve(plan, square.astype(float)) >= LEAST_IN_CELL)
+    plan = (plan > 0) & (ndimage.convolve(plan, square.astype(float)) >= MIN_POINTS_IN_CELL)
     labels = np.zeros(plan.shape, dtype=np.int64)
     ndimage.label(ndimage.binary_dilation(plan, square), square, output=labels)
     return np.where(plan, labels, 0)[tuple(cells.T)]
 
 
-def cube_numbers(points: Array, side: float) -> Integers:
-    """One number (n,) for the cube of `side` [m] in which each point (n, 3) or (n, 2) lies."""
-    cubes = np.floor(points / side).astype(np.int64) + _HALF
-    numbers = cubes[:, 0]
-    for column in cubes.T[1:]:
-        numbers = numbers * 2 * _HALF + column
-    return numbers
+def segment_frame(points: Array) -> Array:
+    """`world_from_segment` (4, 4) of points (n, 3).
+
+    >>> segment_frame(np.array([[0.0, 0, 0], [0.0, 1, 0], [0.0, 5, 0]]))[:2, 0] + 0.0
+    array([ 0., -1.])
+    """
+    middle = points[:, :2].mean(axis=0)
+    along = principal_direction(points)
+    # Seen from the middle, the lighter end reaches farther; x points away from it.
+    ahead = (points[:, :2] - middle) @ along
+    if (ahead**3).sum() > 0:
+        along = -along
+    x, y = along
+    rotation = np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])
+    return poses.pose(rotation, (*middle, 0.0))
+
+
+def describe_segment(segment: Segment) -> Array:
+    """Return the descriptor (d,) of a segment: its size, outline, distributions and colours."""
+    points = poses.transform(poses.inverse(segment_frame(segment.points)), segment.points)
+    quantiles = np.quantile(points, (0.02, 0.5, 0.98), axis=0)
+    extent = quantiles[2] - quantiles[0]
+    area = len(np.unique(voxel_keys(points[:, :2], CELL))) * CELL**2
+    radius = np.linalg.norm(points[:, :2], axis=1)
+    numbers = (
+        SCALE * quantiles.ravel(),
+        SCALE * extent,
+        SCALE * np.array([np.sqrt(area), points[:, 2].mean(), points[:, 2].std(), radius.mean()]),
+        [area / max(extent[0] * extent[1], CELL**2), extent[1] / max(extent[0], CELL)],
+        SCALE * np.hstack(_outline(points)),
+        _histogram(radius / MAX_DISTANCE, DISTANCE_BINS),
+        _histogram(points[:, 2] / MAX_HEIGHT_BIN, HEIGHT_BINS),
+        segment.colours.mean(axis=0),
+        segment.colours.std(axis=0),
+        _colour_histogram(segment.colours),
+    )
+    return np.concatenate([np.ravel(each) for each in numbers])
+
+
+def describe_points(segment: Segment) -> Array:
+    """Return the descriptors (n, k) of a segment's points: position, surroundings and colour."""
+    points = poses.transform(poses.inverse(segment_frame(segment.points)), segment.points)
+    place = _place_along(points)
+    index = np.clip((place * SLICES).astype(int), 0, SLICES - 1)
+    outline = np.column_stack(_outline(points))
+    before, after = outline[np.maximum(index - 1, 0)], outline[np.minimum(index + 1, SLICES - 1)]
+    mean, deviation = segment.colours.mean(axis=0), segment.colours.std(axis=0) + 0.02
+    return np.column_stack(
+        [
+            SCALE * points,
+            SCALE * np.abs(points[:, 1]),
+            SCALE * np.linalg.norm(points[:, :2], axis=1),
+            np.clip(place, -0.5, 1.5),
+            SCALE * outline[index],
+            SCALE * before,
+            SCALE * after,
+            np.tile(SCALE * np.ptp(points, axis=0), (len(points), 1)),
+            segment.colours,
+            (segment.colours - mean) / deviation,
+        ]
+    )
+
+
+def _place_along(points: Array) -> Array:
+    """Where points (n, 3) lie along the longest extent (n,): 0 at its start, 1 at its end."""
+    low, high = np.quantile(points[:, 0], (0.01, 0.99))
+    return (points[:, 0] - low) / max(high - low, CELL)
+
+
+def _outline(points: Array) -> tuple[Array, Array, Array]:
+    """Width, lowest and highest point of each slice along x, (SLICES,) each [m]."""
+    index = np.clip((_place_along(points) * SLICES).astype(int), 0, SLICES - 1)
+    lowest, highest = np.full((SLICES, 2), np.inf), np.full((SLICES, 2), -np.inf)
+    np.minimum.at(lowest, index, points[:, 1:])
+    np.maximum.at(highest, index, points[:, 1:])
+    empty = ~np.isfinite(lowest)
+    lowest[empty], highest[empty] = 0.0, 0.0
+    return highest[:, 0] - lowest[:, 0], lowest[:, 1], highest[:, 1]
+
+
+def _histogram(values: Array, bins: int) -> Array:
+    """The share of values in each of `bins` bins over [0, 1]; those beyond go to the last ones."""
+    index = np.clip((values * bins).astype(int), 0, bins - 1)
+    return np.bincount(index, minlength=bins) / len(values)
+
+
+def _colour_histogram(colours: Array) -> Array:
+    """The share of points with each of SHADES^3 colours."""
+    shade = np.clip((colours * SHADES).astype(int), 0, SHADES - 1)
+    index = (shade[:, 0] * SHADES + shade[:, 1]) * SHADES + shade[:, 2]
+    return np.bincount(index, minlength=SHADES**3) / len(colours)

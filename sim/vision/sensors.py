@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sources of percepts there are, behind one protocol: `--vision mask|learned`.
+"""The vision sensors that `--vision mask|learned` chooses from, behind one protocol.
 
-`mask` takes the simulator's word for which pixel shows what, as a perfect detector would give it;
-`learned` has only the pictures. Both look through the same cameras, with the same noise of depth,
-and give percepts under the names by which the world knows its things.
+`mask` uses the simulator's segmentation mask, as a perfect detector; `learned` uses only colours
+and depths. Both use the same cameras with the same depth noise, and name objects as the world does.
 """
 
 from __future__ import annotations
@@ -19,87 +18,116 @@ from ...ontology.errors import UnknownNameError
 from ..poses import Array
 from ..scene.world import FLOOR, TABLE, World
 from .camera import CameraImage
-from .detector import Vision
+from .detector import MaskDetector
 from .noise import Noise
 from .percept import Percept
 
 SOURCES = ("mask", "learned")
-SAME_PLACE = 0.04  # [m], between the middle of what is seen and that of a thing
+SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
 
 
-class Eyes(Protocol):
-    """What a body needs to see; `Vision` and `LearnedVision` are such eyes."""
+class VisionSensor(Protocol):
+    """Cameras with a detector: `MaskDetector` or `LearnedDetector`."""
 
-    def look(self) -> tuple[CameraImage, ...]:
-        """What all cameras see now."""
+    def capture(self) -> tuple[CameraImage, ...]:
+        """Take one image with each camera."""
         ...
 
     def search(
-        self, features: Sequence[str], *, views: Sequence[CameraImage] | None = None
+        self, features: Sequence[str], *, images: Sequence[CameraImage] | None = None
     ) -> tuple[Percept, ...]:
-        """The things in sight that have one of the features, the surest first."""
+        """Return the visible objects that have one of the features, most confident first."""
         ...
 
     def obstacles(
-        self, besides: str | None, *, views: Sequence[CameraImage] | None = None
+        self, exclude: str | None, *, images: Sequence[CameraImage] | None = None
     ) -> Array:
-        """Points on all other things in sight (n, 3), in the world [m]."""
+        """Return points (n, 3) on all visible objects but `exclude`, in the world [m]."""
         ...
 
 
-def open_eyes(world: World, *, source: str = "mask", noise: Noise | None = None) -> Eyes:
-    """The eyes round the table of a world.
+class CachedVision:
+    """A vision sensor that takes new images only after time has passed in the world.
 
     Args:
-        world: what they look at.
-        source: "mask", "learned", or "learned:FILE" with networks of one's own.
-        noise: of which they have the depth noise; for the rest see `NoisyVision`.
+        world: that the sensor sees.
+        sensor: takes the images and searches in them.
+    """
+
+    def __init__(self, world: World, sensor: VisionSensor) -> None:
+        self._world, self._sensor = world, sensor
+        self._images: tuple[CameraImage, ...] = ()
+        self._step = -1
+
+    def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
+        """Return the visible objects that have one of the features, most confident first."""
+        return self._sensor.search(features, images=self._current())
+
+    def find(self, name: str) -> Percept | None:
+        """The percept of an object of the world; None when it is not visible."""
+        kind = self._world.kinds.get(name)
+        found = self.search([f"object:{kind.name}"]) if kind else ()
+        return next((percept for percept in found if percept.name == name), None)
+
+    def obstacles(self, exclude: str) -> Array:
+        """Return points (n, 3) on all visible objects but `exclude`, in the world [m]."""
+        return self._sensor.obstacles(exclude, images=self._current())
+
+    def _current(self) -> tuple[CameraImage, ...]:
+        now = self._world.engine.steps
+        if now != self._step:
+            self._images, self._step = self._sensor.capture(), now
+        return self._images
+
+
+def open_vision(world: World, *, source: str = "mask", noise: Noise | None = None) -> VisionSensor:
+    """Open the vision sensor of a world.
+
+    Args:
+        world: that the cameras see.
+        source: "mask", "learned", or "learned:FILE" with classifiers of one's own.
+        noise: only its depth noise is used here; see `NoisyVision` for the rest.
 
     Raises:
         UnknownNameError: there is no such source.
-        DataError: the file of networks cannot be read.
+        DataError: the file of classifiers cannot be read.
     """
-    refuse_unknown(source)
+    check_source(source)
     noise = noise or Noise()
     if source == "mask":
-        room = (FLOOR, TABLE)  # below all that there is to see: they cannot hide anything
-        return Vision(world.engine, world.kinds, world.models, noise=noise, room=room)
-    from .learned_detector import (
-        LearnedVision,
-        Recogniser,
-    )  # scipy and the networks only where they are used
+        room = (FLOOR, TABLE)  # below everything else: they cannot hide anything
+        return MaskDetector(world.engine, world.kinds, world.models, noise=noise, room=room)
+    from .learned_detector import LearnedDetector, Recogniser  # scipy only where it is needed
 
-    track = Tracker(world)
-    networks = source.partition(":")[2]
-    if not networks:
-        return LearnedVision(world.engine, world.objects, noise=noise, track=track)
-    learned = Recogniser.load(Path(networks))
-    return LearnedVision(world.engine, world.objects, noise=noise, track=track, recogniser=learned)
+    file = source.partition(":")[2]
+    recogniser = Recogniser.load(Path(file)) if file else Recogniser.default()
+    return LearnedDetector(
+        world.engine, world.objects, noise=noise, track=Tracker(world), recogniser=recogniser
+    )
 
 
-def refuse_unknown(source: str) -> None:
-    """Tell that there is no such source of percepts, before anything is made.
+def check_source(source: str) -> None:
+    """Check the name of a source of percepts before anything is made.
 
     Raises:
-        UnknownNameError: there is none.
+        UnknownNameError: there is no such source.
     """
-    kind, _, networks = source.partition(":")
-    if kind not in SOURCES or (networks and kind != "learned"):
+    kind, _, file = source.partition(":")
+    if kind not in SOURCES or (file and kind != "learned"):
         raise UnknownNameError("source of vision", source, (*SOURCES, "learned:FILE"))
 
 
 @dataclass(frozen=True)
 class Tracker:
-    """Gives percepts the names by which the world knows its things, by where they are.
+    """Names percepts after the objects of the world, by their positions.
 
-    A robot that has looked at a table keeps track of what stands where, whatever it takes it for;
-    here the world does that for it.
+    It stands in for the tracking by which a robot would keep the names of objects.
     """
 
     world: World
 
     def __call__(self, percept: Percept) -> str:
-        """The name of the nearest thing, one of the type that it is taken for if there is one."""
+        """The name of the nearest object, preferably of the detected type."""
         world = self.world
         gaps = {
             name: float(np.linalg.norm((world.top(name) - percept.centre)[:2]))

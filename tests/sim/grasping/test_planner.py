@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Grasps planned on clouds made by hand: of the wanted part only, clear of all else."""
+"""Grasps planned on synthetic clouds: of the target part only, clear of everything else."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from hilt.sim import poses
+from hilt.sim.grasping.context import LabelledCloud, PointLabel
 from hilt.sim.grasping.planner import GraspPlan, plan_grasps
-from hilt.sim.grasping.point_clouds import Label, Surroundings, spread, surround, thin
-from hilt.sim.grasping.sampling import BIN, propose
-from hilt.sim.grasping.scoring import OBSTACLES, hits_table, judge, turning_arm
+from hilt.sim.grasping.sampling import BIN, sample_grasps
+from hilt.sim.grasping.scoring import REJECTIONS, gravity_lever, hits_table, score_grasps
 from hilt.sim.poses import Array
 from hilt.sim.robot.models import find_robot
 
@@ -34,15 +34,22 @@ def box(middle: tuple[float, float, float], size: tuple[float, float, float]) ->
     return grid[sides | np.isclose(grid[:, 2], high[2])]
 
 
-def bar(*, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING) -> Surroundings:
+def bar(*, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING) -> LabelledCloud:
     """A bar of 10 cm that lies along x."""
     cloud = box(BAR, (0.1, width, 0.022))
-    return surround(cloud, [others], [near], table=0.0, balance=np.array(BAR), mass=0.1)
+    return LabelledCloud.of(
+        cloud,
+        other_parts=others,
+        neighbours=near,
+        table=0.0,
+        centre_of_mass=np.array(BAR),
+        mass=0.1,
+    )
 
 
-def plan(surroundings: Surroundings, seed: int = 0) -> GraspPlan:
+def plan(cloud: LabelledCloud, seed: int = 0) -> GraspPlan:
     """The grasps of a part."""
-    return plan_grasps(surroundings, GRIPPER, rng=np.random.default_rng(seed))
+    return plan_grasps(cloud, GRIPPER, rng=np.random.default_rng(seed))
 
 
 def hand_over_bar(*, turn: float = 0.0, aside: float = 0.0) -> Array:
@@ -84,8 +91,10 @@ def test_same_seed_gives_the_same_grasps():
 def test_other_part_is_never_between_the_pads():
     """With another part on one half of the bar, all grasps keep to the other half."""
     half = box((0.525, 0.0, 0.012), (0.05, 0.02, 0.022))
-    wanted = box((0.475, 0.0, 0.012), (0.05, 0.02, 0.022))
-    scene = surround(wanted, [half], [], table=0.0, balance=np.array(BAR), mass=0.1)
+    target = box((0.475, 0.0, 0.012), (0.05, 0.02, 0.022))
+    scene = LabelledCloud.of(
+        target, other_parts=half, table=0.0, centre_of_mass=np.array(BAR), mass=0.1
+    )
 
     found = plan(scene).grasps
 
@@ -99,7 +108,7 @@ def test_other_part_is_never_between_the_pads():
 def test_part_wider_than_the_hand_is_too_wide():
     """A cube of 10 cm leaves no grasp, and the reason is its width."""
     cube = box((0.5, 0.0, 0.05), (0.1, 0.1, 0.1))
-    scene = surround(cube, [], [], table=0.0, balance=np.array((0.5, 0, 0.05)), mass=0.5)
+    scene = LabelledCloud.of(cube, table=0.0, centre_of_mass=np.array((0.5, 0, 0.05)), mass=0.5)
 
     found = plan(scene)
 
@@ -120,7 +129,7 @@ def test_part_walled_in_by_others_is_blocked():
 
 def test_part_hardly_seen_gives_no_grasp_and_no_reason():
     """Of a handful of points nothing can be said."""
-    few = surround(np.zeros((3, 3)), [], [], table=0.0, balance=np.zeros(3), mass=0.1)
+    few = LabelledCloud.of(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
 
     found = plan(few)
 
@@ -128,12 +137,12 @@ def test_part_hardly_seen_gives_no_grasp_and_no_reason():
     assert found.reason == ""
 
 
-def test_proposed_fingers_come_down_beside_all_there_is():
+def test_candidate_fingers_come_down_beside_all_points():
     """Between the fingers is the bar; where they are, from their tips upwards, is no point."""
     block = box((0.5, 0.04, 0.012), (0.03, 0.02, 0.022))
-    around = bar(near=block).thinned(0.0035, reach=0.15, most=2000)
+    around = bar(near=block).downsampled(0.0035, reach=0.15, limit=2000)
 
-    found = propose(around, GRIPPER, rng=np.random.default_rng(2), count=20)
+    found = sample_grasps(around, GRIPPER, rng=np.random.default_rng(2), count=20)
 
     local = (around.points - found.world_from_grip[:, None, :3, 3]) @ found.world_from_grip[
         :, :3, :3
@@ -145,17 +154,17 @@ def test_proposed_fingers_come_down_beside_all_there_is():
     assert not (on_finger & (local[..., 2] < GRIPPER.tip)).any()
 
 
-def test_judging_centres_the_hand_on_the_part():
+def test_scoring_centres_the_hand_on_the_part():
     """A hand that is off the middle is moved there along its closing direction."""
-    holds = judge(hand_over_bar(aside=0.004), np.array([0.02]), bar(), GRIPPER)
+    scores = score_grasps(hand_over_bar(aside=0.004), np.array([0.02]), bar(), GRIPPER)
 
-    assert OBSTACLES[holds.obstacle[0]] == ""
-    assert holds.world_from_grip[0, 1, 3] == pytest.approx(0.0, abs=5e-4)
+    assert REJECTIONS[scores.rejection[0]] == ""
+    assert scores.world_from_grip[0, 1, 3] == pytest.approx(0.0, abs=5e-4)
 
 
 def test_twist_says_how_to_turn_the_hand_along_the_faces():
     """Turning a hand about its approach by the twist lays the pads flat."""
-    turned = judge(hand_over_bar(turn=0.1), np.array([0.02]), bar(), GRIPPER)
+    turned = score_grasps(hand_over_bar(turn=0.1), np.array([0.02]), bar(), GRIPPER)
 
     straight = turned.world_from_grip[0, :3, :3] @ poses.rotation_about((0, 0, 1), turned.twist[0])
 
@@ -167,11 +176,11 @@ def test_slope_says_where_a_round_part_is_widest():
     angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     rim = np.column_stack([0.5 + 0.03 * np.cos(angle), 0.03 * np.sin(angle), 0 * angle])
     disc = np.vstack([rim + np.array((0, 0, z)) for z in np.linspace(0.005, 0.02, 12)])
-    scene = surround(disc, [], [], table=0.0, balance=np.array((0.5, 0, 0.01)), mass=0.1)
+    scene = LabelledCloud.of(disc, table=0.0, centre_of_mass=np.array((0.5, 0, 0.01)), mass=0.1)
     beside = poses.pose(DOWN, (0.508, 0.0, 0.012))[None]
 
-    holds = judge(beside, np.array([0.06]), scene, GRIPPER)
-    moved = beside[0] @ poses.translation(holds.slope[0, 0] * holds.width[0] / 2, 0, 0)
+    scores = score_grasps(beside, np.array([0.06]), scene, GRIPPER)
+    moved = beside[0] @ poses.translation(scores.slope[0, 0] * scores.width[0] / 2, 0, 0)
 
     assert moved[0, 3] == pytest.approx(0.5, abs=0.003)
 
@@ -179,21 +188,24 @@ def test_slope_says_where_a_round_part_is_widest():
 def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
     """A hand that just reaches a plate scores less than one 3 mm deeper, all else alike."""
     plate = box((0.5, 0.0, 0.03), (0.1, 0.02, 0.002))
-    scene = surround(plate, [], [], table=0.0, balance=np.array((0.5, 0, 0.03)), mass=0.1)
+    scene = LabelledCloud.of(plate, table=0.0, centre_of_mass=np.array((0.5, 0, 0.03)), mass=0.1)
     bottom = 0.029 + GRIPPER.pad_length / 2  # height of the grip when the pads end with the plate
     hands = np.stack([poses.pose(DOWN, (0.5, 0, bottom - z)) for z in (0.0, 0.003)])
 
-    shallow, deep = judge(hands, np.full(2, 0.02), scene, GRIPPER).score
+    shallow, deep = score_grasps(hands, np.full(2, 0.02), scene, GRIPPER).score
 
     assert 0 < shallow < 0.7 * deep
 
 
 def test_thing_that_would_turn_in_the_hand_is_not_ruled_out():
     """A heavy bar held far from its middle scores little, but more than nothing."""
-    far = surround(bar().wanted, [], [], table=0.0, balance=np.array((0.6, 0.0, 0.012)), mass=0.6)
+    far = LabelledCloud.of(
+        bar().target, table=0.0, centre_of_mass=np.array((0.6, 0.0, 0.012)), mass=0.6
+    )
 
     near_middle, far_from_it = (
-        judge(hand_over_bar(), np.array([0.02]), scene, GRIPPER).score[0] for scene in (bar(), far)
+        score_grasps(hand_over_bar(), np.array([0.02]), scene, GRIPPER).score[0]
+        for scene in (bar(), far)
     )
 
     assert 0 < far_from_it < 0.3 * near_middle
@@ -212,32 +224,15 @@ def test_weight_turns_a_thing_held_at_its_end_only():
     hand = poses.pose(DOWN, (0.5, 0, 0))[None]
     along, across = np.array([[0.1, 0, 0]]), np.array([[0, 0.1, 0]])
 
-    assert turning_arm(hand, along)[0] == pytest.approx(0.1)
-    assert turning_arm(hand, across)[0] == pytest.approx(0.0, abs=1e-9)
+    assert gravity_lever(hand, along)[0] == pytest.approx(0.1)
+    assert gravity_lever(hand, across)[0] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_thinning_keeps_one_point_of_each_cube():
-    """No cube keeps two points, and none that held any is left empty."""
-    points = np.random.default_rng(1).uniform(0, 0.05, (800, 3))
-
-    kept = np.floor(points[thin(points, 0.01)] / 0.01)
-
-    assert len(np.unique(kept, axis=0)) == len(kept)
-    assert len(kept) == len(np.unique(np.floor(points / 0.01), axis=0))
-
-
-def test_thinned_surroundings_keep_labels_and_stay_below_the_limit():
+def test_downsampled_cloud_keeps_labels_and_stays_below_the_limit():
     """However dense the cloud, about so many points remain, of each kind some."""
     scene = bar(others=box((0.6, 0, 0.012), (0.05, 0.02, 0.022)))
 
-    fewer = scene.thinned(0.001, reach=0.2, most=500)
+    fewer = scene.downsampled(0.001, reach=0.2, limit=500)
 
     assert np.bincount(fewer.labels).max() <= 500
-    assert {Label.WANTED, Label.OTHER_PART} == set(fewer.labels)
-
-
-def test_spread_takes_far_points_first():
-    """From a row of points the ends come before the middle."""
-    row = np.column_stack([np.linspace(0, 1, 11), np.zeros(11), np.zeros(11)])
-
-    assert list(spread(row, 3, first=0)) == [0, 10, 5]
+    assert {PointLabel.TARGET, PointLabel.OTHER_PART} == set(fewer.labels)

@@ -171,12 +171,12 @@ def test_what_is_unseen_is_only_not_drawn(engine: PhysicsEngine):
     """Inside the block no pixel shows the knife; afterwards the picture is what it was."""
     engine.bodies.load("knife", KNIFE)
     camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
-    before = camera.look(engine)
+    before = camera.capture(engine)
 
     with engine.rendering.hidden(["knife"]):
-        unseen = camera.look(engine)
+        unseen = camera.capture(engine)
 
-    after = camera.look(engine)
+    after = camera.capture(engine)
     assert before.mask("knife").any()
     assert not unseen.mask("knife").any()
     assert np.array_equal(before.colour, after.colour)
@@ -188,7 +188,7 @@ def test_some_links_of_the_unseen_may_be_seen(engine: PhysicsEngine):
     camera = Camera("eye", (0.3, 0.0, 0.4), (0.0, 0.0, 0.0), width=80, height=60)
 
     with engine.rendering.hidden(["knife"], but=[("knife", "blade")]):
-        view = camera.look(engine)
+        view = camera.capture(engine)
 
     assert view.mask("knife", "blade").any()
     assert not view.mask("knife", "handle").any()

@@ -8,11 +8,11 @@ import pytest
 
 from hilt.sim import poses
 from hilt.sim.robot.collision import (
-    FAR,
+    MAX_GAP,
     arm_spheres,
     clearance,
     finger_spheres,
-    on_hand,
+    hand_spheres,
     self_clearance,
 )
 from hilt.sim.robot.models import find_robot
@@ -26,16 +26,16 @@ NOTHING = np.zeros((0, 3))
 def gap(points: np.ndarray, *, table: float = -1.0) -> float:
     """The gap of the waiting arm to these points and the table."""
     spheres = arm_spheres(ARM, PANDA.spheres)
-    return clearance(ARM, spheres, HOME, world_from_base=np.eye(4), seen=points, table=table)
+    return clearance(ARM, spheres, HOME, world_from_base=np.eye(4), points=points, table=table)
 
 
 def test_gap_of_a_ball_to_a_point_is_what_geometry_says():
     """A ball of 2 cm round the hand's origin, and a point at (1.5, 1.5, 1.5) cm from it."""
     hand = ARM.forward(HOME)[0]
     point = hand[None, :3, 3] + 0.015
-    ball = on_hand(ARM, np.zeros((1, 3)), 0.02)
+    ball = hand_spheres(ARM, np.zeros((1, 3)), 0.02)
 
-    found = clearance(ARM, ball, HOME, world_from_base=np.eye(4), seen=point, table=-9.0)
+    found = clearance(ARM, ball, HOME, world_from_base=np.eye(4), points=point, table=-9.0)
 
     assert found == pytest.approx(0.015 * np.sqrt(3) - 0.02)
 
@@ -50,7 +50,7 @@ def test_gap_to_many_points_is_that_to_the_nearest(seed: int):
 
     apart = np.linalg.norm(centres[:, None] - points, axis=2) - balls.radius[:, None]
 
-    assert gap(points, table=-9.0) == pytest.approx(min(FAR, apart.min()))
+    assert gap(points, table=-9.0) == pytest.approx(min(MAX_GAP, apart.min()))
 
 
 def test_point_inside_the_hand_gives_a_negative_gap():
@@ -72,7 +72,7 @@ def test_robot_that_stands_elsewhere_hits_other_points():
     spheres = arm_spheres(ARM, PANDA.spheres)
     away = poses.translation(2.0, 0.0, 0.0)
 
-    found = clearance(ARM, spheres, HOME, world_from_base=away, seen=inside, table=-1.0)
+    found = clearance(ARM, spheres, HOME, world_from_base=away, points=inside, table=-1.0)
 
     assert found > 0
 
@@ -92,5 +92,5 @@ def test_thing_held_into_the_arm_is_noticed():
     shoulder = poses.transform(poses.inverse(ARM.forward(HOME)[0]), np.array([[0.0, 0, 0.333]]))
     below = np.array([[0.0, 0.0, 0.25]])
 
-    assert self_clearance(ARM, on_hand(ARM, shoulder, 0.01), spheres, HOME) < 0
-    assert self_clearance(ARM, on_hand(ARM, below, 0.01), spheres, HOME) > 0.05
+    assert self_clearance(ARM, hand_spheres(ARM, shoulder, 0.01), spheres, HOME) < 0
+    assert self_clearance(ARM, hand_spheres(ARM, below, 0.01), spheres, HOME) > 0.05

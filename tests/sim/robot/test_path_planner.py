@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ways of the arm: they hit nothing that was seen, however thin it is."""
+"""Paths of the arm: they hit no seen point, however thin the object is."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.models import find_robot
-from hilt.sim.robot.path_planner import Reacher
+from hilt.sim.robot.path_planner import PathPlanner
 from hilt.sim.robot.robot import Robot
 
 pytestmark = pytest.mark.sim
@@ -34,21 +34,21 @@ def pole(robot: Robot, share: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("share", np.linspace(0.3, 0.7, 5))
-def test_thin_pole_bars_the_way(robot: Robot, share: float):
-    """No way leads through a pole, although it is thinner than a posture is far from the next."""
+def test_thin_pole_bars_the_path(robot: Robot, share: float):
+    """No path leads through a pole that is thinner than the distance between two postures."""
     seen = pole(robot, share)
-    reacher = Reacher(robot, -0.3, seen, seen)
+    planner = PathPlanner(robot, -0.3, seen, seen)
 
-    path = reacher.transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), seen)
+    path = planner.plan_transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), seen)
 
     assert path is None
 
 
-def test_way_through_nothing_is_the_shortest(robot: Robot):
+def test_path_through_nothing_is_the_shortest(robot: Robot):
     """Where nothing is in the way, the joints go straight."""
-    reacher = Reacher(robot, -0.3, NOTHING, NOTHING)
+    planner = PathPlanner(robot, -0.3, NOTHING, NOTHING)
 
-    path = reacher.transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), NOTHING)
+    path = planner.plan_transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), NOTHING)
 
     assert path is not None
     assert len(path) == 2

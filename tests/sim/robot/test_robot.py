@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The robot in the simulator: it goes where it is told, and feels what it closes on."""
+"""The robot in the simulator: it follows paths, and senses what its gripper closes on."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hilt.sim import poses
 from hilt.sim.physics.engine import TIME_STEP, PhysicsEngine
 from hilt.sim.poses import Array
 from hilt.sim.robot.models import find_robot
-from hilt.sim.robot.paths import timed
-from hilt.sim.robot.robot import NAME, Robot
+from hilt.sim.robot.robot import NAME, Robot, resample, time_path
 
-pytestmark = pytest.mark.sim
-
+STEP = 1 / 240
+LIMITS = np.array([2.0, 1.0])
+postures = st.lists(st.tuples(st.floats(-2, 2), st.floats(-2, 2)), min_size=2, max_size=6)
 BLOCK = """<robot name="block"><link name="core">
 <inertial><mass value="0.1"/>
 <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>
@@ -31,6 +33,7 @@ def robot() -> Iterator[Robot]:
         yield Robot(engine, find_robot("panda"))
 
 
+@pytest.mark.sim
 def test_follow_ends_where_the_path_does(robot: Robot):
     """The joints end within a milliradian of the path's last posture."""
     goal = robot.kind.home + np.array((0.4, 0.2, 0.1, -0.2, 0.1, 0.2, 0.5))
@@ -42,10 +45,13 @@ def test_follow_ends_where_the_path_does(robot: Robot):
     assert np.abs(robot.joints - goal).max() < 1e-3
 
 
+@pytest.mark.sim
 def test_arm_keeps_to_its_way_when_all_its_joints_hurry(robot: Robot):
     """Also where the wrist is flung about, no joint is farther from its way than a step's worth."""
     goal = robot.kind.home + np.array((0.8, 0.3, 0.25, -0.3, -1.7, 0.5, -0.9))
-    wanted, _ = timed(np.vstack([robot.joints, goal]), robot.chain.speed, step=TIME_STEP, pace=0.9)
+    wanted, _ = time_path(
+        np.vstack([robot.joints, goal]), robot.chain.speed, step=TIME_STEP, pace=0.9
+    )
     found: list[Array] = []
     robot.follow(
         np.vstack([robot.joints, goal]), pace=0.9, stop=lambda: found.append(robot.joints) or False
@@ -54,6 +60,7 @@ def test_arm_keeps_to_its_way_when_all_its_joints_hurry(robot: Robot):
     assert np.abs(np.array(found) - wanted).max() < 0.012
 
 
+@pytest.mark.sim
 def test_follow_stops_when_it_is_asked_to(robot: Robot):
     """A path is left at the first step whose question is answered with yes."""
     goal = robot.kind.home + 0.4
@@ -65,6 +72,7 @@ def test_follow_stops_when_it_is_asked_to(robot: Robot):
     assert robot.engine.steps == start + 1
 
 
+@pytest.mark.sim
 def test_hand_in_the_simulator_is_where_the_chain_has_it(robot: Robot):
     """Kinematics and simulator agree on the grip frame."""
     base_from_hand = robot.chain.forward(robot.joints[None])[0]
@@ -72,6 +80,7 @@ def test_hand_in_the_simulator_is_where_the_chain_has_it(robot: Robot):
     assert np.allclose(robot.world_from_hand, base_from_hand, atol=1e-5)
 
 
+@pytest.mark.sim
 def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
     """The gear keeps the fingers symmetric."""
     robot.open(0.05)
@@ -85,7 +94,8 @@ def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
     assert robot.opening < 1e-3
 
 
-def test_closed_hand_feels_what_is_between_its_fingers(robot: Robot, tmp_path: Path):
+@pytest.mark.sim
+def test_closed_gripper_senses_what_is_between_its_fingers(robot: Robot, tmp_path: Path):
     """Both fingers press on a block, and hold it against gravity without any constraint."""
     urdf = tmp_path / "block.urdf"
     urdf.write_text(BLOCK, encoding="utf-8")
@@ -94,7 +104,7 @@ def test_closed_hand_feels_what_is_between_its_fingers(robot: Robot, tmp_path: P
     robot.engine.bodies.load("block", urdf, poses.pose(np.eye(3), robot.world_from_grip[:3, 3]))
 
     robot.close()
-    first, second = robot.felt()
+    first, second = robot.finger_contacts()
     robot.wait(0.5)
 
     assert {c.other for c in (*first, *second)} == {"block"}
@@ -102,8 +112,47 @@ def test_closed_hand_feels_what_is_between_its_fingers(robot: Robot, tmp_path: P
     assert abs(robot.engine.bodies.pose("block")[2, 3] - robot.world_from_grip[2, 3]) < 0.02
 
 
-def test_empty_hand_feels_nothing(robot: Robot):
+@pytest.mark.sim
+def test_empty_gripper_senses_nothing(robot: Robot):
     """The fingers that meet each other do not count."""
     robot.close()
 
-    assert robot.felt() == ((), ())
+    assert robot.finger_contacts() == ((), ())
+
+
+@given(postures, st.floats(0.1, 1.0))
+def test_path_ends_at_rest_where_the_path_ends(points, pace):
+    """The last position is the path's end, and it stands still there."""
+    positions, speeds = time_path(np.array(points), LIMITS, step=STEP, pace=pace)
+
+    assert np.allclose(positions[-1], points[-1])
+    assert not speeds[-1].any()
+
+
+@given(postures, st.floats(0.1, 1.0))
+def test_path_keeps_to_the_speed_limits(points, pace):
+    """No joint is asked for more than its share of its limit."""
+    _, speeds = time_path(np.array(points), LIMITS, step=STEP, pace=pace)
+
+    assert np.all(np.abs(speeds) <= LIMITS * pace * 1.02 + 1e-9)
+
+
+@given(postures, st.floats(0.05, 0.5))
+def test_resampling_leaves_no_gap(points, apart):
+    """Of a run are kept its ends, and so much that a joint turns little between two positions."""
+    positions, _ = time_path(np.array(points), LIMITS, step=STEP, pace=0.9)
+
+    kept = resample(positions, apart)
+
+    assert np.allclose(kept[[0, -1]], positions[[0, -1]])
+    longest_step = np.abs(np.diff(positions, axis=0)).max(initial=0.0)
+    assert np.abs(np.diff(kept, axis=0)).max(initial=0.0) <= apart + longest_step + 1e-9
+
+
+def test_path_takes_longer_at_a_slower_pace():
+    """Half the pace takes twice as long."""
+    path = np.array([[0.0, 0.0], [1.0, 0.5]])
+
+    fast, slow = (len(time_path(path, LIMITS, step=STEP, pace=pace)[0]) for pace in (0.8, 0.4))
+
+    assert slow == pytest.approx(2 * fast, abs=2)

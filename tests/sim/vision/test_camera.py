@@ -24,7 +24,7 @@ def view() -> Iterator[CameraImage]:
     """A block seen by a camera."""
     with PhysicsEngine() as engine:
         engine.bodies.load("block", BLOCK.urdf, fixed=True)
-        yield CAMERA.look(engine)
+        yield CAMERA.capture(engine)
 
 
 @given(coordinates, coordinates, coordinates)
@@ -97,8 +97,8 @@ def test_window_shows_its_part_of_the_image():
     """The same pixels, and the same points in the world behind them."""
     with PhysicsEngine() as engine:
         engine.bodies.load("block", BLOCK.urdf, fixed=True)
-        whole = CAMERA.look(engine)
-        view = CAMERA.look(engine, window=Window(300, 200, 90, 70))
+        whole = CAMERA.capture(engine)
+        view = CAMERA.capture(engine, window=Window(300, 200, 90, 70))
 
     mask = np.zeros_like(whole.labels, dtype=bool)
     mask[200:270, 300:390] = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Learned vision: names and parts from pictures alone, and doubt where it is due."""
+"""The learned detector: types and parts from images alone, with calibrated confidence."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,10 +14,15 @@ from hilt.sim import poses
 from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
-from hilt.sim.vision.descriptors import describe, segment_frame
-from hilt.sim.vision.detector import Vision
-from hilt.sim.vision.learned_detector import LearnedVision, Recogniser
-from hilt.sim.vision.segmentation import Segment, cube_numbers, segments
+from hilt.sim.vision.detector import MaskDetector
+from hilt.sim.vision.learned_detector import LearnedDetector, Recogniser
+from hilt.sim.vision.point_clouds import voxel_keys
+from hilt.sim.vision.segmentation import (
+    Segment,
+    describe_segment,
+    segment_frame,
+    segment_images,
+)
 
 pytestmark = pytest.mark.sim
 
@@ -50,41 +55,41 @@ def world() -> Iterator[World]:
 
 @pytest.fixture(scope="module")
 def views(world: World) -> tuple[CameraImage, ...]:
-    """What the cameras see of them; the mask is of no use any more."""
-    seen = Vision(world.engine, world.kinds, world.models).look()
+    """Images of the cameras without their mask."""
+    seen = MaskDetector(world.engine, world.kinds, world.models).capture()
     return tuple(replace(view, labels=np.full_like(view.labels, -1), names={}) for view in seen)
 
 
 @pytest.fixture(scope="module")
-def eyes(world: World) -> LearnedVision:
-    """What has learned to see."""
-    return LearnedVision(world.engine, OBJECTS)
+def detector(world: World) -> LearnedDetector:
+    """The detector of that world."""
+    return LearnedDetector(world.engine, OBJECTS)
 
 
 def test_each_thing_is_one_segment(views: tuple[CameraImage, ...]):
     """Eight things on a table are eight segments, above the table and apart."""
-    found = segments(views)
+    found = segment_images(views)
 
     assert len(found) == 8
     for segment in found:
         assert segment.points[:, 2].min() > 0
-        assert len(np.unique(cube_numbers(segment.points, 0.0012))) == len(segment)
+        assert len(np.unique(voxel_keys(segment.points, 0.0012))) == len(segment)
 
 
 def test_empty_table_has_no_segments():
     """Where nothing stands nothing is found."""
     with World.build(Scene((), 0), OBJECTS) as world:
-        eyes = LearnedVision(world.engine, OBJECTS)
+        detector = LearnedDetector(world.engine, OBJECTS)
 
-        assert segments(eyes.look()) == ()
-        assert eyes.search(ALL) == ()
+        assert segment_images(detector.capture()) == ()
+        assert detector.search(ALL) == ()
 
 
 def test_all_things_are_recognised_without_the_mask(
-    world: World, eyes: LearnedVision, views: tuple[CameraImage, ...]
+    world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
     """Each thing gets its name, surely, at its place."""
-    percepts = eyes.search(ALL, views=views)
+    percepts = detector.search(ALL, images=views)
 
     assert {percept.object for percept in percepts} == set(graspable(OBJECTS))
     for percept in percepts:
@@ -93,10 +98,10 @@ def test_all_things_are_recognised_without_the_mask(
 
 
 def test_points_are_shared_out_to_their_parts(
-    world: World, eyes: LearnedVision, views: tuple[CameraImage, ...]
+    world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
     """Nineteen of twenty points at least lie in the box round their part."""
-    for percept in eyes.search(ALL, views=views):
+    for percept in detector.search(ALL, images=views):
         object_from_world = poses.inverse(world.pose(percept.name))
         assert set(percept.parts) == set(OBJECTS[percept.object].parts)
         for name, part in percept.parts.items():
@@ -106,17 +111,17 @@ def test_points_are_shared_out_to_their_parts(
             assert ((points > low) & (points < high)).all(axis=1).mean() > 0.95
 
 
-def test_only_what_is_asked_is_found(eyes: LearnedVision, views: tuple[CameraImage, ...]):
-    """Learned eyes search for features just as the others do."""
-    assert {p.name for p in eyes.search(["property:sharp"], views=views)} == {"knife"}
-    assert eyes.search(["action:pass"], views=views) == ()
+def test_only_what_is_asked_is_found(detector: LearnedDetector, views: tuple[CameraImage, ...]):
+    """Learned detector search for features just as the others do."""
+    assert {p.name for p in detector.search(["property:sharp"], images=views)} == {"knife"}
+    assert detector.search(["action:pass"], images=views) == ()
 
 
 def test_obstacles_are_all_the_others(
-    world: World, eyes: LearnedVision, views: tuple[CameraImage, ...]
+    world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
     """What is in the way is all that stands there, besides the thing itself."""
-    obstacles = eyes.obstacles("mug", views=views)
+    obstacles = detector.obstacles("mug", images=views)
 
     distance = np.linalg.norm(obstacles[:, :2] - world.pose("mug")[:2, 3], axis=1)
     assert len(obstacles) > 1000
@@ -127,9 +132,9 @@ def test_things_are_tracked_by_the_name_that_they_are_given(
     views: tuple[CameraImage, ...], world: World
 ):
     """Whoever keeps track of things may name them; twins get numbers."""
-    eyes = LearnedVision(world.engine, OBJECTS, track=lambda percept: "thing")
+    detector = LearnedDetector(world.engine, OBJECTS, track=lambda percept: "thing")
 
-    names = {percept.name for percept in eyes.search(ALL, views=views)}
+    names = {percept.name for percept in detector.search(ALL, images=views)}
 
     assert names == {"thing", *(f"thing {number}" for number in range(2, 9))}
 
@@ -137,7 +142,7 @@ def test_things_are_tracked_by_the_name_that_they_are_given(
 def test_nail_is_seen_in_its_block():
     """A nail and the block in which it stands are one segment and two things."""
     with World.build(parse_scene("objects:nail", seed=2, objects=OBJECTS), OBJECTS) as world:
-        percepts = {p.object: p for p in LearnedVision(world.engine, OBJECTS).search(ALL)}
+        percepts = {p.object: p for p in LearnedDetector(world.engine, OBJECTS).search(ALL)}
 
         assert percepts.keys() == {"nail", "block"}
         away = percepts["nail"].part("head").cloud.mean(axis=0) - world.top("nail")
@@ -145,54 +150,54 @@ def test_nail_is_seen_in_its_block():
 
 
 @pytest.mark.parametrize("strange", STRANGE)
-def test_what_was_never_learned_is_not_sure(strange: str, tmp_path: Path):
-    """It is taken for something known, for want of a better word, but not surely."""
+def test_novel_object_has_low_confidence(strange: str, tmp_path: Path):
+    """It is classified as something known, with little confidence."""
     colour, shape, turn = STRANGE[strange]
     text = THING.format(colour=colour, shape=f"{{{shape}}}", turn=turn)
     (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
     objects = load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
 
-    with World.build(Scene((Placement("it", "thing", (0.5, 0.1)),), 0), objects) as world:
-        percepts = LearnedVision(world.engine, objects).search(ALL)
+    with World.build(Scene((Placement("thing", "thing", (0.5, 0.1)),), 0), objects) as world:
+        percepts = LearnedDetector(world.engine, objects).search(ALL)
 
     assert all(percept.confidence < 0.15 for percept in percepts)
 
 
 def test_description_does_not_change_with_place_and_turn(views: tuple[CameraImage, ...]):
     """A segment that is moved and turned on the table is described nearly alike."""
-    segment = max(segments(views), key=len)
+    segment = max(segment_images(views), key=len)
     moved = poses.pose(poses.rotation_from_rpy(0, 0, 0.8), (0.05, -0.1, 0))
 
     turned = Segment(poses.transform(moved, segment.points), segment.colours, segment.sources)
 
-    assert describe(turned) == pytest.approx(describe(segment), abs=0.15)
+    assert describe_segment(turned) == pytest.approx(describe_segment(segment), abs=0.15)
     assert segment_frame(turned.points)[:3, :3] == pytest.approx(
         (moved @ segment_frame(segment.points))[:3, :3], abs=1e-6
     )
 
 
-def test_file_of_networks_is_small_and_read_back(tmp_path: Path):
-    """What is kept of the networks is below a megabyte and reads as it was."""
-    recogniser = Recogniser.load()
+def test_recogniser_is_small_and_restored_from_its_file(tmp_path: Path):
+    """The file is below a megabyte and is read back."""
+    recogniser = Recogniser.default()
 
-    recogniser.save(tmp_path / "it.npz")
+    recogniser.save(tmp_path / "own.npz")
 
-    assert (tmp_path / "it.npz").stat().st_size < 1_000_000
-    assert Recogniser.load(tmp_path / "it.npz").parts == recogniser.parts
-
-
-def test_unreadable_networks_are_told(tmp_path: Path):
-    """A file that holds no networks is named."""
-    (tmp_path / "it.npz").write_text("nothing")
-
-    with pytest.raises(DataError, match=r"it\.npz: cannot be read"):
-        Recogniser.load(tmp_path / "it.npz")
+    assert (tmp_path / "own.npz").stat().st_size < 1_000_000
+    assert Recogniser.load(tmp_path / "own.npz").parts == recogniser.parts
 
 
-def test_networks_need_the_objects_that_they_know(world: World):
-    """Networks of somebody's own objects say whose they are without the file of these."""
-    knowing = Recogniser.load()
+def test_unreadable_recogniser_is_rejected(tmp_path: Path):
+    """The error names the file."""
+    (tmp_path / "own.npz").write_text("nothing")
+
+    with pytest.raises(DataError, match=r"own\.npz: cannot be read"):
+        Recogniser.load(tmp_path / "own.npz")
+
+
+def test_recogniser_needs_the_objects_that_it_was_trained_on(world: World):
+    """Without their file the error names the option that gives it."""
+    knowing = Recogniser.default()
     knowing = replace(knowing, kinds=("rolling pin", *knowing.kinds[1:]))
 
-    with pytest.raises(DataError, match=r"they know rolling pin.* --objects"):
-        LearnedVision(world.engine, OBJECTS, recogniser=knowing)
+    with pytest.raises(DataError, match=r"trained on rolling pin.* --objects"):
+        LearnedDetector(world.engine, OBJECTS, recogniser=knowing)

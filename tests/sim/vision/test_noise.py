@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Noise: eyes that miss, confuse and doubt, as often as they are told and from their seed."""
+"""Noise: objects are missed, confused and doubted as often as asked, and from the seed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import graspable
-from hilt.sim.vision.noise import Noise, NoisyVision, taken_for, with_depth_noise
+from hilt.sim.vision.noise import Noise, NoisyVision, relabelled, with_depth_noise
 from hilt.sim.vision.percept import PartPercept, Percept, visible_features
 
 OBJECTS = load_objects()
@@ -24,7 +24,7 @@ shares = st.floats(0, 1)
 
 @dataclass(frozen=True)
 class Crowd:
-    """Perfect eyes before many things of all types."""
+    """A perfect detector before many objects of all types."""
 
     percepts: tuple[Percept, ...]
 
@@ -53,9 +53,9 @@ def seen(noise: Noise, features: Sequence[str] = ALL) -> dict[str, Percept]:
 def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: float, seed: int):
     """Misperception depends on nothing but the amounts and the seed."""
     noise = Noise(missed, confused, doubt, seed=seed)
-    eyes = NoisyVision(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
+    detector = NoisyVision(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
 
-    first, second = eyes.search(ALL), eyes.search(ALL)
+    first, second = detector.search(ALL), detector.search(ALL)
 
     told = [[(p.name, p.object, p.confidence) for p in percepts] for percepts in (first, second)]
     assert told[0] == told[1]
@@ -84,7 +84,7 @@ def test_things_are_confused_as_often_as_told():
     assert {p.object for p in wrong} == set(KINDS)
 
 
-def test_confused_thing_is_found_as_what_it_is_taken_for():
+def test_confused_thing_is_found_as_what_it_is_relabelled():
     """A search for knives finds all that seems a knife, and no knife that seems something else."""
     noise = Noise(confused=0.3, seed=1)
 
@@ -114,11 +114,11 @@ def test_thing_keeps_its_noise_whatever_is_searched():
 
 def test_what_is_taken_for_another_has_its_parts():
     """A spoon taken for a knife shows a handle and a blade."""
-    mistaken = taken_for(percept("it", "spoon"), OBJECTS["knife"])
+    mistaken = relabelled(percept("spoon 1", "spoon"), OBJECTS["knife"])
 
     assert list(mistaken.parts) == ["handle", "blade"]
     assert "sharp" in mistaken.properties
-    assert mistaken.name == "it"
+    assert mistaken.name == "spoon 1"
 
 
 def test_depth_noise_is_new_with_every_look_and_camera():

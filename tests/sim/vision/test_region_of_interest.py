@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Attention: what is drawn is what the whole image would show of things."""
+"""The region of interest shows objects as the whole image does."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from hilt.sim.robot.robot import NAME, Robot
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import FLOOR, TABLE, World
 from hilt.sim.vision.camera import Camera, CameraImage, Window
-from hilt.sim.vision.detector import Vision
-from hilt.sim.vision.region_of_interest import Attention
+from hilt.sim.vision.detector import MaskDetector
+from hilt.sim.vision.region_of_interest import RegionOfInterest
 
 pytestmark = pytest.mark.sim
 
@@ -33,9 +33,9 @@ def world() -> Iterator[World]:
         yield made
 
 
-def attentive(world: World) -> tuple[CameraImage, ...]:
-    """What the cameras see with attention."""
-    return Vision(world.engine, world.kinds, world.models, room=ROOM).look()
+def windows(world: World) -> tuple[CameraImage, ...]:
+    """The images of the cameras, of the region of interest only."""
+    return MaskDetector(world.engine, world.kinds, world.models, room=ROOM).capture()
 
 
 def shown(view: CameraImage) -> dict[tuple[str, str], np.ndarray]:
@@ -55,8 +55,8 @@ def test_things_are_seen_as_in_the_whole_image(world: World, posture: tuple[floa
     arm = [joint.name for joint in find_robot("panda").arm.moving]
     waiting = world.engine.joints.positions(NAME, arm)
     world.engine.joints.reset(NAME, arm, posture or waiting)
-    views = attentive(world)
-    whole = [view.camera.look(world.engine) for view in views]
+    views = windows(world)
+    whole = [view.camera.capture(world.engine) for view in views]
     world.engine.joints.reset(NAME, arm, waiting)
 
     for part, all_of_it in zip(views, whole, strict=True):
@@ -67,28 +67,28 @@ def test_things_are_seen_as_in_the_whole_image(world: World, posture: tuple[floa
 
 def test_arm_that_cannot_hide_anything_is_not_drawn(world: World):
     """The waiting arm is behind the things, or beside them."""
-    views = attentive(world)
+    views = windows(world)
 
     assert not any(view.mask(NAME, "panda_hand").any() for view in views)
 
 
-def test_what_a_glance_misses_is_followed():
-    """The shaft of a screwdriver is narrower than the pixels of a glance."""
+def test_window_grows_where_the_preview_misses_something():
+    """The shaft of a screwdriver is narrower than the pixels of a preview."""
     scene = parse_scene("objects:screwdriver", seed=4, objects=OBJECTS)
     with World.build(scene, OBJECTS) as world:
-        views = attentive(world)
-        whole = [view.camera.look(world.engine) for view in views]
+        views = windows(world)
+        whole = [view.camera.capture(world.engine) for view in views]
 
     for part, all_of_it in zip(views, whole, strict=True):
         assert seen_of(world, part) == seen_of(world, all_of_it)
         assert part.labels.size < all_of_it.labels.size / 10
 
 
-def test_nothing_in_sight_is_a_view_of_nothing():
+def test_empty_table_is_a_single_pixel():
     """On a bare table there is nothing to look at."""
     camera = Camera("eye", (1.0, 0.0, 0.7), (0.4, 0.0, 0.0))
     with PhysicsEngine() as engine:
-        view = Attention.on((), engine, room=()).look(camera)
+        view = RegionOfInterest.around((), engine, room=()).capture(camera)
 
     assert view.window == Window(0, 0, 1, 1)
     assert shown(view) == {}

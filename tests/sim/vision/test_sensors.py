@@ -11,7 +11,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.noise import Noise, NoisyVision
-from hilt.sim.vision.sensors import SOURCES, open_eyes
+from hilt.sim.vision.sensors import SOURCES, open_vision
 
 pytestmark = pytest.mark.sim
 
@@ -30,7 +30,7 @@ def world() -> Iterator[World]:
 @pytest.mark.parametrize("source", SOURCES)
 def test_every_source_names_things_as_the_world_does(world: World, source: str):
     """Each percept has the name of the thing that stands where it was seen."""
-    percepts = open_eyes(world, source=source).search(ALL)
+    percepts = open_vision(world, source=source).search(ALL)
 
     assert {percept.name for percept in percepts} == set(world.kinds)
     for percept in percepts:
@@ -43,7 +43,9 @@ def test_every_source_sees_through_noise(world: World, source: str):
     """With 1 mm of depth noise all that lies there is still seen, a nail perhaps not."""
     noise = Noise(depth_m=0.001, seed=1)
 
-    percepts = NoisyVision(open_eyes(world, source=source, noise=noise), noise, OBJECTS).search(ALL)
+    percepts = NoisyVision(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
+        ALL
+    )
 
     assert {"mug", "mug 2", "knife", "block"} <= {percept.name for percept in percepts}
 
@@ -51,4 +53,4 @@ def test_every_source_sees_through_noise(world: World, source: str):
 def test_unknown_source_is_refused(world: World):
     """What is no source is told with those that are."""
     with pytest.raises(UnknownNameError, match=r'source of vision "crystal".*learned'):
-        open_eyes(world, source="crystal")
+        open_vision(world, source="crystal")

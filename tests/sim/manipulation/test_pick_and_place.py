@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What cannot be done is said, not tried; what is lost on the way is noticed and taken again."""
+"""Impossible grasps are reported without trying; lost objects are grasped again."""
 
 from __future__ import annotations
 
@@ -115,17 +115,17 @@ def test_thing_torn_away_on_the_way_is_taken_and_given_all_the_same():
         assert body.world.points("knife")[:, 2].min() > 0.1
 
 
-def test_run_that_is_not_recorded_draws_only_what_the_eyes_need(monkeypatch: pytest.MonkeyPatch):
-    """A glance and a look of each of four cameras, together less than one whole image."""
+def test_run_that_is_not_recorded_renders_only_what_vision_needs(monkeypatch: pytest.MonkeyPatch):
+    """A preview and a window of each of four cameras, together less than one whole image."""
     drawn: list[int] = []
-    look = Camera.look
+    capture = Camera.capture
 
     def counted(*args: Any, **options: Any) -> CameraImage:
-        view = look(*args, **options)
+        view = capture(*args, **options)
         drawn.append(view.labels.size)
         return view
 
-    monkeypatch.setattr(Camera, "look", counted)
+    monkeypatch.setattr(Camera, "capture", counted)
 
     with body_with("objects:spatula", seed=4) as body:
         assert grasped(body, "spatula", "handle").ok

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests for striking with what is held."""
+"""Striking with a held object."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from hilt.ontology.objects import load_objects
 from hilt.sim.body import Body
-from hilt.sim.manipulation.pounding import strikes
+from hilt.sim.manipulation.striking import find_strike_poses
 from hilt.sim.scene.scene import parse_scene
 
 OBJECTS = load_objects()
@@ -25,7 +25,7 @@ def test_widest_face_below_the_hand_strikes_best():
     """A block held from above strikes with its underside, right below the grip."""
     block = box((-0.02, -0.02, -0.01), (0.02, 0.02, 0.04))
 
-    best = strikes(block, HAND)[0]
+    best = find_strike_poses(block, HAND)[0]
 
     assert best.rotation[2, 2] == pytest.approx(-1.0)
     assert best.point == pytest.approx((0.0, 0.0, 0.04), abs=0.004)
@@ -33,7 +33,7 @@ def test_widest_face_below_the_hand_strikes_best():
 
 def test_face_meets_the_nail():
     """At the pose of a strike the point of the face is where the nail's head is."""
-    strike = strikes(box((-0.02, -0.02, 0.0), (0.02, 0.02, 0.05)), HAND)[0]
+    strike = find_strike_poses(box((-0.02, -0.02, 0.0), (0.02, 0.02, 0.05)), HAND)[0]
     nail = np.array([0.5, 0.1, 0.12])
 
     world_from_grip = strike.world_from_grip(nail)
@@ -46,7 +46,10 @@ def test_thing_inside_the_hand_cannot_strike():
     wide_hand = 4 * HAND * (1, 1, -1)
 
     assert (
-        strikes(box((-0.01, -0.01, -0.01), (0.01, 0.01, 0.01)), np.vstack([HAND, wide_hand])) == []
+        find_strike_poses(
+            box((-0.01, -0.01, -0.01), (0.01, 0.01, 0.01)), np.vstack([HAND, wide_hand])
+        )
+        == []
     )
 
 

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+from .context import GraspContext, LabelledCloud
+from .planner import GraspPlan, plan_grasps
+from .sampling import GraspCandidates, sample_grasps
+from .scoring import GraspScores, score_grasps
+from .selection import GraspSelection, GraspTask, select_grasp
+
+__all__ = [
+    "GraspCandidates",
+    "GraspContext",
+    "GraspPlan",
+    "GraspScores",
+    "GraspSelection",
+    "GraspTask",
+    "LabelledCloud",
+    "plan_grasps",
+    "sample_grasps",
+    "score_grasps",
+    "select_grasp",
+]

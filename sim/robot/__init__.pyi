@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+from .hand_poses import Grasp
+from .kinematics import Chain, read_chain
+from .models import Gripper, RobotType, find_robot, load_robots
+from .path_planner import GraspPath, PathPlanner
+from .robot import Robot
+
+__all__ = [
+    "Chain",
+    "Grasp",
+    "GraspPath",
+    "Gripper",
+    "PathPlanner",
+    "Robot",
+    "RobotType",
+    "find_robot",
+    "load_robots",
+    "read_chain",
+]

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Poses of the gripper: a grasp as a value, and the orientations in which grasps are sought."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import poses
+from ..poses import Array
+
+DOWN = poses.rotation_about((1.0, 0.0, 0.0), np.pi)  # the gripper looks straight down
+LEVEL_ROLLS = 24  # of the gripper that looks straight down
+TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """A pose of the gripper from which it closes on a part.
+
+    Attributes:
+        world_from_grip: (4, 4), the grip frame when the fingers close.
+        width: of the part between the pads [m].
+        opening: of the gripper before it closes [m].
+        score: at most 1, the higher the better.
+    """
+
+    world_from_grip: Array
+    width: float
+    opening: float
+    score: float
+
+    @property
+    def approach(self) -> Array:
+        """The approach direction (3,)."""
+        return self.world_from_grip[:3, 2]
+
+    def half_turned(self) -> Grasp:
+        """The same grasp with the fingers exchanged."""
+        half = poses.pose(poses.rotation_about((0, 0, 1), np.pi), np.zeros(3))
+        return replace(self, world_from_grip=self.world_from_grip @ half)
+
+
+def hand_orientations(heading: float) -> Array:
+    """The orientations `world_from_grip` (d, 3, 3) that are tried, turned by `heading` [rad]."""
+    rolls = poses.rotation_about((0, 0, 1), heading + np.arange(LEVEL_ROLLS) * np.pi / LEVEL_ROLLS)
+    result = [rolls @ DOWN]
+    for tilt_deg, headings, roll_count in TILTS_DEG:
+        tilt = poses.rotation_about((0, 1, 0), np.radians(tilt_deg))
+        around = poses.rotation_about(
+            (0, 0, 1), heading + np.arange(headings) * 2 * np.pi / headings
+        )
+        roll = poses.rotation_about((0, 0, 1), np.arange(roll_count) * np.pi / roll_count)
+        result.append((around[:, None] @ tilt @ DOWN @ roll[None]).reshape(-1, 3, 3))
+    return np.concatenate(result)

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+from .camera import Camera, CameraImage
+from .detector import MaskDetector
+from .learned_detector import LearnedDetector, Recogniser
+from .noise import Noise, NoisyVision
+from .percept import PartPercept, Percept, visible_features
+from .sensors import CachedVision, VisionSensor, open_vision
+
+__all__ = [
+    "CachedVision",
+    "Camera",
+    "CameraImage",
+    "LearnedDetector",
+    "MaskDetector",
+    "Noise",
+    "NoisyVision",
+    "PartPercept",
+    "Percept",
+    "Recogniser",
+    "VisionSensor",
+    "open_vision",
+    "visible_features",
+]
