@@ -94,10 +94,10 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         raise typer.BadParameter("name an evaluation, or give --compare two files.")
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
-    from ..evaluation.experiment import make_experiment
-    from ..evaluation.reports.export import check_form, write_report
+    from ..evaluation.experiments.registry import make_experiment
+    from ..evaluation.reports.export import check_format, write_report
     from ..evaluation.reports.summary import EvaluationReport
-    from ..evaluation.runners.base import open_engine, run
+    from ..evaluation.runners.execution import make_runner, run_experiment
     from ..evaluation.runners.journal import RunJournal
 
     given = {
@@ -111,15 +111,16 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         "seed": seed,
     }
     for path in report_to or ():
-        check_form(path)
+        check_format(path)
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
     cases = experiment.cases()
-    engine = open_engine(workers, ray, timeout_s=timeout)
-    kept = RunJournal(out, experiment, cases, resume=resume) if out else nullcontext()
-    with kept as journal:
-        done = run(experiment, cases, engine=engine, journal=journal, console=terminal(stderr=True))
-    report = EvaluationReport.of(experiment, done)
+    runner = make_runner(workers, ray, timeout_s=timeout)
+    opened = RunJournal(out, experiment, cases, resume=resume) if out else nullcontext()
+    with opened as journal:
+        console = terminal(stderr=True)
+        runs = run_experiment(experiment, cases, runner=runner, journal=journal, console=console)
+    report = EvaluationReport.from_runs(experiment, runs)
     for path in report_to or ():
         write_report(path, experiment, cases, report)
     show(report.as_json()) if as_json else terminal().print(report.table())
@@ -128,7 +129,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
 def _compare(first: Path, second: Path, *, as_json: bool) -> None:
     """Show how two evaluations differ; exit code 1 when they do."""
-    from ..evaluation.reports.comparing import compare
+    from ..evaluation.reports.comparison import compare
 
     found = compare(first, second)
     if as_json:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One case of an experiment, and what came of it.
+"""Cases of an experiment and their results.
 
-Both are plain JSON, so that they pass between processes and machines and stay readable in files.
-Nothing that differs from run to run is in them: the same case gives the same bytes on any engine.
-How long a case took is kept beside its result, in `Done`.
+Both are plain JSON, so that they can be sent to other processes and written to files. They contain
+nothing that differs from run to run: a case gives the same bytes with any runner. `CaseRun` adds
+the processor time and the number of attempts.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
 
 @dataclass(frozen=True)
 class Case:
-    """One case.
+    """A case of an experiment: a question with a known answer.
 
     Attributes:
-        experiment: the name of the experiment it belongs to.
-        key: what it is called; no other case of the experiment is called so, in any run.
-        spec: all that running it needs, its seed too.
+        experiment: the name of the experiment.
+        key: identifies the case within the experiment, in any run.
+        spec: everything needed to run it, including its seed.
     """
 
     experiment: str
@@ -33,30 +33,30 @@ class Case:
     spec: Json
 
     def as_json(self) -> Json:
-        """As it is sent to a worker."""
+        """Return the JSON object that is sent to a worker."""
         return dict(vars(self))
 
     @classmethod
     def from_json(cls, document: Mapping[str, object]) -> Case:
-        """The case that `as_json` wrote."""
+        """Return the case that `as_json` wrote."""
         spec = cast("Json", document["spec"])
         return cls(str(document["experiment"]), str(document["key"]), spec)
 
 
 @dataclass(frozen=True)
 class Result:
-    """What came of a case.
+    """The result of a case.
 
     Attributes:
-        key: of the case.
-        right: whether it is what the ground truth allows.
-        kind: "unique", "tie" or "none", how many choices are right, for decisions; "grasp" for
-            grasps; "check" for anything else; "error" when the case raised an error; "lost" when
-            no worker lived to finish it.
-        principle: of the paper's section 4.1, 1 to 4; 0 where none applies.
+        key: the key of the case.
+        right: whether it agrees with the ground truth.
+        kind: for decisions "unique", "tie" or "none", the number of right choices; "grasp" for
+            grasps; "check" for anything else; "error" if the case raised an exception; "lost" if
+            no worker finished it.
+        principle: the principle of section 4.1 of the paper, 1 to 4; 0 if none applies.
         found: what was chosen or done.
         expected: what the ground truth allows.
-        facts: whatever else is worth keeping, as plain JSON.
+        facts: further facts, as plain JSON.
     """
 
     key: str
@@ -68,15 +68,15 @@ class Result:
     facts: Json = field(default_factory=dict[str, object])
 
     def as_json(self) -> Json:
-        """As a line of a file of results."""
+        """Return the JSON object that is written to a file of results."""
         return dict(vars(self))
 
     @classmethod
     def from_json(cls, document: Mapping[str, object]) -> Result:
-        """The result that `as_json` wrote.
+        """Return the result that `as_json` wrote.
 
         Raises:
-            KeyError, TypeError, ValueError: it is no such document.
+            KeyError, TypeError, ValueError: it is not such a document.
         """
         return cls(
             key=str(document["key"]),
@@ -90,13 +90,13 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Done:
-    """A result, with what differs from run to run.
+class CaseRun:
+    """A result with the values that differ from run to run.
 
     Attributes:
-        result: what came of the case.
-        cpu_s: processor time that it took [s].
-        attempts: how often it was begun.
+        result: the result of the case.
+        cpu_s: the processor time [s].
+        attempts: how often the case was started.
     """
 
     result: Result
@@ -104,6 +104,6 @@ class Done:
     attempts: int = 1
 
 
-def line_of(document: Json) -> str:
-    """A document as one line: the same bytes for the same content."""
+def to_json_line(document: Json) -> str:
+    """Return a document as one line of JSON: the same bytes for the same content."""
     return json.dumps(document, ensure_ascii=False, sort_keys=True, separators=(",", ":"))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's learning scenarios: what is taught, in which words, and what is then right.
+"""The learning scenarios of the paper: the rules taught, their sentences, and the right choices.
 
-Section 4.1 and Table 2. The sentences follow Table 3's templates. What is right is read off the
-table alone, never from the inference that is being tested: the objects of the highest column that
+Section 4.1 and Table 2. The sentences follow the templates of Table 3. The right choices are read
+from the table alone, never from the inference under test: the objects of the highest column that
 has one in the scene.
 """
 
@@ -18,17 +18,18 @@ SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
 LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
 ACTIONS = {"pass": "pass me", "pickUp": "pick up", "pointTo": "point to"}
 _INFINITIVES = {"pass": "pass", "pickUp": "pick up"}
+CONTEXTS = tuple(_INFINITIVES)  # the actions that grasp
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """One set of norms.
+    """A learning scenario.
 
     Attributes:
         name: "A" or "B".
         affordances: affordance -> level -> the objects of that level.
         grasps: object -> context -> the part to grasp; every object has an entry.
-        levels: the words of confidence, the surest first; grasps are taught by the first.
+        levels: the words of confidence in descending order; grasps are taught with the first.
     """
 
     name: str
@@ -37,7 +38,7 @@ class Scenario:
     levels: tuple[str, ...] = LEVELS
 
     def sentences(self) -> list[str]:
-        """All that has to be said to teach it."""
+        """Return the sentences that teach the scenario."""
         functional = [
             functional_sentence(name, affordance, level)
             for affordance, levels in self.affordances.items()
@@ -51,13 +52,13 @@ class Scenario:
         ]
 
     def best(self, affordance: str, scene: Collection[str]) -> frozenset[str]:
-        """The right choices for an affordance among the objects of a scene; empty if none."""
+        """Return the right choices for an affordance in a scene; empty if there are none."""
         levels = self.affordances[affordance]
         present = (frozenset(levels.get(level, ())) & frozenset(scene) for level in self.levels)
         return next((names for names in present if names), frozenset())
 
     def mirrored(self, name: str) -> Scenario:
-        """The scenario with its columns reversed."""
+        """Return the scenario with its levels reversed."""
         opposite: dict[str, str] = dict(zip(self.levels, reversed(self.levels), strict=True))
         turned = {
             affordance: {opposite[level]: names for level, names in levels.items()}
@@ -67,25 +68,25 @@ class Scenario:
 
 
 def functional_sentence(name: str, affordance: str, level: str) -> str:
-    """The sentence that teaches what an object is used for, and how surely."""
+    """Return the sentence that teaches an affordance of an object with a level of confidence."""
     return f"{_article(name)} {name} is {level} used for {affordance}"
 
 
 def grasp_sentence(name: str, context: str, part: str, level: str = LEVELS[0]) -> str:
-    """The sentence that teaches by which part to take an object in a context, and how surely."""
+    """Return the sentence that teaches which part of an object to grasp in a context."""
     return f"To {_INFINITIVES[context]} a {name} {level} grab the {name} by the {part}"
 
 
 def command(action: str, affordance: str) -> str:
-    """The sentence that asks for an action on something with an affordance."""
+    """Return the sentence that commands an action on something with an affordance."""
     return f"{ACTIONS[action]} something used for {affordance}"
 
 
 def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[Scenario, Scenario]:
-    """Scenario A, as the file has it, and Scenario B, its mirror image.
+    """Return Scenario A, which the file contains, and Scenario B, its mirror image.
 
     Raises:
-        DataError: the file is wrong; says where and what was expected.
+        DataError: the file is invalid; gives the position and what was expected.
     """
     top = read_yaml(path).entries(required={"affordances", "grasps"}, optional=())
     affordances = {name: _levels(spec) for name, spec in top["affordances"].entries().items()}

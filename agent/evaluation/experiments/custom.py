@@ -1,67 +1,221 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An experiment of one's own: objects, affordances, levels, grasps and scenes from a YAML file."""
+"""Experiments defined in a YAML file: objects, affordances, levels, grasps and scenes.
+
+    household     objects that Hilt does not have, in the form of `ontology/objects.yaml`; optional
+    levels        words of confidence in descending order; default: the four of the paper
+    affordances   affordance -> level -> the objects of that level
+    grasps        object -> context (pass, pickUp) -> the part to grasp; optional
+    mirrored      whether a second scenario with reversed levels is run too; default: false
+    scenes        lists of objects; "all"; or {random: number of scenes}, drawn from the seed
+    actions       the actions of the commands; default: pass, pickUp and pointTo
+
+The objects of the experiment are those named in `affordances` and `grasps`. Each teaching sentence
+is parsed when the file is read: a sentence that is not understood is an error.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from random import Random
 from typing import ClassVar
 
+from ....nlu.language import Language
+from ....nlu.semantics import meaning
 from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
-from ....sim.scene.scene import scene_of
+from ....ontology.objects import Household, read_household
+from ....ontology.yaml_reader import Field, read_yaml
+from ....sim.scene.scene import graspable, scene_of
 from ...agent import Agent
-from ...config import load_language, open_base
+from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..case import Case
-from ..scenarios import Scenario
-from .custom_file import CustomFile, load_custom
-from .decisions import Decisions
+from ..scenarios import (
+    ACTIONS,
+    CONTEXTS,
+    LEVELS,
+    Scenario,
+    functional_sentence,
+    grasp_sentence,
+)
+from .decisions import DecisionExperiment
+
+MAX_SCENES = 10_000
+
+Levels = Mapping[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
-class Custom(Decisions):
+class CustomExperiment(DecisionExperiment):
     """The experiment of a file.
 
     Attributes:
-        file: where it is; every worker reads it.
+        file: the path of the file; every worker reads it.
     """
 
     name: ClassVar[str] = "custom"
     file: str = ""
 
     def cases(self) -> Sequence[Case]:
-        """Scenario by scenario, scene by scene, command by command."""
+        """Return the cases by scenario, scene and command."""
         return [
             case
             for scenario in self.scenarios.values()
-            for number, scene in enumerate(self._said.scenes)
+            for number, scene in enumerate(self._spec.scenes)
             for case in self.commands(scenario, str(number), scene, self.seed + number)
         ]
 
     @property
     def actions(self) -> Sequence[str]:
-        """What the file says."""
-        return self._said.actions
+        """The actions of the file."""
+        return self._spec.actions
 
     @cached_property
     def scenarios(self) -> Mapping[str, Scenario]:
-        """What the file says, and its mirror image if it wants one."""
-        return {scenario.name: scenario for scenario in self._said.scenarios}
+        """The scenario of the file, and its mirror image if requested."""
+        return {scenario.name: scenario for scenario in self._spec.scenarios}
 
-    def mind(self) -> Agent:
-        """One that knows the objects of the file."""
-        kinds, actions = self._said.kinds, load_actions()
-        nothing = scene_of((), seed=self.seed, objects=kinds.objects)
+    def new_agent(self) -> Agent:
+        """Return an untaught agent that knows the objects of the file."""
+        kinds, actions = self._spec.kinds, load_actions()
+        empty = scene_of((), seed=self.seed, objects=kinds.objects)
         base = open_base("memory:", kinds, actions)
-        return Agent(
-            base, load_language(kinds), actions, Embodiment(nothing, kinds, simulate=False)
-        )
+        return Agent(base, load_language(kinds), actions, Embodiment(empty, kinds, simulate=False))
 
     @cached_property
-    def _said(self) -> CustomFile:
+    def _spec(self) -> CustomSpec:
         if not self.file:
             raise DataError("expected --file, the YAML of the experiment.", source="custom")
         return load_custom(Path(self.file), seed=self.seed)
+
+
+@dataclass(frozen=True)
+class CustomSpec:
+    """The content of a file.
+
+    Attributes:
+        kinds: all object types.
+        scenarios: the scenario, and its mirror image if requested.
+        scenes: the objects of each scene.
+        actions: the actions of the commands.
+    """
+
+    kinds: Household
+    scenarios: tuple[Scenario, ...]
+    scenes: tuple[tuple[str, ...], ...]
+    actions: tuple[str, ...]
+
+
+def load_custom(path: Path, *, seed: int = 0) -> CustomSpec:
+    """Read the file of an experiment.
+
+    Args:
+        path: the file.
+        seed: the seed of its random scenes.
+
+    Raises:
+        DataError: the file is invalid; gives the position and what was expected.
+    """
+    top = read_yaml(path).entries(
+        required={"affordances", "scenes"},
+        optional={"household", "levels", "grasps", "mirrored", "actions"},
+    )
+    kinds = household()
+    if "household" in top:
+        kinds = read_household(top["household"], added_to=kinds)
+    scenario = _ScenarioReader(kinds, load_language(kinds)).scenario(top)
+    objects = tuple(scenario.grasps)
+    mirrored = "mirrored" in top and top["mirrored"].truth()
+    actions = top["actions"].texts(choices=ACTIONS) if "actions" in top else tuple(ACTIONS)
+    return CustomSpec(
+        kinds,
+        (scenario, scenario.mirrored("B")) if mirrored else (scenario,),
+        tuple(_scenes(top["scenes"], objects, seed)),
+        actions,
+    )
+
+
+@dataclass(frozen=True)
+class _ScenarioReader:
+    """Reads the scenario, checked against the objects and the language."""
+
+    kinds: Household
+    language: Language
+
+    def scenario(self, top: Mapping[str, Field]) -> Scenario:
+        levels = self._levels(top["levels"]) if "levels" in top else LEVELS
+        uses = top["affordances"].entries()
+        affordances = {name: self._uses(name, spec, levels) for name, spec in uses.items()}
+        grasps = top["grasps"].entries() if "grasps" in top else {}
+        used = [each for use in affordances.values() for at in use.values() for each in at]
+        parts = {name: self._parts(name, spec, levels) for name, spec in grasps.items()}
+        return Scenario("A", affordances, {**{name: {} for name in used}, **parts}, levels)
+
+    def _levels(self, spec: Field) -> tuple[str, ...]:
+        """Read the words of confidence, which must be in descending order."""
+        name = graspable(self.kinds.objects)[0]
+        before = 2.0
+        for item in spec.items():
+            rule = self._taught_rule(item, functional_sentence(name, "cutting", item.text()))
+            lower, upper = rule.confidence
+            if not 1 - lower < upper:
+                raise item.fail(f'"{item.value}" does not support a rule.')
+            if lower >= before:
+                raise item.fail(f'"{item.value}" is not less certain than the level before it.')
+            before = lower
+        if not spec.items():
+            raise spec.fail("expected at least one level.")
+        return spec.texts()
+
+    def _uses(self, affordance: str, spec: Field, levels: Sequence[str]) -> Levels:
+        found = spec.entries(optional=levels)
+        seen: set[str] = set()
+        for level, names in found.items():
+            for item in names.items():
+                name = item.text(choices=graspable(self.kinds.objects))
+                if name in seen:
+                    raise item.fail(f'"{name}" has two levels of {affordance}.')
+                seen.add(name)
+                rule = self._taught_rule(item, functional_sentence(name, affordance, level))
+                if not isinstance(rule, meaning.FunctionalRule) or rule.affordance != affordance:
+                    raise item.fail(f'"{affordance}" is not understood as an affordance.')
+        return {level: names.texts() for level, names in found.items()}
+
+    def _parts(self, name: str, spec: Field, levels: Sequence[str]) -> dict[str, str]:
+        if name not in self.kinds.objects:
+            raise spec.fail(f'there is no object "{name}".')
+        for context, part in spec.entries(optional=CONTEXTS).items():
+            part.text(choices=self.kinds.objects[name].parts)
+            self._taught_rule(part, grasp_sentence(name, context, part.value, levels[0]))
+        return {context: part.text() for context, part in spec.entries().items()}
+
+    def _taught_rule(self, where: Field, sentence: str) -> meaning.Rule:
+        """Return the rule that a sentence teaches."""
+        said = self.language.understand(sentence).meaning
+        if isinstance(said, meaning.Statement):
+            return said.rules[0]
+        if isinstance(said, meaning.Misunderstanding):
+            raise where.fail(f'"{sentence}" is not understood: {said.message}')
+        question = f" {said.question}" if isinstance(said, meaning.AskBack) else ""
+        raise where.fail(f'"{sentence}" is not understood as a statement.{question}')
+
+
+def _scenes(spec: Field, objects: Sequence[str], seed: int) -> Iterator[tuple[str, ...]]:
+    rng = Random(seed)  # noqa: S311 - scenes, not secrets
+    if not spec.items():
+        raise spec.fail("expected at least one scene.")
+    for item in spec.items():
+        if item.value == "all":
+            yield tuple(objects)
+        elif isinstance(item.value, dict):
+            wanted = item.entries(required={"random"}, optional=())["random"]
+            for _ in range(wanted.integer(low=1, high=MAX_SCENES)):
+                yield tuple(rng.sample(objects, rng.randint(1, len(objects))))
+        else:
+            names = item.texts(choices=objects)
+            if len({*names}) < len(names):
+                raise item.fail("an object is listed twice; references to it would be ambiguous.")
+            yield names

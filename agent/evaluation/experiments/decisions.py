@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands given by sentence to an agent that was taught a scenario by sentence.
+"""Base class of experiments that give commands to an agent that was taught a scenario.
 
-A scenario is taught once, its sentences in the order of its tables; then every case is a new agent
-over that base, with the scene of the case before it, that is told the command. So no case can
-depend on another one. Nothing of the way is left out: the command is parsed, the rules come from
-the base, the choice from inference. Bodiless, the agent sees its scene perfectly; simulated, a
-robot looks with its cameras and carries out what it decided, on a table nobody has touched yet.
+A scenario is taught once, by sentence, in the order of its tables. Each case is a new agent over
+that knowledge base, with the scene of the case, which is given the command as a sentence; so no
+case can depend on another one. The whole system is tested: the command is parsed, the rules are
+read from the knowledge base, the choice is inferred. Without simulation the agent sees the scene
+perfectly; with simulation a robot looks with its cameras and executes its decision, on an
+undisturbed table.
 """
 
 from __future__ import annotations
@@ -23,20 +24,19 @@ from ...dialogue.reply import Reply
 from ..case import Case, Result
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, Scenario, command, load_scenarios
-from .explaining import why
-from .judging import Truth, judged
+from .ground_truth import GroundTruth, explain_reply, judge_command
 
-GAP = 0.05  # [m], room for two fingers and a little more: what is decided is tested, not clutter
+GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
 
 
 @dataclass(frozen=True)
-class Decisions(Experiment):
+class DecisionExperiment(Experiment):
     """Scenarios x scenes x commands.
 
     Attributes:
-        seed: of everything random.
-        sim: whether a simulated robot carries out what was decided.
-        gap: smallest distance between two things on its table [m].
+        seed: the random seed.
+        sim: whether a simulated robot executes its decisions.
+        gap: smallest distance between two objects on its table [m].
     """
 
     sim: bool = False
@@ -44,24 +44,24 @@ class Decisions(Experiment):
 
     @property
     def actions(self) -> Sequence[str]:
-        """What is commanded."""
+        """The actions of the commands."""
         return tuple(ACTIONS)
 
     @cached_property
     def scenarios(self) -> Mapping[str, Scenario]:
-        """What is taught, by name."""
+        """The scenarios by name."""
         return {scenario.name: scenario for scenario in load_scenarios()}
 
     def commands(
         self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
     ) -> Iterator[Case]:
-        """A case for each command: the paper's 15, for its scenarios.
+        """Yield a case for each command: 15 for a scenario of the paper.
 
         Args:
-            scenario: what is taught.
-            name: what the scene is called in the keys.
+            scenario: the scenario that is taught.
+            name: the name of the scene in the keys.
             scene: the objects on the table.
-            seed: of how they lie there, and of what the robot does.
+            seed: the seed of their poses and of the robot.
         """
         for affordance in scenario.affordances:
             for action in self.actions:
@@ -78,48 +78,56 @@ class Decisions(Experiment):
                 )
 
     def run(self, case: Case) -> Result:
-        """Give the command to an agent that knows the scenario and has the scene before it."""
+        """Give the command to an agent that was taught the scenario and has the scene."""
         spec = cast("dict[str, str]", case.spec)
         objects = cast("list[str]", case.spec["scene"])
         scenario = self.scenarios[spec["scenario"]]
-        truth = Truth.of(scenario, spec["action"], spec["affordance"], objects)
+        truth = GroundTruth.from_scenario(scenario, spec["action"], spec["affordance"], objects)
         reply = self._reply(case, simulate=self.sim)
-        result = judged(case, truth, reply)
-        # What a camera saw cannot be worked out again later; perfect eyes can be asked again.
-        return replace(result, facts=result.facts | {"why": why(reply)}) if self.sim else result
+        result = judge_command(case, truth, reply)
+        # Camera images cannot be reproduced later; without simulation the explanation can.
+        return (
+            replace(result, facts=result.facts | {"why": explain_reply(reply)})
+            if self.sim
+            else result
+        )
 
     def explain(self, case: Case, result: Result) -> str:
-        """The proofs: kept where a robot looked, else worked out again, which gives the same."""
-        return super().explain(case, result) or "\n".join(why(self._reply(case, simulate=False)))
+        """Return the proofs: those kept by a simulated run, or else by running the case again."""
+        return super().explain(case, result) or "\n".join(
+            explain_reply(self._reply(case, simulate=False))
+        )
 
     def picture(self, objects: Sequence[str], seed: int, path: Path) -> Path:
-        """Write a picture of a scene before anything was done, and give its path back."""
-        pupil = next(iter(self._taught.values()))
-        with pupil.facing(self._scene(objects, seed, pupil), simulate=True) as agent:
+        """Write a picture of the initial scene and return its path."""
+        taught = next(iter(self._taught_agents.values()))
+        with taught.facing(self._scene(objects, seed, taught), simulate=True) as agent:
             return agent.body.picture(path)
 
     def _reply(self, case: Case, *, simulate: bool) -> Reply:
         spec = cast("dict[str, str]", case.spec)
         objects = cast("list[str]", case.spec["scene"])
-        pupil = self._taught[spec["scenario"]]
-        scene = self._scene(objects, cast("int", case.spec["seed"]), pupil)
-        with pupil.facing(scene, simulate=simulate) as agent:
+        taught = self._taught_agents[spec["scenario"]]
+        scene = self._scene(objects, cast("int", case.spec["seed"]), taught)
+        with taught.facing(scene, simulate=simulate) as agent:
             return agent.hear(command(spec["action"], spec["affordance"]), only="do", keep=False)
 
-    def _scene(self, objects: Sequence[str], seed: int, pupil: Agent) -> Scene:
-        return replace(scene_of(objects, seed=seed, objects=pupil.objects), gap=self.gap)
+    def _scene(self, objects: Sequence[str], seed: int, taught: Agent) -> Scene:
+        return replace(scene_of(objects, seed=seed, objects=taught.objects), gap=self.gap)
 
-    def mind(self) -> Agent:
-        """An agent without a body that was told nothing yet, over a base in memory."""
+    def new_agent(self) -> Agent:
+        """Return an agent without a body, with an empty knowledge base in memory."""
         return Agent.open("memory:", AgentConfig(simulate=False))
 
     @cached_property
-    def _taught(self) -> Mapping[str, Agent]:
-        return {name: taught(scenario, self.mind()) for name, scenario in self.scenarios.items()}
+    def _taught_agents(self) -> Mapping[str, Agent]:
+        return {
+            name: teach(scenario, self.new_agent()) for name, scenario in self.scenarios.items()
+        }
 
 
-def taught(scenario: Scenario, mind: Agent) -> Agent:
-    """An agent after it was told a scenario."""
+def teach(scenario: Scenario, agent: Agent) -> Agent:
+    """Tell an agent the sentences of a scenario, and return it."""
     for sentence in scenario.sentences():
-        mind.hear(sentence, only="tell")
-    return mind
+        agent.hear(sentence, only="tell")
+    return agent

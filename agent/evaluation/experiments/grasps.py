@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The 16 grasp rules of section 4.1, each taught by sentence and carried out from random poses."""
+"""The grasps of section 4.1: 16 grasp rules, each taught by sentence and executed in simulation."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from ...config import AgentConfig
 from ..case import Case, Result
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, grasp_sentence, load_scenarios
-from .judging import grasped
+from .ground_truth import judge_grasp
 
 
 @dataclass(frozen=True)
-class Grasps(Experiment):
-    """Grasps of one object alone on the table.
+class GraspExperiment(Experiment):
+    """Grasps of a single object on the table.
 
     Attributes:
-        seed: of the first pose; the others follow it.
-        poses: random poses of each object in each context.
+        seed: the seed of the first pose; the next poses have the next seeds.
+        poses: number of random poses for each object and context.
     """
 
     name: ClassVar[str] = "grasps"
     poses: int = 3
 
     def cases(self) -> Sequence[Case]:
-        """Object by object, context by context, pose by pose."""
+        """Return the cases by object, context and pose."""
         return [
             Case(
                 self.name,
@@ -41,11 +41,11 @@ class Grasps(Experiment):
         ]
 
     def run(self, case: Case) -> Result:
-        """Teach one grasp rule, ask for the object alone on the table, and look at the world."""
+        """Teach one grasp rule, command the action, and judge what the robot did."""
         spec = cast("dict[str, str]", case.spec)
         name, context, part = spec["object"], spec["context"], spec["part"]
         seed = cast("int", case.spec["seed"])
         with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
             agent.hear(grasp_sentence(name, context, part), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
-        return grasped(case, name, part, reply)
+        return judge_grasp(case, name, part, reply)

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy against noise: eyes that fail, words heard wrongly, teachers who are wrong.
+"""Accuracy under noise: imperfect sensors, misrecognised words, and teachers who are wrong.
 
-The paper expects that whatever is not right is due to sensor noise (section 4.1). Here it is
-measured, and so is what the paper left out: speech and teachers. One trial teaches one scenario and
-gives the 15 commands, each in a scene of its own; what is right comes from the scenario alone. All
-lines and values of a curve are measured on the same scenes.
+The paper expects that all errors are due to sensor noise (section 4.1). This experiment measures
+it, and also what the paper left out: speech recognition and teachers. A trial teaches one scenario
+and gives the 15 commands, each in a scene of its own; the ground truth comes from the scenario
+alone. All lines and values of a curve are measured with the same scenes.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -27,24 +27,22 @@ from ...execution.outcome import Json
 from ..case import Case, Result
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, Scenario, command, load_scenarios
-from .curves import CURVES, Curve, drawn
-from .garbling import garbled
-from .judging import Truth
+from .ground_truth import GroundTruth
+from .noise_curves import CURVES, Curve, curve_points
 
 OTHER = "eve"  # the second teacher
 Outcome = Literal["right", "wrong", "declined"]
 
 
 @dataclass(frozen=True)
-class NoiseRun(Experiment):
-    """The curves.
+class NoiseExperiment(Experiment):
+    """Accuracy as a function of noise, as curves.
 
     Attributes:
-        seed: of scenes, eyes and ears.
-        trials: for each point of a curve; half of them with Scenario A, half with B.
-        curves: names of curves with commas between them; all when empty.
-        sim: whether a simulated robot carries out what it decides; then right is only what it
-            also managed to do.
+        seed: the seed of scenes, sensors and speech recognition.
+        trials: number of trials at each point of a curve; half of them with Scenario B.
+        curves: comma-separated names of curves; all if empty.
+        sim: whether a simulated robot executes its decisions; then only successes are right.
 
     Raises:
         UnknownNameError: there is no such curve.
@@ -66,7 +64,7 @@ class NoiseRun(Experiment):
         return [name for name in named if name] or list(CURVES)
 
     def cases(self) -> Sequence[Case]:
-        """Curve by curve, line by line, value by value, the trials."""
+        """Return the cases by curve, line, value and trial."""
         return [
             Case(
                 self.name,
@@ -80,12 +78,12 @@ class NoiseRun(Experiment):
         ]
 
     def run(self, case: Case) -> Result:
-        """Teach one scenario, give the 15 commands, and count what came of them."""
+        """Teach a scenario, give the 15 commands, and count the outcomes."""
         curve = CURVES[str(case.spec["curve"])]
         line, value = str(case.spec["line"]), cast("float", case.spec["value"])
         trial = cast("int", case.spec["trial"])
-        setting = _Setting(curve, line, value, trial, self.seed, self.sim)
-        outcomes = list(setting.outcomes())
+        trial_run = _Trial(curve, line, value, trial, self.seed, self.sim)
+        outcomes = list(trial_run.outcomes())
         counted = Counter(outcome for outcome, _ in outcomes)
         commands = sum(counted.values())
         facts: Json = {"commands": commands, **{o: counted[o] for o in ("right", "wrong")}}
@@ -100,23 +98,23 @@ class NoiseRun(Experiment):
             facts
             | {
                 "declined": counted["declined"],
-                "why": [f"{outcome}: {told}" for outcome, told in outcomes if outcome != "right"],
+                "why": [f"{outcome}: {text}" for outcome, text in outcomes if outcome != "right"],
             },
         )
 
     def summary(self, results: Sequence[Result]) -> Json:
-        """The curves, and what became of the paper's claim."""
-        curves = drawn(results)
+        """Return the curves, and whether they agree with the claim of the paper."""
+        curves = curve_points(results)
         return {"curves": curves, "claim": _claim(curves)}
 
     def files(self, results: Sequence[Result]) -> Mapping[str, Json]:
-        """The curves."""
+        """Return the curves as a file."""
         return {"curves.json": self.summary(results)}
 
 
 @dataclass(frozen=True)
-class _Setting:
-    """One trial at one point of a curve."""
+class _Trial:
+    """A trial at one point of a curve."""
 
     curve: Curve
     line: str
@@ -126,49 +124,49 @@ class _Setting:
     sim: bool
 
     def outcomes(self) -> Iterator[tuple[Outcome, str]]:
-        """What came of each command, and how it went in words."""
+        """Yield the outcome of each command with a description."""
         rng = Random(f"{self.seed}/{self.trial}")  # noqa: S311 - scenes, not secrets
-        pupil = self._pupil()
+        taught = self._taught_agent()
         for affordance in self._scenario.affordances:
             for action in ACTIONS:
                 objects = rng.sample(sorted(self._scenario.grasps), rng.randint(1, 8))
-                scene = scene_of(objects, seed=rng.randrange(2**31), objects=pupil.objects)
-                with pupil.facing(scene, simulate=self.sim) as agent:
-                    said = self._heard(command(action, affordance), rng.random())
+                scene = scene_of(objects, seed=rng.randrange(2**31), objects=taught.objects)
+                with taught.facing(scene, simulate=self.sim) as agent:
+                    said = self._recognised(command(action, affordance), rng.random())
                     reply = agent.hear(said, only="do", keep=False)
-                truth = Truth.of(self._scenario, action, affordance, objects)
-                told = f'"{said}" with {", ".join(objects)} there: {reply.said}'
-                yield _outcome(truth, reply), f"{told} Right would be {truth.in_words()}."
+                truth = GroundTruth.from_scenario(self._scenario, action, affordance, objects)
+                description = f'"{said}" with {", ".join(objects)} there: {reply.said}'
+                yield _outcome(truth, reply), f"{description} Right would be {truth.describe()}."
 
     @cached_property
     def _scenario(self) -> Scenario:
         return _scenarios()[self.trial % 2]
 
-    def _heard(self, text: str, chance: float) -> str:
+    def _recognised(self, text: str, chance: float) -> str:
         if self.curve.name != "speech":
             return text
         rng = Random(f"{self.seed}/{self.trial}/{text}/{chance}")  # noqa: S311
-        return garbled(text, self.line, self.value, rng, _vocabulary())
+        return garble(text, self.line, self.value, rng, _vocabulary())
 
-    def _pupil(self) -> Agent:
-        """Who was taught the scenario, with what the curve puts in the way."""
+    def _taught_agent(self) -> Agent:
+        """Return an agent that was taught the scenario, with the noise of the curve."""
         choices = self.curve.lines[self.line] if "=" in self.curve.lines[self.line] else ""
-        if self.curve.is_of_sensors:
+        if self.curve.is_sensor_noise:
             noise = f"{self.curve.name}={self.value}"
-            return _well_taught(self._scenario.name, noise, choices)
+            return _correctly_taught(self._scenario.name, noise, choices)
         if self.curve.name == "speech":
-            said = [self._heard(each, 0.0) for each in self._scenario.sentences()]
-            return _taught(said)
+            said = [self._recognised(each, 0.0) for each in self._scenario.sentences()]
+            return _taught_by(said)
         trust = self.value if self.curve.name == "trust" else 1.0
         share = self.value if self.curve.name == "wrong" else 1.0
         number = self.trial if self.curve.name == "wrong" else self.trial % 2
         return _contradicted(self._scenario.name, trust, share, choices, f"{self.seed}/{number}")
 
 
-def _outcome(truth: Truth, reply: Reply) -> Outcome:
+def _outcome(truth: GroundTruth, reply: Reply) -> Outcome:
     decision = reply.achievement.decision if reply.achievement else None
     best = decision.object.best if decision else None
-    # By its name: what is taken for something else still is what it is.
+    # By its name: an object detected as another type still is what it is.
     chosen = best.name if best else None
     part = decision.chosen_part if decision else None
     if reply.achievement is None or not truth.allows(chosen, part):
@@ -177,19 +175,16 @@ def _outcome(truth: Truth, reply: Reply) -> Outcome:
 
 
 def _claim(curves: Sequence[Json]) -> Json:
-    """Where the paper's claim holds, that only sensor noise can lower the score."""
+    """Return where the claim of the paper holds that only sensor noise lowers the accuracy."""
     lowered = {
         str(curve["curve"])
         for curve in curves
         for points in cast("dict[str, list[dict[str, float]]]", curve["lines"]).values()
         if points[0]["accuracy"] == 1.0 and min(point["upper"] for point in points) < 1.0
     }
-    of_sensors = sorted(name for name in lowered if CURVES[name].is_of_sensors)
+    of_sensors = sorted(name for name in lowered if CURVES[name].is_sensor_noise)
     others = sorted(lowered - {*of_sensors})
     return {"lowered_by_sensors": of_sensors, "lowered_by_others": others, "holds": not others}
-
-
-# --- Who was taught what -------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=1)
@@ -206,30 +201,30 @@ def _vocabulary() -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=4)
-def _well_taught(scenario: str, noise: str, choices: str) -> Agent:
-    return _taught(_named(scenario).sentences(), noise=noise, choices=choices)
+def _correctly_taught(scenario: str, noise: str, choices: str) -> Agent:
+    return _taught_by(_named(scenario).sentences(), noise=noise, choices=choices)
 
 
 @lru_cache(maxsize=4)
 def _contradicted(scenario: str, trust: float, share: float, choices: str, seed: str) -> Agent:
-    """Taught by somebody trusted, then by another who says the opposite of some of it."""
-    pupil = _taught(_named(scenario).sentences(), choices=choices)
-    pupil.base.set_trust(OTHER, trust)
+    """Return an agent taught by a trusted speaker, then by another who contradicts some rules."""
+    taught = _taught_by(_named(scenario).sentences(), choices=choices)
+    taught.base.set_trust(OTHER, trust)
     (opposite,) = (each for each in _scenarios() if each.name != scenario)
     sentences = list(islice(opposite.sentences(), _count_of_uses(opposite)))
     rng = Random(seed)  # noqa: S311
     for sentence in rng.sample(sentences, round(share * len(sentences))):
-        pupil.hear(sentence, speaker=OTHER, only="tell")
-    return pupil
+        taught.hear(sentence, speaker=OTHER, only="tell")
+    return taught
 
 
-def _taught(sentences: Sequence[str], *, noise: str = "", choices: str = "") -> Agent:
+def _taught_by(sentences: Sequence[str], *, noise: str = "", choices: str = "") -> Agent:
     overrides = (choices,) if choices else ()
-    pupil = Agent.open("memory:", AgentConfig(noise=noise, simulate=False, overrides=overrides))
+    taught = Agent.open("memory:", AgentConfig(noise=noise, simulate=False, overrides=overrides))
     for sentence in sentences:
-        with suppress(HiltError):  # a sentence that was heard wrongly may say what cannot be
-            pupil.hear(sentence, only="tell")
-    return pupil
+        with suppress(HiltError):  # a misrecognised sentence may be invalid
+            taught.hear(sentence, only="tell")
+    return taught
 
 
 def _named(name: str) -> Scenario:
@@ -238,6 +233,49 @@ def _named(name: str) -> Scenario:
 
 
 def _count_of_uses(scenario: Scenario) -> int:
-    """How many of its sentences, which come first, say what something is used for."""
+    """Return how many sentences, which come first, are about affordances."""
     levels = (each for uses in scenario.affordances.values() for each in uses.values())
     return sum(map(len, levels))
+
+
+# --- Misrecognised sentences -------------------------------------------------------------
+
+Words = list[str]
+
+
+def garble(text: str, how: str, rate: float, rng: Random, vocabulary: Sequence[str]) -> str:
+    """Return a sentence with recognition errors.
+
+    Args:
+        text: the sentence.
+        how: "misheard", "dropped" or "swapped".
+        rate: the share of words affected, in [0, 1].
+        rng: the random generator.
+        vocabulary: the words that replace misheard ones.
+    """
+    return " ".join(_GARBLINGS[how](text.split(), rate, rng, vocabulary))
+
+
+def _misheard(words: Words, rate: float, rng: Random, vocabulary: Sequence[str]) -> Words:
+    """Replace some words by words of the same domain."""
+    return [rng.choice(vocabulary) if rng.random() < rate else word for word in words]
+
+
+def _dropped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
+    return [word for word in words if rng.random() >= rate]
+
+
+def _swapped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
+    """Exchange some words with the next one."""
+    swapped = list(words)
+    for i in range(len(swapped) - 1):
+        if rng.random() < rate:
+            swapped[i], swapped[i + 1] = swapped[i + 1], swapped[i]
+    return swapped
+
+
+_GARBLINGS: Mapping[str, Callable[[Words, float, Random, Sequence[str]], Words]] = {
+    "misheard": _misheard,
+    "dropped": _dropped,
+    "swapped": _swapped,
+}

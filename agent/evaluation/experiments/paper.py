@@ -1,42 +1,43 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's run: 2 scenarios, 10 scenes and 15 commands (section 4.1).
+"""The evaluation of the paper (section 4.1), and its extension to all scenes.
 
-Scenes are drawn from the seed, of every size, the first with all objects, no two alike, and so that
-each of the four principles is asked for.
+The paper evaluates 2 scenarios x 10 scenes x 15 commands. Its scenes are drawn at random: the first
+has all objects, they are distinct, and together they test all four principles. All 256 scenes make
+7,680 cases.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import combinations, cycle
 from random import Random
 from typing import ClassVar
 
 from ..case import Case
-from .decisions import Decisions
-from .judging import Truth
+from .decisions import DecisionExperiment
+from .ground_truth import GroundTruth
 
 PRINCIPLES = {1, 2, 3, 4}
-MAX_SCENES = 255  # of eight objects no more are different, but for the empty one
+MAX_SCENES = 255  # the non-empty subsets of eight objects
 
 
 @dataclass(frozen=True)
-class PaperRun(Decisions):
-    """The paper's run.
+class PaperExperiment(DecisionExperiment):
+    """The evaluation of the paper.
 
     Attributes:
-        seed: of the scenes, and of how things lie on the table.
-        sim: whether a simulated robot carries out what was decided.
-        gap: smallest distance between two things on its table [m].
-        scenes: how many scenes, at most `MAX_SCENES`.
+        seed: the seed of the scenes and of the poses on the table.
+        sim: whether a simulated robot executes its decisions.
+        gap: smallest distance between two objects on its table [m].
+        scenes: number of scenes, at most `MAX_SCENES`.
     """
 
     name: ClassVar[str] = "paper"
     scenes: int = 10
 
     def cases(self) -> Sequence[Case]:
-        """Scenario by scenario, scene by scene, command by command."""
+        """Return the cases by scenario, scene and command."""
         drawn = self.drawn_scenes()
         return [
             case
@@ -46,7 +47,7 @@ class PaperRun(Decisions):
         ]
 
     def drawn_scenes(self) -> list[list[str]]:
-        """The objects of each scene."""
+        """Return the objects of each scene."""
         rng = Random(self.seed)  # noqa: S311 - scenes, not secrets
         drawn = next(scenes for scenes in self._draws(rng) if self._covers(scenes))
         return [sorted(scene) for scene in drawn]
@@ -60,11 +61,32 @@ class PaperRun(Decisions):
             yield scenes
 
     def _covers(self, scenes: Sequence[frozenset[str]]) -> bool:
-        """Whether each principle is asked for, as the paper wants it; a single scene cannot."""
-        asked = {
-            Truth.of(scenario, "pointTo", affordance, scene).principle
+        """Whether the scenes test each principle, as in the paper; a single scene cannot."""
+        tested = {
+            GroundTruth.from_scenario(scenario, "pointTo", affordance, scene).principle
             for scenario in self.scenarios.values()
             for scene in scenes
             for affordance in scenario.affordances
         }
-        return asked >= PRINCIPLES or len(scenes) == 1
+        return tested >= PRINCIPLES or len(scenes) == 1
+
+
+@dataclass(frozen=True)
+class SituationsExperiment(DecisionExperiment):
+    """Every problem situation of the paper: all subsets of its objects as scenes."""
+
+    name: ClassVar[str] = "situations"
+
+    def cases(self) -> Sequence[Case]:
+        """Return the cases by scenario, the smaller scenes first."""
+        return [
+            case
+            for scenario in self.scenarios.values()
+            for scene in _subsets(sorted(scenario.grasps))
+            for case in self.commands(scenario, "+".join(scene) or "empty", scene, self.seed)
+        ]
+
+
+def _subsets(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    for size in range(len(names) + 1):
+        yield from combinations(names, size)

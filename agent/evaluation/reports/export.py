@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reports as files: a page of HTML, JSON with counts and results, or a CSV line a case."""
+"""Export of reports to files: an HTML page, JSON with counts and results, or CSV by case."""
 
 from __future__ import annotations
 
@@ -9,37 +9,39 @@ import io
 import json
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import cast
 
-from ....ontology.errors import DataError, StoreError
+from ....ontology.errors import DataError, MissingExtraError, StoreError
 from ..case import Case
 from ..experiment import Experiment
-from ..experiments.decisions import Decisions
-from .html import EmbeddedPicture, page
+from ..experiments.decisions import DecisionExperiment
+from .html import EmbeddedPicture, render_page
 from .summary import EvaluationReport
 
-MOST_PICTURES = 40  # in one page
+MAX_PICTURES = 40  # on a page
 COLUMNS = ("key", "right", "kind", "principle", "found", "expected", "cpu_s")
 
 
 def write_report(
     path: Path, experiment: Experiment, cases: Sequence[Case], report: EvaluationReport
 ) -> None:
-    """Write a report; the end of the file's name says in which form.
+    """Write a report in the format given by the suffix of the file name.
 
     Args:
-        path: .html, .json or .csv.
-        experiment: what was run.
+        path: a file name that ends in .html, .json or .csv.
+        experiment: the experiment.
         cases: all of its cases.
-        report: what came of them, in the same order.
+        report: their results, in the same order.
 
     Raises:
-        DataError: there is no such form.
+        DataError: there is no such format.
+        MissingExtraError: a package for HTML pages is not installed.
         StoreError: the file cannot be written.
     """
-    check_form(path)
-    text = _FORMS[path.suffix](experiment, cases, report)
+    check_format(path)
+    text = _FORMATS[path.suffix](experiment, cases, report)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="\n")
@@ -47,22 +49,26 @@ def write_report(
         raise StoreError(f'"{path}" cannot be written: {error.strerror}.') from error
 
 
-def check_form(path: Path) -> None:
-    """Refuse the name of a report that says no form, before hours are spent on it.
+def check_format(path: Path) -> None:
+    """Check before a long run that a report can be written.
 
     Raises:
-        DataError: there is no such form.
+        DataError: there is no such format.
+        MissingExtraError: a package for HTML pages is not installed.
     """
-    if path.suffix not in _FORMS:
-        raise DataError(f"expected a name that ends in {', '.join(_FORMS)}.", source=str(path))
+    if path.suffix not in _FORMATS:
+        raise DataError(f"expected a name that ends in {', '.join(_FORMATS)}.", source=str(path))
+    for package in ("jinja2", "matplotlib") if path.suffix == ".html" else ():
+        if find_spec(package) is None:
+            raise MissingExtraError("report", package)
 
 
 def _html(experiment: Experiment, cases: Sequence[Case], report: EvaluationReport) -> str:
-    return page(experiment, cases, report, _pictures(experiment, cases))
+    return render_page(experiment, cases, report, _pictures(experiment, cases))
 
 
 def _json(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
-    results = [each.result.as_json() for each in report.done]
+    results = [each.result.as_json() for each in report.runs]
     return json.dumps(report.as_json() | {"results": results}, ensure_ascii=False, indent=1) + "\n"
 
 
@@ -70,13 +76,13 @@ def _csv(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for done in report.done:
-        row = done.result.as_json() | {"cpu_s": round(done.cpu_s, 6)}
+    for run in report.runs:
+        row = run.result.as_json() | {"cpu_s": round(run.cpu_s, 6)}
         writer.writerow([row[column] for column in COLUMNS])
     return table.getvalue()
 
 
-_FORMS: Mapping[str, Callable[[Experiment, Sequence[Case], EvaluationReport], str]] = {
+_FORMATS: Mapping[str, Callable[[Experiment, Sequence[Case], EvaluationReport], str]] = {
     ".html": _html,
     ".json": _json,
     ".csv": _csv,
@@ -84,14 +90,14 @@ _FORMS: Mapping[str, Callable[[Experiment, Sequence[Case], EvaluationReport], st
 
 
 def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[EmbeddedPicture]:
-    """Each scene of a simulated run as it lay on the table, at most so many."""
-    if not isinstance(experiment, Decisions) or not experiment.sim:
+    """Yield pictures of the initial scenes of a simulated run, at most `MAX_PICTURES`."""
+    if not isinstance(experiment, DecisionExperiment) or not experiment.sim:
         return
     scenes: dict[tuple[str, ...], str] = {}
     for case in cases:
         scene = (*cast("list[str]", case.spec["scene"]), str(case.spec["seed"]))
         scenes.setdefault(scene, case.key.split("/")[1])
-    for (*objects, seed), name in list(scenes.items())[:MOST_PICTURES]:
+    for (*objects, seed), name in list(scenes.items())[:MAX_PICTURES]:
         caption = f"scene {name}, seed {seed}: {', '.join(objects) or 'nothing'}"
         with tempfile.TemporaryDirectory() as folder:
             picture = experiment.picture(objects, int(seed), Path(folder) / "scene.jpg")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The results of a run, counted: what `hilt evaluate` prints."""
+"""The results of a run, counted, as JSON or as a table for the console."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 from ...execution.outcome import Json
-from ..case import Done, Result
+from ..case import CaseRun, Result
 from ..experiment import Experiment
 
 if TYPE_CHECKING:
@@ -18,30 +18,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EvaluationReport:
-    """The results of one run.
+    """The results of a run.
 
     Attributes:
-        name: of the experiment.
-        options: of the experiment.
-        done: its results, in the order of its cases.
-        summary: what the experiment itself makes of them.
+        name: the name of the experiment.
+        options: the options of the experiment.
+        runs: the results of its cases, in their order.
+        summary: the summary by the experiment itself.
     """
 
     name: str
     options: Mapping[str, object]
-    done: tuple[Done, ...]
+    runs: tuple[CaseRun, ...]
     summary: Mapping[str, object] = field(default_factory=dict[str, object])
 
     @classmethod
-    def of(cls, experiment: Experiment, done: Sequence[Done]) -> EvaluationReport:
-        """The report of a run."""
-        summary = experiment.summary([each.result for each in done])
-        return cls(experiment.name, experiment.options, tuple(done), summary)
+    def from_runs(cls, experiment: Experiment, runs: Sequence[CaseRun]) -> EvaluationReport:
+        """Return the report of a run of an experiment."""
+        summary = experiment.summary([run.result for run in runs])
+        return cls(experiment.name, experiment.options, tuple(runs), summary)
 
     @property
     def results(self) -> tuple[Result, ...]:
-        """The results alone."""
-        return tuple(each.result for each in self.done)
+        """The results without processor times."""
+        return tuple(run.result for run in self.runs)
 
     @property
     def is_right(self) -> bool:
@@ -49,14 +49,14 @@ class EvaluationReport:
         return all(result.right for result in self.results)
 
     def as_json(self) -> Json:
-        """As `hilt evaluate --json` prints it."""
-        return self.counts() | {"cpu_s": round(sum(each.cpu_s for each in self.done), 3)}
+        """Return the JSON object that `hilt evaluate --json` prints."""
+        return self.counts() | {"cpu_s": round(sum(run.cpu_s for run in self.runs), 3)}
 
     def counts(self) -> Json:
-        """What is the same for every run of the experiment."""
+        """Return the values that are equal in every run of the experiment."""
         kinds = Counter(result.kind for result in self.results)
-        closed = [r.facts["right_part"] for r in self.results if "right_part" in r.facts]
-        moved = [r.facts["success"] for r in self.results if "success" in r.facts]
+        grasps = [r.facts["right_part"] for r in self.results if "right_part" in r.facts]
+        executed = [r.facts["success"] for r in self.results if "success" in r.facts]
         return {
             "name": self.name,
             "runs": len(self.results),
@@ -66,10 +66,10 @@ class EvaluationReport:
             "ties": kinds["tie"],
             "none": kinds["none"],
             "errors": kinds["error"] + kinds["lost"],
-            "executed": len(moved),
-            "succeeded": sum(bool(each) for each in moved),
-            "grasps": len(closed),
-            "right_part": sum(bool(each) for each in closed),
+            "executed": len(executed),
+            "succeeded": sum(bool(each) for each in executed),
+            "grasps": len(grasps),
+            "right_part": sum(bool(each) for each in grasps),
             "wrong": [
                 f"{r.key}: {r.found}; expected {r.expected}" for r in self.results if not r.right
             ],
@@ -80,7 +80,7 @@ class EvaluationReport:
 
     def _by_principle(self) -> dict[str, dict[str, int]]:
         numbers = sorted({result.principle for result in self.results} - {0})
-        # A principle is about what is decided; whether the hand then managed is another question.
+        # The principles are about decisions, not about their execution.
         groups = {
             n: [bool(r.facts.get("decided", r.right)) for r in self.results if r.principle == n]
             for n in numbers
@@ -88,7 +88,7 @@ class EvaluationReport:
         return {str(n): {"runs": len(g), "right": sum(g)} for n, g in groups.items()}
 
     def table(self) -> Table:
-        """The cases as a table, with the total above; of curves their points."""
+        """Return a table of the cases, or of the points of the curves if there are any."""
         from rich.table import Table
 
         from ...presentation import console
@@ -110,7 +110,7 @@ class EvaluationReport:
     def _points(self, curves: Sequence[Json]) -> Table:
         from rich.table import Table
 
-        table = Table("curve", "line", "at", "right", "band of 95 %", "decisions")
+        table = Table("curve", "line", "at", "right", "95 % interval", "decisions")
         for curve in curves:
             for line, points in cast("dict[str, list[dict[str, float]]]", curve["lines"]).items():
                 for at in points:

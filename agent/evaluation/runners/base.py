@@ -1,100 +1,73 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Engines run the cases of an experiment: in this process, in several, or on a Ray cluster.
+"""The protocol of a runner, and running cases in this or in a worker process.
 
-Which one does makes no difference to a result. `run` adds what they have in common: what the
-journal holds is not run again, what comes is written to it, and a bar shows how far it is.
+A worker process gets the name and options of an experiment and constructs it again; cases and
+results are transferred as lines of JSON.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Protocol
+from functools import lru_cache
+from time import process_time
+from typing import Protocol, cast
 
-from ..case import Case, Done
+from ....ontology.errors import WorkersError
+from ...execution.outcome import Json
+from ..case import Case, CaseRun, Result, to_json_line
 from ..experiment import Experiment
-from .progress import progress
-from .worker import run_case
+from ..experiments.registry import make_experiment
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from .journal import RunJournal
-
-TIMEOUT_S = 600.0  # what takes longer hangs: no case of ours takes a tenth of it
-ATTEMPTS = 3  # how often a case is begun whose worker dies or hangs
+TIMEOUT_S = 600.0  # [s]; ten times as long as any case of ours takes
+ATTEMPTS = 3  # how often a case is started whose worker dies or times out
 
 
 class Runner(Protocol):
     """Runs cases."""
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[Done]:
-        """Run the cases; results come in the order in which they are ready, each case once."""
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
+        """Run each case once, and yield the results as they become available."""
         ...
 
 
-class Serial:
-    """Runs cases in this process, one after the other; nothing stops one that hangs."""
+def run_case(experiment: Experiment, case: Case) -> CaseRun:
+    """Run one case in this process; an exception becomes a result of kind "error"."""
+    start = process_time()
+    try:
+        result = experiment.run(case)
+    except Exception as error:  # any exception of a case is its result
+        found = f"{type(error).__name__}: {error}"
+        result = Result(case.key, False, "error", 0, found, "no error")
+    return CaseRun(result, process_time() - start)
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[Done]:
-        """Run the cases in their order."""
-        return (run_case(experiment, case) for case in cases)
+
+def lost_case(case: Case, reason: str, attempts: int) -> CaseRun:
+    """Return the result of a case that no worker has finished."""
+    return CaseRun(Result(case.key, False, "lost", 0, reason, "a result"), 0.0, attempts)
 
 
-def open_engine(
-    workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
-) -> Runner:
-    """The engine that the options of a command ask for.
-
-    Args:
-        workers: how many cases run at once; None is one, or as many as the cluster has room for.
-        ray: the address of a Ray cluster, "auto" for the one that this machine belongs to, or
-            "local" for one of our own.
-        timeout_s: how long a case may take before its worker is killed [s].
+def run_cases(name: str, options: str, cases: Sequence[str]) -> list[str]:
+    """Run cases in a worker process; arguments and results are JSON.
 
     Raises:
-        MissingExtraError: Ray is not installed.
+        WorkersError: the experiment cannot be constructed in this process.
     """
-    if ray:
-        from .ray import Cluster
-
-        return Cluster(ray, workers, timeout_s=timeout_s)
-    if workers is None or workers == 1:
-        return Serial()
-    from .local import Processes
-
-    return Processes(workers, timeout_s=timeout_s)
+    try:
+        experiment = _experiment(name, options)
+    except Exception as error:  # an exception with a single text can be sent to any process
+        raise WorkersError(f"A worker process could not be started: {error}") from None
+    runs = (run_case(experiment, Case.from_json(json.loads(case))) for case in cases)
+    return [to_json_line({"result": r.result.as_json(), "cpu_s": r.cpu_s}) for r in runs]
 
 
-def run(
-    experiment: Experiment,
-    cases: Sequence[Case] | None = None,
-    *,
-    engine: Runner | None = None,
-    journal: RunJournal | None = None,
-    console: Console | None = None,
-) -> tuple[Done, ...]:
-    """Run an experiment, or go on with it.
+@lru_cache(maxsize=1)  # keeps what is expensive to set up for the next cases
+def _experiment(name: str, options: str) -> Experiment:
+    return make_experiment(name, json.loads(options))
 
-    Args:
-        experiment: what is run.
-        cases: its cases, if they are listed already.
-        engine: what runs them; None runs them here.
-        journal: where results are written as they come; what it holds is not run again.
-        console: where the progress is shown; None shows none.
 
-    Returns:
-        What came of every case, in their order.
-    """
-    cases = experiment.cases() if cases is None else cases
-    done = dict(journal.done) if journal else {}
-    left = [case for case in cases if case.key not in done]
-    with progress(experiment.name, len(cases), len(cases) - len(left), console) as advance:
-        for each in (engine or Serial()).run(experiment, left):
-            done[each.result.key] = each
-            if journal:
-                journal.add(each)
-            advance()
-    ordered = tuple(done[case.key] for case in cases)
-    if journal:
-        journal.finish(cases, experiment.files([each.result for each in ordered]))
-    return ordered
+def parse_case_run(line: str, attempts: int) -> CaseRun:
+    """Return the result that `run_cases` wrote."""
+    document = cast("Json", json.loads(line))
+    result = Result.from_json(cast("Json", document["result"]))
+    return CaseRun(result, cast("float", document["cpu_s"]), attempts)

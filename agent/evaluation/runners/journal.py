@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The journal of a run: every result on disk as soon as it is there, so that a run can go on.
+"""The journal of a run: results are written to disk as they come, so that a run can be resumed.
 
-A folder holds `journal.jsonl`: a header that says which run this is, then one line a result, as
-they came. A run that was stopped at any moment goes on from there; the line it was writing then is
-dropped. When all cases are done, the folder holds besides:
+The folder of a run contains `journal.jsonl`: a header that identifies the run, then a line for each
+result. A run that was stopped at any moment can be resumed; an incomplete last line is dropped.
+When all cases are finished, the folder also contains
 
-    results.jsonl  the results in the order of the cases; the same bytes for the same run
-    times.csv      how long each took, which differs from run to run
+    results.jsonl  the results in the order of the cases; identical for identical runs
+    times.csv      processor time of each case, which differs from run to run
 
-and whatever the experiment makes of its results, as the certificate of all learning scenarios.
+and the files of the experiment itself, such as the certificate of all learning scenarios.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import IO, cast
 
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
-from ..case import Case, Done, Result, line_of
+from ..case import Case, CaseRun, Result, to_json_line
 from ..experiment import Experiment
 
 JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
@@ -33,37 +33,37 @@ FORMAT = 1
 
 
 class RunJournal:
-    """The journal of one run, open for writing; use it in a `with` block.
+    """The journal of a run, opened for writing; use it in a `with` block.
 
     Args:
-        folder: where it is, or will be.
-        experiment: what is run.
+        folder: the folder of the run.
+        experiment: the experiment.
         cases: all its cases.
-        resume: whether a run that is there goes on.
+        resume: whether to resume a run that is in the folder.
 
     Raises:
-        DataError: there is a run already and it is not to go on, or it is not this run.
-        StoreError: the folder cannot be written, or another process is writing it.
+        DataError: the folder contains a run that is not to be resumed, or another run.
+        StoreError: the folder cannot be written, or another process is writing to it.
 
     Attributes:
-        done: key -> what is done already.
+        runs: key of a case -> its result, for all finished cases.
     """
 
     def __init__(
         self, folder: Path, experiment: Experiment, cases: Sequence[Case], *, resume: bool
     ) -> None:
         self.folder = folder
-        self.done: dict[str, Done] = {}
-        header = header_of(experiment, cases)
+        self.runs: dict[str, CaseRun] = {}
+        header = run_header(experiment, cases)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            # Without a buffer: what is written outlives this process, however it ends.
+            # Unbuffered, so that no result is lost if this process is killed.
             self._file = (folder / JOURNAL).open("a+b", buffering=0)
         except OSError as error:
             raise StoreError(f'"{folder}" cannot be written: {error.strerror}.') from error
         try:
             self._lock()
-            self._take_up(header, resume=resume)
+            self._resume_or_start(header, resume=resume)
         except BaseException:
             self._file.close()
             raise
@@ -80,29 +80,27 @@ class RunJournal:
         os.fsync(self._file.fileno())
         self._file.close()
 
-    def add(self, done: Done) -> None:
-        """Write one result."""
-        self._write(
-            {"result": done.result.as_json(), "cpu_s": done.cpu_s, "attempts": done.attempts}
-        )
-        self.done[done.result.key] = done
+    def add(self, run: CaseRun) -> None:
+        """Write a result."""
+        self._write({"result": run.result.as_json(), "cpu_s": run.cpu_s, "attempts": run.attempts})
+        self.runs[run.result.key] = run
 
     def finish(self, cases: Sequence[Case], files: Mapping[str, Json] | None = None) -> None:
-        """Write the files of a complete run, each whole or not at all.
+        """Write the files of a complete run, each of them atomically.
 
         Args:
-            cases: all of them, in their order.
-            files: documents of the experiment's own, by the name of their file.
+            cases: all cases, in their order.
+            files: the documents of the experiment itself, by file name.
         """
-        done = [self.done[case.key] for case in cases]
-        lines = (line_of(each.result.as_json()) for each in done)
+        runs = [self.runs[case.key] for case in cases]
+        lines = (to_json_line(each.result.as_json()) for each in runs)
         _replace(self.folder / RESULTS, "".join(f"{line}\n" for line in lines))
-        _replace(self.folder / TIMES, _times(done))
+        _replace(self.folder / TIMES, _times(runs))
         for name, document in (files or {}).items():
-            _replace(self.folder / name, f"{line_of(document)}\n")
+            _replace(self.folder / name, f"{to_json_line(document)}\n")
 
     def _lock(self) -> None:
-        if os.name == "nt":  # a file that is open there cannot be replaced anyway
+        if os.name == "nt":  # an open file cannot be opened again for writing there
             return
         import fcntl
 
@@ -111,25 +109,25 @@ class RunJournal:
         except OSError as error:
             raise StoreError(f'Another process is writing the run in "{self.folder}".') from error
 
-    def _take_up(self, header: Json, *, resume: bool) -> None:
-        """Read what is there, or begin."""
+    def _resume_or_start(self, header: Json, *, resume: bool) -> None:
+        """Read the existing journal, or start a new one."""
         self._file.seek(0)
-        whole, torn = _whole_lines(self._file.read())
-        if torn:
+        whole, incomplete = _whole_lines(self._file.read())
+        if incomplete:
             self._file.truncate(sum(map(len, whole)))
         if not whole:
             self._write(header)
             return
         if not resume:
             raise DataError(
-                "holds a run already. Let it go on with --resume, or name another folder.",
+                "contains a run already. Continue it with --resume, or name another folder.",
                 source=str(self.folder),
             )
         self._check(_parsed(self._path, 1, whole[0]), header)
         for number, line in enumerate(whole[1:], start=2):
-            done = _read_done(self._path, number, line)
-            if done.result.kind != "lost":  # those are tried again
-                self.done[done.result.key] = done
+            run = _read_run(self._path, number, line)
+            if run.result.kind != "lost":  # lost cases are run again
+                self.runs[run.result.key] = run
 
     def _check(self, found: Json, header: Json) -> None:
         for name, value in header.items():
@@ -146,34 +144,34 @@ class RunJournal:
         return str(self.folder / JOURNAL)
 
     def _write(self, document: Json) -> None:
-        left = f"{line_of(document)}\n".encode()
+        left = f"{to_json_line(document)}\n".encode()
         try:
-            while left:  # a disk that is nearly full takes a part only
+            while left:  # a disk that is nearly full may write only a part
                 left = left[self._file.write(left) :]
         except OSError as error:
             raise StoreError(f'"{self._path}" cannot be written: {error.strerror}.') from error
 
 
-def header_of(experiment: Experiment, cases: Iterable[Case]) -> Json:
-    """What tells one run from another: what is run, with which options, on which cases."""
+def run_header(experiment: Experiment, cases: Iterable[Case]) -> Json:
+    """Return what identifies a run: the experiment, its options and its cases."""
     digest = hashlib.sha256()
     count = 0
     for case in cases:
-        digest.update(f"{line_of(case.as_json())}\n".encode())
+        digest.update(f"{to_json_line(case.as_json())}\n".encode())
         count += 1
     return {
         "format": FORMAT,
         "experiment": experiment.name,
-        "options": json.loads(line_of(experiment.options)),
+        "options": json.loads(to_json_line(experiment.options)),
         "cases": count,
         "digest": digest.hexdigest(),
     }
 
 
 def _whole_lines(content: bytes) -> tuple[list[bytes], bytes]:
-    """The lines that end, and what was being written when the writer was stopped."""
-    *whole, torn = content.splitlines(keepends=True) or [b""]
-    return (whole, torn) if not torn.endswith(b"\n") else ([*whole, torn], b"")
+    """Return the complete lines, and the incomplete last one."""
+    *lines, last = content.splitlines(keepends=True) or [b""]
+    return ([*lines, last], b"") if last.endswith(b"\n") else (lines, last)
 
 
 def _parsed(source: str, number: int, line: bytes) -> Json:
@@ -186,10 +184,10 @@ def _parsed(source: str, number: int, line: bytes) -> Json:
     return cast("Json", document)
 
 
-def _read_done(source: str, number: int, line: bytes) -> Done:
+def _read_run(source: str, number: int, line: bytes) -> CaseRun:
     document = _parsed(source, number, line)
     try:
-        return Done(
+        return CaseRun(
             Result.from_json(cast("Json", document["result"])),
             float(cast("float", document["cpu_s"])),
             int(cast("int", document["attempts"])),
@@ -198,9 +196,9 @@ def _read_done(source: str, number: int, line: bytes) -> Done:
         raise DataError("is not a result.", source=source, line=number) from error
 
 
-def _times(done: Sequence[Done]) -> str:
+def _times(runs: Sequence[CaseRun]) -> str:
     table = io.StringIO()
-    rows = ((each.result.key, round(each.cpu_s, 6), each.attempts) for each in done)
+    rows = ((each.result.key, round(each.cpu_s, 6), each.attempts) for each in runs)
     csv.writer(table, lineterminator="\n").writerows([("key", "cpu_s", "attempts"), *rows])
     return table.getvalue()
 

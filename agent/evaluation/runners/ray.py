@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Ray cluster: the workers of several machines, any of which may go.
+"""Runner on a Ray cluster, whose nodes may fail.
 
-Hilt must be installed on every node. Ray runs the cases of a lost node again on another; what it
-gives up is tried again here, case by case, a few times at most. Short cases travel together, so
-that the way does not cost more than they do.
+Hilt must be installed on every node. Ray runs the cases of a failed node again on another one;
+cases that Ray gives up are retried one by one. Short cases are sent in chunks to reduce overhead.
 """
 
 from __future__ import annotations
@@ -14,41 +13,38 @@ from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from importlib import import_module
 from time import monotonic
-from types import ModuleType
 from typing import Any
 
-from ....ontology.errors import MissingExtraError, WorkersError
-from ..case import Case, Done, line_of
+from ....ontology.errors import WorkersError, extra_required
+from ..case import Case, CaseRun, to_json_line
 from ..experiment import Experiment
-from .base import ATTEMPTS, TIMEOUT_S
-from .worker import lost, read_done, run_cases
+from .base import ATTEMPTS, TIMEOUT_S, lost_case, parse_case_run, run_cases
 
 LOCAL = "local"
-CHUNK_S = 0.5  # how long the cases that travel together should take [s]
+CHUNK_S = 0.5  # desired duration of a chunk of cases [s]
 MAX_CHUNK = 64
-CONNECT_S = 10.0  # how long the head may take to answer [s]
-LOOK_S = 1.0  # how often nodes and times are looked at [s]
+CONNECT_S = 10.0  # how long the head node may take to answer [s]
+POLL_S = 1.0  # interval at which nodes and timeouts are checked [s]
 
 
 @dataclass
 class _Chunk:
-    """Cases that travel together; `attempts` counts how often they were given up."""
+    """Cases that are sent together; `attempts` counts how often Ray gave them up."""
 
     cases: Sequence[Case]
     attempts: int = 0
     since: float = field(default_factory=monotonic)
 
 
-class Cluster:
+class RayRunner:
     """Runs cases on a Ray cluster.
 
     Args:
-        address: of its head, "auto", or "local" for a cluster of our own.
-        workers: how many cases run at once at most; None is as many as it has processors.
+        address: the address of its head node, "auto", or "local" to start a cluster.
+        workers: maximum number of cases at the same time; None is the number of processors.
         timeout_s: how long a case may take before it is stopped [s].
-        attempts: how often a case is begun that Ray gives up.
+        attempts: how often a case is started that Ray gives up.
 
     Raises:
         MissingExtraError: Ray is not installed.
@@ -68,20 +64,20 @@ class Cluster:
         self.attempts = attempts
         self._ray = _import_ray()
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[Done]:
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
         """Run the cases on the cluster.
 
         Raises:
             WorkersError: the cluster cannot be reached.
         """
-        with self._joined():
+        with self._connected():
             yield from _Run(self, self._ray, experiment, cases).results()
 
     @contextmanager
-    def _joined(self) -> Generator[None]:
+    def _connected(self) -> Generator[None]:
         own = self.address == LOCAL
         try:
-            _knock(self.address)
+            _check_address(self.address)
             self._ray.init(
                 address=None if own else self.address,
                 num_cpus=self.workers if own else None,
@@ -98,91 +94,93 @@ class Cluster:
 
 
 class _Run:
-    """What waits and what is under way in one run."""
+    """The waiting and the running cases of one run."""
 
     def __init__(
-        self, cluster: Cluster, ray: ModuleType, experiment: Experiment, cases: Sequence[Case]
+        self, cluster: RayRunner, ray: Any, experiment: Experiment, cases: Sequence[Case]
     ) -> None:
         self._cluster, self._ray = cluster, ray
-        self._name, self._options = experiment.name, line_of(experiment.options)
+        self._name, self._options = experiment.name, to_json_line(experiment.options)
         self._remote = ray.remote(run_cases).options(max_retries=cluster.attempts - 1)
         self._waiting = deque(cases)
-        self._again: deque[_Chunk] = deque()
-        self._under_way: dict[Any, _Chunk] = {}
-        self._spent_s, self._count = 0.0, 0
-        self._places, self._looked = 1, float("-inf")
+        self._retries: deque[_Chunk] = deque()
+        self._running: dict[Any, _Chunk] = {}
+        self._duration_s, self._count = 0.0, 0
+        self._capacity, self._checked = 1, float("-inf")
 
-    def results(self) -> Iterator[Done]:
-        """Every case once, as they become ready."""
-        while self._waiting or self._again or self._under_way:
+    def results(self) -> Iterator[CaseRun]:
+        """Yield the results of all cases as they become available."""
+        while self._waiting or self._retries or self._running:
             self._send()
-            ready, _ = self._ray.wait([*self._under_way], num_returns=1, timeout=LOOK_S)
+            ready, _ = self._ray.wait([*self._running], num_returns=1, timeout=POLL_S)
             for reference in ready:
-                yield from self._received(reference, self._under_way.pop(reference))
-            self._stop_late()
+                yield from self._receive(reference, self._running.pop(reference))
+            self._stop_overdue()
 
     def _send(self) -> None:
-        if monotonic() - self._looked > LOOK_S:
-            self._places, self._looked = self._room(), monotonic()
-        while len(self._under_way) < self._places and (self._waiting or self._again):
-            chunk = self._again.popleft() if self._again else _Chunk(self._next_cases())
+        if monotonic() - self._checked > POLL_S:
+            self._capacity, self._checked = self._cpu_count(), monotonic()
+        while len(self._running) < self._capacity and (self._waiting or self._retries):
+            chunk = self._retries.popleft() if self._retries else _Chunk(self._next_cases())
             chunk.since = monotonic()
-            lines = [line_of(case.as_json()) for case in chunk.cases]
-            self._under_way[self._remote.remote(self._name, self._options, lines)] = chunk
+            lines = [to_json_line(case.as_json()) for case in chunk.cases]
+            self._running[self._remote.remote(self._name, self._options, lines)] = chunk
 
-    def _room(self) -> int:
-        """How many cases may be under way: nodes come and go."""
-        places = int(self._ray.cluster_resources().get("CPU", 1)) or 1
-        return min(places, self._cluster.workers or places)
+    def _cpu_count(self) -> int:
+        """Return how many cases may run at the same time; nodes may come and go."""
+        cpus = int(self._ray.cluster_resources().get("CPU", 1)) or 1
+        return min(cpus, self._cluster.workers or cpus)
 
     def _next_cases(self) -> list[Case]:
-        """As many as take `CHUNK_S`, so far as is known; few at the end, so that none waits."""
-        each_s = self._spent_s / self._count if self._count else CHUNK_S
-        fair = len(self._waiting) // (2 * self._places)
+        """Return the next chunk: about `CHUNK_S` long, and shorter towards the end."""
+        each_s = self._duration_s / self._count if self._count else CHUNK_S
+        fair = len(self._waiting) // (2 * self._capacity)
         size = max(1, min(int(CHUNK_S / max(each_s, 1e-6)), fair, MAX_CHUNK))
         return [self._waiting.popleft() for _ in range(min(size, len(self._waiting)))]
 
-    def _received(self, reference: object, chunk: _Chunk) -> Iterator[Done]:
+    def _receive(self, reference: object, chunk: _Chunk) -> Iterator[CaseRun]:
         try:
             lines: list[str] = self._ray.get(reference)
         except self._ray.exceptions.RayError as error:
-            yield from self._given_up(chunk, type(error).__name__)
+            yield from self._retry(chunk, type(error).__name__)
             return
-        self._spent_s += monotonic() - chunk.since
+        self._duration_s += monotonic() - chunk.since
         self._count += len(lines)
-        yield from (read_done(line, chunk.attempts + 1) for line in lines)
+        yield from (parse_case_run(line, chunk.attempts + 1) for line in lines)
 
-    def _given_up(self, chunk: _Chunk, why: str) -> Iterator[Done]:
-        """Try again alone what was lost together: one case may be the reason for all."""
+    def _retry(self, chunk: _Chunk, why: str) -> Iterator[CaseRun]:
+        """Retry the cases of a lost chunk one by one: a single case may be the cause."""
         if len(chunk.cases) > 1:
-            self._again.extend(_Chunk([case]) for case in chunk.cases)
+            self._retries.extend(_Chunk([case]) for case in chunk.cases)
         elif chunk.attempts + 1 < self._cluster.attempts:
-            self._again.append(_Chunk(chunk.cases, chunk.attempts + 1))
+            self._retries.append(_Chunk(chunk.cases, chunk.attempts + 1))
         else:
-            yield lost(chunk.cases[0], f"{why}, {chunk.attempts + 1} times", chunk.attempts + 1)
+            yield lost_case(
+                chunk.cases[0], f"{why}, {chunk.attempts + 1} times", chunk.attempts + 1
+            )
 
-    def _stop_late(self) -> None:
-        for reference, chunk in self._under_way.items():
+    def _stop_overdue(self) -> None:
+        for reference, chunk in self._running.items():
             if monotonic() - chunk.since > self._cluster.timeout_s * len(chunk.cases):
-                self._ray.cancel(reference, force=True)  # and `wait` then gives it as an error
+                self._ray.cancel(reference, force=True)  # `wait` then returns it as an error
                 chunk.since = float("inf")
 
 
-def _knock(address: str) -> None:
-    """See that somebody answers at an address; Ray would go on asking for minutes.
+def _check_address(address: str) -> None:
+    """Check that an address accepts connections; Ray itself would retry for minutes.
 
     Raises:
-        OSError, ValueError: nobody does, or it is no address.
+        OSError, ValueError: it does not, or the address is invalid.
     """
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if colon:
         socket.create_connection((host, int(port)), CONNECT_S).close()
 
 
-def _import_ray() -> ModuleType:
-    # Ray tells its makers who uses it, unless told not to; and reads that when it is imported.
+def _import_ray() -> Any:
+    # Ray reads this when it is imported: no usage statistics are sent.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    try:
-        return import_module("ray")
-    except ImportError as error:
-        raise MissingExtraError("cluster", "ray") from error
+    with extra_required("cluster", "ray"):
+        import ray  # pyright: ignore[reportMissingImports] - an extra
+
+    return ray

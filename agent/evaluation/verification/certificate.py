@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The certificate: what the program did in the finite cases, in one file that others can check.
+"""The certificate: the results of all finite cases in one document that others can check.
 
-It claims nothing that cannot be worked out again from the definition: `examples/check_certificate`
-does so without Hilt, number by number.
+`examples/check_certificate.py` computes it again from the definition, without Hilt, and compares
+number by number.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ from math import comb
 from typing import cast
 
 from ...execution.outcome import Json
-from ..scenarios import ACTIONS, LEVELS
-from .space import CONTEXTS, Space
+from ..scenarios import ACTIONS, CONTEXTS, LEVELS
+from .space import ScenarioSpace
 
 FORMAT = 1
 OUTCOMES = ("none", "unique", "ties")
 Facts = Mapping[str, Sequence[Json]]
 
 
-def certificate(space: Space, facts: Facts, pinned: Json) -> Json:
-    """The certificate of a run.
+def make_certificate(space: ScenarioSpace, facts: Facts, pinned: Json) -> Json:
+    """Return the certificate of a run.
 
     Args:
-        space: what was verified.
-        facts: what was found out, by what it is about, in the order of the cases.
-        pinned: numbers that the program works with.
+        space: the space that was verified.
+        facts: kind of cases -> their facts, in the order of the cases.
+        pinned: the settings used.
     """
     return {
         "format": FORMAT,
@@ -46,11 +46,11 @@ def certificate(space: Space, facts: Facts, pinned: Json) -> Json:
     }
 
 
-def totals(space: Space, facts: Facts) -> Json:
-    """How many cases there were, and what they come to over the whole space.
+def count_totals(space: ScenarioSpace, facts: Facts) -> Json:
+    """Return the numbers of cases, and of rule states over the whole space by outcome.
 
-    `choices` counts rule states: of all ways to teach the cells of one affordance, in all scenes,
-    how many leave nothing, one thing or several to choose.
+    A rule state is a way to teach the cells of one affordance, with a scene; its outcome is that
+    there is no right choice, a unique one, or ties.
     """
     counted = {
         "words": len(space.cells) * len(LEVELS) + len(space.commands()) + 2 ** len(space.objects),
@@ -74,8 +74,8 @@ def _count(block: Json, outcome: str) -> int:
     return cast("int", block[outcome])
 
 
-def _states(space: Space, facts: Facts, outcome: str) -> int:
-    """The rule states with an outcome: m levels can be any m of the codes that teach something."""
+def _states(space: ScenarioSpace, facts: Facts, outcome: str) -> int:
+    """Return the number of rule states with an outcome: m levels can be any m non-zero codes."""
     return sum(
         _count(block, outcome) * comb(space.full, cast("int", block["levels"]))
         for block in _choices(facts)

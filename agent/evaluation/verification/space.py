@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The space of all learning scenarios: every set of rules that can be taught (section 4.1).
 
-A *cell* is what a rule is about: an object and an affordance, or an object, one of its parts and
-the action it is grasped for. Each cell can be taught at each level of confidence, or at several,
-or not at all: its *code* says at which, one bit a level, the highest level the highest bit. A
-learning scenario is a code for each cell. With the paper's 8 objects, 5 affordances, 2 contexts and
+A *cell* is the topic of a rule: an object and an affordance, or an object, one of its parts and the
+action it is grasped for. Each cell can be taught at each level of confidence, at several, or not at
+all: its *code* has one bit for each level, the highest bit for the highest level. A learning
+scenario is a code for each cell. With the paper's 8 objects, 5 affordances, 2 contexts and
 4 levels there are 72 cells, 288 rules and 16^72 = 2^288 learning scenarios.
 """
 
@@ -19,6 +19,7 @@ from ....kb.rule import Rule
 from ....ontology.objects import load_household
 from ..scenarios import (
     ACTIONS,
+    CONTEXTS,
     LEVELS,
     command,
     functional_sentence,
@@ -26,16 +27,15 @@ from ..scenarios import (
     load_scenarios,
 )
 
-CONTEXTS = ("pass", "pickUp")  # the actions that grasp
 # Table 2: level -> confidence
-NUMBERS: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
+CONFIDENCES: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
 
 Codes = tuple[int, ...]  # a learning scenario: a code in [0, 16) for each cell
 
 
 @dataclass(frozen=True, order=True)
 class Cell:
-    """What a rule is about, without how sure it is.
+    """The topic of a rule, without its confidence.
 
     Attributes:
         object: the object.
@@ -48,19 +48,19 @@ class Cell:
     context: str = ""
 
     @classmethod
-    def of(cls, rule: Rule) -> Cell:
-        """The cell that a rule is about."""
+    def from_rule(cls, rule: Rule) -> Cell:
+        """Return the cell of a rule."""
         name = rule.argument.name if rule.argument else ""
         return cls(rule.object or "*", name, rule.context or "")
 
 
 @dataclass(frozen=True)
-class Space:
-    """Objects, affordances, contexts and levels, and all that can be taught about them.
+class ScenarioSpace:
+    """The objects, affordances and parts about which rules can be taught.
 
     Attributes:
-        objects: in the order of every scene.
-        affordances: what they may be used for.
+        objects: the objects, in the order of every scene.
+        affordances: the affordances.
         parts: object -> its two parts.
     """
 
@@ -69,8 +69,8 @@ class Space:
     parts: Mapping[str, tuple[str, ...]]
 
     @classmethod
-    def of_paper(cls, objects: int = 8, affordances: int = 5) -> Space:
-        """The paper's space, or that of its first few objects and affordances."""
+    def from_paper(cls, objects: int = 8, affordances: int = 5) -> ScenarioSpace:
+        """Return the space of the paper, or of its first few objects and affordances."""
         scenario, _ = load_scenarios()
         names = tuple(scenario.grasps)[:objects]
         types = load_household().objects
@@ -79,7 +79,7 @@ class Space:
 
     @cached_property
     def cells(self) -> tuple[Cell, ...]:
-        """All cells: those of affordances object by object, then those of grasps."""
+        """All cells: those of affordances by object, then those of grasps."""
         functional = [Cell(name, each) for name in self.objects for each in self.affordances]
         grasps = [
             Cell(name, part, context)
@@ -91,7 +91,7 @@ class Space:
 
     @cached_property
     def index(self) -> Mapping[Cell, int]:
-        """Cell -> its place among all."""
+        """Cell -> its index in `cells`."""
         return {cell: number for number, cell in enumerate(self.cells)}
 
     @property
@@ -100,13 +100,13 @@ class Space:
         return 2 ** len(LEVELS) - 1
 
     def sentence(self, cell: Cell, level: str) -> str:
-        """The sentence that teaches a cell at a level."""
+        """Return the sentence that teaches a cell at a level."""
         if cell.context:
             return grasp_sentence(cell.object, cell.context, cell.argument, level)
         return functional_sentence(cell.object, cell.argument, level)
 
     def sentences(self, codes: Sequence[int]) -> list[str]:
-        """All sentences that teach a learning scenario, cell by cell, the highest level first."""
+        """Return the sentences that teach a learning scenario, by cell, the highest level first."""
         return [
             self.sentence(cell, level)
             for cell, code in zip(self.cells, codes, strict=True)
@@ -114,7 +114,7 @@ class Space:
         ]
 
     def commands(self) -> list[tuple[str, int, int]]:
-        """All commands: the sentence, the number of its action and that of its affordance."""
+        """Return all commands: sentence, index of the action, index of the affordance."""
         return [
             (command(action, affordance), number, wanted)
             for number, action in enumerate(ACTIONS)
@@ -122,44 +122,44 @@ class Space:
         ]
 
     def scene(self, mask: int) -> tuple[str, ...]:
-        """The objects of a scene, given as one bit an object, the first the lowest."""
+        """Return the objects of a scene given as a bit mask, the first object the lowest bit."""
         return tuple(name for i, name in enumerate(self.objects) if mask >> i & 1)
 
     def mask(self, names: Sequence[str]) -> int:
-        """The scene of these objects, as `scene` takes it."""
+        """Return the bit mask of a set of objects."""
         return sum(1 << self.objects.index(name) for name in names)
 
     def shifted(self, shift: int) -> Codes:
-        """The learning scenario whose i-th cell has code shift + i, modulo the number of codes.
+        """Return the learning scenario whose i-th cell has code shift + i, modulo their number.
 
         The 16 shifts together give each cell each code once, always among other codes.
         """
         return tuple((shift + i) % (self.full + 1) for i in range(len(self.cells)))
 
     def drawn(self, seed: int) -> Codes:
-        """A learning scenario at random."""
+        """Return a random learning scenario."""
         rng = Random(seed)  # noqa: S311 - scenarios, not secrets
         return tuple(rng.randrange(self.full + 1) for _ in self.cells)
 
 
 def levels_of(code: int) -> list[str]:
-    """The levels of a code, the highest first."""
+    """Return the levels of a code, the highest first."""
     bits = reversed(range(len(LEVELS)))
     return [level for level, bit in zip(LEVELS, bits, strict=True) if code >> bit & 1]
 
 
 def code_of(levels: Sequence[str]) -> int:
-    """The code of some levels."""
+    """Return the code of a set of levels."""
     return sum(1 << (len(LEVELS) - 1 - LEVELS.index(level)) for level in set(levels))
 
 
 def belief(code: int) -> float:
-    """How surely a cell of a code holds: one minus the product of what each level leaves open.
+    """Return the belief of a cell with a code: one minus the product of 1 - c over its levels.
 
-    By Table 2's numbers, in whole steps of 1/10,000,000 so that equals are equal: each level leaves
-    open 1/20, 1/4, 1/2 or 3/4.
+    The confidences c are those of Table 2. The product is computed in whole steps of 1/10,000,000,
+    so that equal values are equal.
     """
     steps = 10**7
     for level in levels_of(code):
-        steps = steps * round((1 - NUMBERS[level]) * 100) // 100
+        steps = steps * round((1 - CONFIDENCES[level]) * 100) // 100
     return (10**7 - steps) / 10**7

@@ -1,19 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mind that was taught one learning scenario: its decisions, and what it read for each.
+"""An agent that was taught one learning scenario: its decisions, and the rules read for each.
 
-It is the goal manager over perfect vision and a real base in memory, without language and body, so
-that thousands of decisions can be asked of one base.
+It is the goal manager with perfect vision and a knowledge base in memory, without language and
+body, so that thousands of decisions can be made with one knowledge base.
+
+`TracingSource` stands between the knowledge base and the inference: its rules record when anything
+is read of them that another level of confidence, or another statement, would change. What
+identifies the cell of a rule (features, contexts, functor and argument) may be read freely: this is
+how the program finds the relevant rules. A run is deterministic: one that read the cells R decides
+alike in all learning scenarios that agree on R and teach something about the same cells.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from types import TracebackType
 from typing import TypeAlias
 
-from ....inference.affordance import Affordances
+from ....inference.affordance import Affordances, RuleSource
 from ....inference.settings import Settings
 from ....inference.taxonomy import Taxonomy
 from ....inference.types import Candidate, Inference, Target
@@ -29,24 +35,68 @@ from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
 from ...execution.request import Request
 from .space import Cell
-from .tracing import Traced
 
-Statement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
-WHEN = (DERIVED_FROM, GENERATED_AT)
+GraphStatement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
+PROVENANCE = (DERIVED_FROM, GENERATED_AT)
 
-# What comes with the program is read once: it never changes.
+# The data of the package never changes and is read once.
 _objects = cache(lambda: load_household().objects)
 _actions = cache(load_actions)
 
 
-@dataclass(frozen=True)
-class Decided:
-    """A decision, and what it rests on.
+STATED = frozenset({"interval", "speaker", "utterance", "time", "status", "trust", "id", "support"})
+
+
+class TracingRule(Rule):
+    """A rule that records when its content is read."""
+
+    def __getattribute__(self, name: str) -> object:
+        """Return an attribute; record the cell first if the attribute depends on the statement."""
+        if name in STATED:
+            record = object.__getattribute__(self, "__dict__").get("record")
+            if record is not None:  # None during construction
+                record.add(Cell.from_rule(self))
+        return object.__getattribute__(self, name)
+
+
+class TracingSource:
+    """A source of rules that records which cells are read.
+
+    Args:
+        source: the source of the rules.
 
     Attributes:
-        object: the inference at the find node; None where no node was reached.
-        part: the inference at the grasp node; None where the action does not grasp.
-        read: the cells of which it was read what they say.
+        read: the cells read since this set was last cleared.
+    """
+
+    def __init__(self, source: RuleSource) -> None:
+        self.source = source
+        self.read: set[Cell] = set()
+
+    @property
+    def sequence(self) -> int:
+        """The sequence number of the source."""
+        return self.source.sequence
+
+    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
+        """Return the rules of the source as tracing rules."""
+        return [self._tracing_rule(rule) for rule in self.source.rules_at_nodes(nodes)]
+
+    def _tracing_rule(self, rule: Rule) -> Rule:
+        values = {each.name: getattr(rule, each.name) for each in fields(Rule)}
+        tracing = TracingRule(**values)
+        tracing.__dict__["record"] = self.read
+        return tracing
+
+
+@dataclass(frozen=True)
+class TracedDecision:
+    """A decision with the cells it depends on.
+
+    Attributes:
+        object: the inference at the find node; None if no node was reached.
+        part: the inference at the grasp node; None if the action does not grasp.
+        read: the cells whose content was read.
     """
 
     object: Inference | None
@@ -54,36 +104,36 @@ class Decided:
     read: frozenset[Cell]
 
 
-class Taught:
-    """A base in memory that was taught some rules, and who decides by it; close it after use."""
+class TaughtAgent:
+    """An agent with a knowledge base of given rules; close it after use."""
 
     def __init__(self, rules: Iterable[Rule]) -> None:
         self.base = open_base("memory:")
         self.base.believe("", "", DEFAULT_SPEAKER, rules)
-        self._traced = Traced(self.base)
+        self._source = TracingSource(self.base)
         self._affordances = Affordances(
-            self._traced, Settings.load(), Taxonomy.from_base(self.base)
+            self._source, Settings.load(), Taxonomy.from_base(self.base)
         )
 
-    def decide(self, action: str, target: Target, scene: Sequence[str]) -> Decided:
-        """Decide about a command, all of a scene being seen with certainty.
+    def decide(self, action: str, target: Target, scene: Sequence[str]) -> TracedDecision:
+        """Decide about a command, with perfect detection of the scene.
 
         Args:
-            action: the tree to walk ("pass").
-            target: what it is about.
+            action: the action tree ("pass").
+            target: the target of the command.
             scene: the objects on the table.
         """
         things = Scene(tuple(Placement(name, name) for name in scene), seed=0)
         manager = GoalManager(
             _actions(), self._affordances, PerfectVision(things, _objects()), motion=None
         )
-        self._traced.read.clear()
-        came = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER))
-        read = frozenset(self._traced.read)
-        found: Decision | None = came.decision
-        return Decided(found and found.object, found and found.part, read)
+        self._source.read.clear()
+        result = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER))
+        read = frozenset(self._source.read)
+        found: Decision | None = result.decision
+        return TracedDecision(found and found.object, found and found.part, read)
 
-    def __enter__(self) -> Taught:
+    def __enter__(self) -> TaughtAgent:
         return self
 
     def __exit__(
@@ -95,14 +145,14 @@ class Taught:
         self.base.close()
 
 
-def believed(base: KnowledgeBase) -> frozenset[Statement]:
-    """The statements of the graph of beliefs, but for when each rule was said."""
+def belief_statements(base: KnowledgeBase) -> frozenset[GraphStatement]:
+    """Return the statements of the graph of beliefs, without the provenance of the rules."""
     quads = base.store.quads(None, None, None, BELIEFS)
-    return frozenset(quad[:3] for quad in quads if quad.predicate not in WHEN)
+    return frozenset(quad[:3] for quad in quads if quad.predicate not in PROVENANCE)
 
 
-def acceptable(inference: Inference | None) -> tuple[Candidate, ...]:
-    """The conclusions that may be acted on: the best, and all that tie with it."""
+def acceptable_candidates(inference: Inference | None) -> tuple[Candidate, ...]:
+    """Return the candidates that may be chosen: the best one and its ties."""
     if inference is None or inference.best is None:
         return ()
     return inference.ties or (inference.best,)

@@ -1,41 +1,101 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All weak orders of the things on a table, and what the program chooses from each.
+"""Enumeration of all weak orders of the objects in a scene, with the choice made from each.
 
-Each object of a scene is absent, or there without a rule for what is asked, or ranked. With k
-ranked objects on m levels there are C(n, k)·2^(n-k)·m!·S(k, m) cases (S: Stirling numbers of the
-second kind); a *block* holds those of one k and m. The program chooses by its own code from
-candidates that it can tell apart by their scores only, and those can only be compared.
+Each object of a scene is absent, present without an applicable rule, or ranked. With k ranked
+objects on m levels there are C(n, k)·2^(n-k)·m!·S(k, m) cases (S: Stirling numbers of the second
+kind); a *block* contains those of one k and m. The choice is made by the code under test, from
+candidates that differ only in their scores.
+
+`OpaqueOperators` rank by an `OpaqueScore`. It supports what a choice by comparison needs (order,
+reversal, and subtraction of the tolerance, for ties) and nothing else: other uses raise
+`TypeError`.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
+from typing import cast
 
 from ....inference.decision import DecisionRule
+from ....inference.evidence import EPSILON, Operators
 from ....inference.proof import Proof
 from ....inference.types import Candidate
 from ....kb.interval import VACUOUS, Interval
 from ...execution.outcome import Json
-from .taught_agent import acceptable
-from .tracing import BlindOperators, Opaque
+from .taught_agent import acceptable_candidates
 
-ABSENT, SILENT, RANKED = 0, 1, 2  # how an object can stand to what is asked
+ABSENT, UNKNOWN, RANKED = 0, 1, 2  # status of an object: not in the scene, no rule, ranked
 NODE = "pass/findObject"
-NOT_TOLD = Proof("unknown", VACUOUS)
+NO_RULE = Proof("unknown", VACUOUS)
+
+
+class OpaqueScore:
+    """A score that can only be compared with others.
+
+    Args:
+        level: its rank; higher is better.
+    """
+
+    __slots__ = ("_key",)
+
+    def __init__(self, level: int) -> None:
+        # Levels are four apart, so that "a little less" never reaches another level.
+        self._key = 4 * level
+
+    def __neg__(self) -> OpaqueScore:
+        return self._from_key(-self._key)
+
+    def __sub__(self, other: object) -> OpaqueScore:
+        if other != EPSILON:
+            raise TypeError("Only the tolerance of ties may be subtracted from a score.")
+        return self._from_key(self._key - 1)
+
+    def __lt__(self, other: OpaqueScore) -> bool:
+        return self._key < other._key
+
+    def __gt__(self, other: OpaqueScore) -> bool:
+        return self._key > other._key
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, OpaqueScore) and self._key == other._key
+
+    def __hash__(self) -> int:
+        raise TypeError("A score may only be compared.")
+
+    @classmethod
+    def _from_key(cls, key: int) -> OpaqueScore:
+        made = cls.__new__(cls)
+        made._key = key
+        return made
 
 
 @dataclass(frozen=True)
-class OrderShape:
-    """The weak orders of one shape.
+class OpaqueOperators(Operators):
+    """The operators, with opaque scores as ranks of intervals.
 
     Attributes:
-        objects: how many objects there are.
-        ranked: how many of them are ranked, k.
-        levels: on how many levels, m in [0, k].
+        scores: interval -> its score.
+    """
+
+    scores: Mapping[Interval, OpaqueScore] = field(default_factory=dict[Interval, OpaqueScore])
+
+    def rank(self, interval: Interval) -> float:
+        """Return the opaque score of an interval; it is a number to the type checker only."""
+        return cast("float", self.scores[interval])
+
+
+@dataclass(frozen=True)
+class WeakOrderBlock:
+    """The weak orders with given numbers of ranked objects and levels.
+
+    Attributes:
+        objects: number of objects.
+        ranked: number of ranked objects, k.
+        levels: number of levels, m in [0, k].
     """
 
     objects: int
@@ -43,17 +103,16 @@ class OrderShape:
     levels: int
 
     def orders(self) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
-        """Each as (how each object stands, levels of the ranked ones), in lexicographic order."""
+        """Yield (status of each object, levels of the ranked ones), in lexicographic order."""
         rankings = surjections(self.ranked, self.levels)
-        for standing in product((ABSENT, SILENT, RANKED), repeat=self.objects):
+        for standing in product((ABSENT, UNKNOWN, RANKED), repeat=self.objects):
             if standing.count(RANKED) == self.ranked:
                 yield from ((standing, ranking) for ranking in rankings)
 
-    def chosen(self) -> tuple[Json, list[str]]:
-        """What the program chooses, counted and digested, and what is not as the order says.
+    def verify(self) -> tuple[Json, list[str]]:
+        """Return the counts and digest of the choices, and a line for each wrong choice.
 
-        What is digested is, for each case, the number of the acceptable objects as one byte, bit i
-        for object i.
+        The digest is over one byte for each case: the acceptable objects, bit i for object i.
         """
         chooser = _Chooser(self.objects, self.levels)
         masks = bytearray(chooser.choose(*order) for order in self.orders())
@@ -75,21 +134,21 @@ class OrderShape:
         }, wrong
 
     def _highest(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
-        """The objects on the highest level, by the order alone; no level stays empty."""
+        """Return the objects on the highest level, from the order alone; no level is empty."""
         ranked = (1 << i for i, how in enumerate(standing) if how == RANKED)
         pairs = zip(ranked, ranking, strict=True)
         return sum(bit for bit, level in pairs if level == self.levels - 1)
 
 
-def blocks(objects: int) -> list[OrderShape]:
-    """The blocks that together are all weak orders of so many objects."""
+def weak_order_blocks(objects: int) -> list[WeakOrderBlock]:
+    """Return the blocks of all weak orders of a number of objects."""
     shapes = ((k, m) for k in range(objects + 1) for m in range(min(k, 1), k + 1))
-    return [OrderShape(objects, k, m) for k, m in shapes]
+    return [WeakOrderBlock(objects, k, m) for k, m in shapes]
 
 
 @cache
 def surjections(places: int, levels: int) -> tuple[tuple[int, ...], ...]:
-    """All ways to put so many places on levels, none of which stays empty; lexicographic."""
+    """Return all surjections from places to levels, in lexicographic order."""
     return tuple(_surjections(places, levels, frozenset()))
 
 
@@ -105,34 +164,37 @@ def _surjections(places: int, levels: int, used: frozenset[int]) -> Iterator[tup
 
 
 class _Chooser:
-    """The program's choice at a find node, among candidates that look alike but for their score.
+    """The choice at a find node among candidates that differ only in their score.
 
     Args:
-        objects: how many objects there are.
-        levels: how many different scores there are.
+        objects: number of objects.
+        levels: number of different scores.
     """
 
     def __init__(self, objects: int, levels: int) -> None:
-        # Which intervals stand for the scores does not matter: nothing reads them. What nothing
-        # was told about gets the highest score of all, and must not be chosen even so.
+        # The intervals only identify scores: nothing reads them. Candidates without a rule get
+        # the highest score, and still must not be chosen.
         ranked = [Proof("seen", Interval(i / 1000, 1.0)) for i in range(1, levels + 1)]
-        proofs = [*ranked, NOT_TOLD]
-        scores = {proof.interval: Opaque(level) for level, proof in enumerate(proofs)}
-        self._judge = DecisionRule(NODE, 0.0, BlindOperators(scores=scores))
+        proofs = [*ranked, NO_RULE]
+        scores = {proof.interval: OpaqueScore(level) for level, proof in enumerate(proofs)}
+        self._decision = DecisionRule(NODE, 0.0, OpaqueOperators(scores=scores))
         self._candidates = [[_candidate(proof) for proof in proofs] for _ in range(objects)]
         self._bits = {id(each): 1 << i for i, row in enumerate(self._candidates) for each in row}
 
     def choose(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
-        """The acceptable objects, bit i for object i."""
+        """Return the acceptable objects, bit i for object i."""
         levels = iter(ranking)
         candidates = [
             row[next(levels) if how == RANKED else -1]
             for row, how in zip(self._candidates, standing, strict=True)
             if how != ABSENT
         ]
-        return sum(self._bits[id(each)] for each in acceptable(self._judge.ranked(candidates)))
+        return sum(
+            self._bits[id(each)]
+            for each in acceptable_candidates(self._decision.ranked(candidates))
+        )
 
 
 def _candidate(proof: Proof) -> Candidate:
-    verdict = "unknown" if proof is NOT_TOLD else "accepted"
+    verdict = "unknown" if proof is NO_RULE else "accepted"
     return Candidate("", "", None, proof, 0.0, verdict, "")

@@ -23,8 +23,8 @@ from evaluation_faults import Squares, notes
 from ray._private.node import Node
 from ray.cluster_utils import Cluster as Nodes
 
-from hilt.agent.evaluation.runners.base import run
-from hilt.agent.evaluation.runners.ray import Cluster
+from hilt.agent.evaluation.runners.execution import run_experiment
+from hilt.agent.evaluation.runners.ray import RayRunner
 
 GET_FLAGS, SET_FLAGS, UP = 0x8913, 0x8914, 0x1  # linux/sockios.h, linux/if.h
 
@@ -62,7 +62,7 @@ def main(folder: Path, count: int) -> None:
     experiment = Squares(folder=str(folder), count=count, each_s=0.2)
 
     with ThreadPoolExecutor() as pool:
-        coming = pool.submit(run, experiment, engine=Cluster(nodes.address))
+        coming = pool.submit(run_experiment, experiment, runner=RayRunner(nodes.address))
         wait_until_both_work(folder)
         kill_workers(second)
         nodes.remove_node(second, allow_graceful=False)

@@ -13,15 +13,15 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, Done, Result
-from hilt.agent.evaluation.experiments.noise import NoiseRun
-from hilt.agent.evaluation.experiments.paper import PaperRun
-from hilt.agent.evaluation.reports.comparing import compare
+from hilt.agent.evaluation.case import Case, CaseRun, Result
+from hilt.agent.evaluation.experiments.noise import NoiseExperiment
+from hilt.agent.evaluation.experiments.paper import PaperExperiment
+from hilt.agent.evaluation.reports.comparison import compare
 from hilt.agent.evaluation.reports.export import write_report
-from hilt.agent.evaluation.reports.html import EmbeddedPicture, page
-from hilt.agent.evaluation.reports.plots import curve_svg
+from hilt.agent.evaluation.reports.html import EmbeddedPicture, render_page
+from hilt.agent.evaluation.reports.plots import COLOURS, plot_curve
 from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.base import run
+from hilt.agent.evaluation.runners.execution import run_experiment
 from hilt.ontology.errors import DataError
 
 POINTS = [
@@ -51,16 +51,20 @@ class Links(HTMLParser):
 @pytest.fixture(scope="module")
 def paper():
     """Two scenes of the paper's run: the experiment, its cases and their report."""
-    experiment = PaperRun(scenes=2)
+    experiment = PaperExperiment(scenes=2)
     cases = experiment.cases()
-    return experiment, cases, EvaluationReport.of(experiment, run(experiment, cases))
+    return (
+        experiment,
+        cases,
+        EvaluationReport.from_runs(experiment, run_experiment(experiment, cases)),
+    )
 
 
 def test_every_case_links_to_its_explanation(paper):
     """Each row has a link to a section that stands in the page, with rules and proofs."""
     _, cases, _ = paper
 
-    text = page(*paper)
+    text = render_page(*paper)
 
     links = Links(text)
     assert len(links.targets) == len(cases)
@@ -71,7 +75,7 @@ def test_every_case_links_to_its_explanation(paper):
 
 def test_page_needs_nothing_else(paper):
     """No script, and nothing that is loaded from elsewhere."""
-    text = page(*paper, pictures=[EmbeddedPicture("scene 1", "AAAA")])
+    text = render_page(*paper, pictures=[EmbeddedPicture("scene 1", "AAAA")])
 
     assert Links(text).sources == ["data:image/png;base64,AAAA"]
     assert "<script" not in text and "http" not in text
@@ -81,28 +85,31 @@ def test_page_shows_what_is_wrong_and_escapes_it(paper):
     """A wrong case stands out, and its texts are text."""
     experiment, cases, _ = paper
     result = Result("A/<b>", False, "unique", 1, "<i>mug</i>", "knife", {"why": ["1 < 2"]})
-    wrong = EvaluationReport("paper", {}, (Done(result, 0.1),))
+    wrong = EvaluationReport("paper", {}, (CaseRun(result, 0.1),))
 
-    text = page(experiment, [Case("paper", "A/<b>", cases[0].spec)], wrong)
+    text = render_page(experiment, [Case("paper", "A/<b>", cases[0].spec)], wrong)
 
     assert 'class="wrong"' in text and "&lt;i&gt;mug&lt;/i&gt;" in text and "1 &lt; 2" in text
 
 
-def test_curve_is_an_image_with_a_band_for_each_line():
-    """It is well-formed, and says in words what it shows."""
-    drawn = ET.fromstring(curve_svg("share & more", {"one": POINTS, "two": POINTS}))  # noqa: S314
+def test_plot_has_a_line_with_a_band_for_each_name():
+    """A plot is well-formed SVG whose lines have colours of their own and a legend."""
+    svg = plot_curve("share & more", {"one": POINTS, "two": POINTS})
 
-    assert len(drawn.findall("polygon")) == len(drawn.findall("polyline")) == 2
-    assert drawn.get("aria-label") == "accuracy against share & more"
-    assert "50.0% [40.0%, 60.0%] at 0.5" in [each.text for each in drawn.iter("title")]
+    root = ET.fromstring(svg)  # noqa: S314 - our own
+    texts = {each.text for each in root.iter("{http://www.w3.org/2000/svg}text")}
+    assert {"share & more", "one", "two", "100%"} <= texts
+    assert all(f"fill: {colour}" in svg for colour in COLOURS[:2])
 
 
 def test_page_of_noise_has_its_curves():
     """The curves of a run stand in its page, with their figures."""
-    experiment = NoiseRun(trials=1)
+    experiment = NoiseExperiment(trials=1)
     cases = [case for case in experiment.cases() if case.key.startswith("missed/default/0/")]
 
-    text = page(experiment, cases, EvaluationReport.of(experiment, run(experiment, cases)))
+    text = render_page(
+        experiment, cases, EvaluationReport.from_runs(experiment, run_experiment(experiment, cases))
+    )
 
     assert text.count("<svg") == 1
     assert "<th>accuracy</th>" in text
@@ -132,8 +139,8 @@ def test_unknown_form_is_refused_before_the_run():
 def test_equal_runs_do_not_differ(paper, tmp_path):
     """Times are not compared."""
     experiment, cases, report = paper
-    slower = EvaluationReport.of(
-        experiment, [Done(each.result, each.cpu_s + 1) for each in report.done]
+    slower = EvaluationReport.from_runs(
+        experiment, [CaseRun(each.result, each.cpu_s + 1) for each in report.runs]
     )
     write_report(tmp_path / "a.json", *paper)
     write_report(tmp_path / "b.json", experiment, cases, slower)
@@ -144,11 +151,14 @@ def test_equal_runs_do_not_differ(paper, tmp_path):
 def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys):
     """Counts and cases that differ are named; the exit code says that there are some."""
     experiment, cases, report = paper
-    (first, *others) = report.done
-    worse = Done(Result(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
+    (first, *others) = report.runs
+    worse = CaseRun(Result(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
     write_report(tmp_path / "a.json", *paper)
     write_report(
-        tmp_path / "b.json", experiment, cases, EvaluationReport.of(experiment, [worse, *others])
+        tmp_path / "b.json",
+        experiment,
+        cases,
+        EvaluationReport.from_runs(experiment, [worse, *others]),
     )
 
     files = [str(tmp_path / name) for name in ("a.json", "b.json")]
@@ -177,11 +187,13 @@ def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str, problem: st
 @pytest.mark.sim
 def test_page_of_a_simulated_run_has_pictures(tmp_path):
     """Each scene stands there as a picture, and what the robot saw explains its choice."""
-    experiment = PaperRun(scenes=1, sim=True)
+    experiment = PaperExperiment(scenes=1, sim=True)
     cases = [case for case in experiment.cases() if case.key == "A/0/pointTo/cutting"]
-    done = run(experiment, cases)
+    done = run_experiment(experiment, cases)
 
-    write_report(tmp_path / "r.html", experiment, cases, EvaluationReport.of(experiment, done))
+    write_report(
+        tmp_path / "r.html", experiment, cases, EvaluationReport.from_runs(experiment, done)
+    )
 
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert len(Links(text).sources) == 1

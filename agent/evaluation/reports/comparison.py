@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two evaluations compared: what `--json` printed or `--report FILE.json` wrote, side by side."""
+"""Comparison of two evaluations, from the output of `--json` or `--report FILE.json`."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 T = TypeVar("T")
-NOT_COMPARED = ("results", "wrong", "cpu_s")  # results are compared case by case; times differ
+NOT_COMPARED = ("results", "wrong", "cpu_s")  # results are compared by case; times always differ
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs between two evaluations.
+    """The differences between two evaluations.
 
     Attributes:
-        counts: name of a count or option -> its values in both; None where it is missing.
-        cases: key of a case -> what came of it in both, as "right: knife"; None where it is not.
+        counts: name of a count or option -> its values in both; None if missing.
+        cases: key of a case -> its results in both, such as "right: knife"; None if missing.
     """
 
     counts: Mapping[str, tuple[object, object]]
@@ -33,11 +33,11 @@ class Comparison:
 
     @property
     def is_empty(self) -> bool:
-        """Whether they agree in everything but times."""
+        """Whether the evaluations agree in everything but times."""
         return not self.counts and not self.cases
 
     def as_json(self) -> Json:
-        """As `hilt evaluate --compare --json` prints it."""
+        """Return the JSON object that `hilt evaluate --compare --json` prints."""
         return {
             "equal": self.is_empty,
             "counts": {name: list(pair) for name, pair in self.counts.items()},
@@ -45,7 +45,7 @@ class Comparison:
         }
 
     def table(self) -> Table:
-        """What differs, a line each."""
+        """Return a table of the differences."""
         from rich.markup import escape
         from rich.table import Table
 
@@ -56,10 +56,10 @@ class Comparison:
 
 
 def compare(first: Path, second: Path) -> Comparison:
-    """Compare two files; case by case where both hold results.
+    """Compare two files, by case if both contain results.
 
     Raises:
-        DataError: one cannot be read, or is no evaluation.
+        DataError: a file cannot be read, or is not an evaluation.
     """
     a, b = _read(first), _read(second)
     counts_a, counts_b = dict(_leaves(a)), dict(_leaves(b))
@@ -78,7 +78,7 @@ def _read(path: Path) -> Json:
     except ValueError as error:
         raise DataError(f"is not JSON: {error}.", source=str(path)) from error
     if not isinstance(document, dict) or "runs" not in document:
-        raise DataError('expected what "hilt evaluate --json" prints.', source=str(path))
+        raise DataError('expected the output of "hilt evaluate --json".', source=str(path))
     return cast("Json", document)
 
 
@@ -96,7 +96,7 @@ def _leaves(document: Json, prefix: str = "") -> Iterator[tuple[str, object]]:
 
 
 def _points(curve: Json) -> Json:
-    """The accuracies of a curve by line and place."""
+    """Return the accuracies of a curve by line and noise level."""
     lines = cast("dict[str, list[Json]]", curve["lines"])
     return {f"{line} at {p['x']}": p["accuracy"] for line, each in lines.items() for p in each}
 

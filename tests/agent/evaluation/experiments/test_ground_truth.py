@@ -7,7 +7,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.evaluation.case import Case, Result
-from hilt.agent.evaluation.experiments.judging import Truth, grasped, judged
+from hilt.agent.evaluation.experiments.ground_truth import GroundTruth, judge_command, judge_grasp
 from hilt.agent.evaluation.scenarios import load_scenarios
 from hilt.agent.execution.perception import PerfectVision
 from hilt.ontology.objects import load_objects
@@ -78,7 +78,7 @@ def agent(hand: Hand) -> Iterator[Agent]:
 def passed(agent: Agent) -> Result:
     """What "pass me something used for cutting" comes to."""
     reply = agent.hear("pass me something used for cutting")
-    return judged(CASE, Truth.of(A, "pass", "cutting", SCENE), reply)
+    return judge_command(CASE, GroundTruth.from_scenario(A, "pass", "cutting", SCENE), reply)
 
 
 def test_right_thing_by_the_right_part_is_a_success(agent: Agent):
@@ -118,5 +118,5 @@ def test_grasp_by_name_is_judged_by_the_part(agent: Agent):
     """A thing asked for by its name has one right part."""
     reply = agent.hear("pass me the spoon")
 
-    assert grasped(CASE, "spoon", "bowl", reply).right
-    assert not grasped(CASE, "spoon", "handle", reply).right
+    assert judge_grasp(CASE, "spoon", "bowl", reply).right
+    assert not judge_grasp(CASE, "spoon", "handle", reply).right

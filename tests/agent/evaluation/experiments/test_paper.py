@@ -8,24 +8,23 @@ from typing import cast
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, Done, Result, line_of
-from hilt.agent.evaluation.experiment import make_experiment
-from hilt.agent.evaluation.experiments.judging import Truth
-from hilt.agent.evaluation.experiments.paper import PaperRun
-from hilt.agent.evaluation.experiments.situations import Situations
+from hilt.agent.evaluation.case import Case, CaseRun, Result, to_json_line
+from hilt.agent.evaluation.experiments.ground_truth import GroundTruth
+from hilt.agent.evaluation.experiments.paper import PaperExperiment, SituationsExperiment
+from hilt.agent.evaluation.experiments.registry import make_experiment
 from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.base import run
+from hilt.agent.evaluation.runners.execution import run_experiment
 from hilt.agent.evaluation.scenarios import LEVELS, load_scenarios
 
 A, B = load_scenarios()
 EVERY = 101  # a prime, so that a slice of the situations meets every action, affordance and size
 
 
-def truth(case: Case) -> Truth:
+def truth(case: Case) -> GroundTruth:
     """What the table of its scenario allows for a case."""
     spec = cast("dict[str, str]", case.spec)
     scenario = {"A": A, "B": B}[spec["scenario"]]
-    return Truth.of(scenario, spec["action"], spec["affordance"], spec["scene"])
+    return GroundTruth.from_scenario(scenario, spec["action"], spec["affordance"], spec["scene"])
 
 
 def test_a_scenario_is_32_sentences():
@@ -60,15 +59,15 @@ def test_truth_is_read_off_the_table(
     scenario: str, affordance: str, scene: list[str], objects: set[str], principle: int
 ):
     """The best object of the scene, and which of the four principles says so."""
-    found = Truth.of(scenario, "pointTo", affordance, scene)
+    found = GroundTruth.from_scenario(scenario, "pointTo", affordance, scene)
 
     assert (found.objects, found.principle) == (objects, principle)
 
 
 def test_truth_allows_only_the_part_for_the_action():
     """A knife is right by its blade when it is passed, and by its handle when it is picked up."""
-    passed = Truth.of(A, "pass", "cutting", ["knife"])
-    picked = Truth.of(A, "pickUp", "cutting", ["knife"])
+    passed = GroundTruth.from_scenario(A, "pass", "cutting", ["knife"])
+    picked = GroundTruth.from_scenario(A, "pickUp", "cutting", ["knife"])
 
     assert passed.allows("knife", "blade") and not passed.allows("knife", "handle")
     assert picked.allows("knife", "handle") and not picked.allows("knife", None)
@@ -77,7 +76,7 @@ def test_truth_allows_only_the_part_for_the_action():
 
 def test_paper_run_has_ten_scenes_of_every_size_and_asks_for_all_principles():
     """2 scenarios x 10 scenes x 15 commands; the first scene has all objects, no two are alike."""
-    experiment = PaperRun(seed=3)
+    experiment = PaperExperiment(seed=3)
     scenes, cases = experiment.drawn_scenes(), experiment.cases()
 
     assert len(cases) == len({case.key for case in cases}) == 300
@@ -88,7 +87,7 @@ def test_paper_run_has_ten_scenes_of_every_size_and_asks_for_all_principles():
 
 def test_situations_are_as_many_as_the_paper_counts():
     """6,144 have one right answer, 480 several, 1,056 none: by the tables alone."""
-    cases = Situations().cases()
+    cases = SituationsExperiment().cases()
 
     assert len({case.key for case in cases}) == 7680
     assert Counter(truth(case).kind for case in cases) == {"unique": 6144, "tie": 480, "none": 1056}
@@ -96,9 +95,9 @@ def test_situations_are_as_many_as_the_paper_counts():
 
 def test_paper_run_is_right():
     """Taught by sentence and asked by sentence, the agent decides as the tables say."""
-    experiment = PaperRun(scenes=4)
+    experiment = PaperExperiment(scenes=4)
 
-    report = EvaluationReport("paper", experiment.options, run(experiment)).as_json()
+    report = EvaluationReport("paper", experiment.options, run_experiment(experiment)).as_json()
 
     assert (report["runs"], report["right"], report["wrong"]) == (120, 120, [])
     assert set(cast("dict[str, object]", report["by_principle"])) == {"1", "2", "3", "4"}
@@ -106,9 +105,9 @@ def test_paper_run_is_right():
 
 def test_slice_of_the_situations_is_right():
     """Every 101st of all 7,680, each through parser, base and inference."""
-    experiment = Situations()
+    experiment = SituationsExperiment()
 
-    done = run(experiment, experiment.cases()[::EVERY])
+    done = run_experiment(experiment, experiment.cases()[::EVERY])
 
     assert [each.result.key for each in done if not each.result.right] == []
     assert {each.result.kind for each in done} == {"unique", "tie", "none"}
@@ -118,9 +117,9 @@ def test_agent_that_was_taught_otherwise_is_wrong(monkeypatch: pytest.MonkeyPatc
     """The judge does not agree with whatever is decided: taught A, the agent fails B."""
     sentences = A.sentences()
     monkeypatch.setattr(type(A), "sentences", lambda self: sentences)
-    experiment = PaperRun(scenes=1)
+    experiment = PaperExperiment(scenes=1)
 
-    wrong = [each.result.key for each in run(experiment) if not each.result.right]
+    wrong = [each.result.key for each in run_experiment(experiment) if not each.result.right]
 
     assert wrong
     assert {key[0] for key in wrong} == {"B"}
@@ -128,11 +127,11 @@ def test_agent_that_was_taught_otherwise_is_wrong(monkeypatch: pytest.MonkeyPatc
 
 def test_results_survive_json():
     """A case and a result come back from their own lines."""
-    case = PaperRun(scenes=1).cases()[0]
+    case = PaperExperiment(scenes=1).cases()[0]
     result = Result(case.key, True, "tie", 3, "mug", "glass or mug", {"ties": ["mug", "glass"]})
 
-    assert Case.from_json(json.loads(line_of(case.as_json()))) == case
-    assert Result.from_json(json.loads(line_of(result.as_json()))) == result
+    assert Case.from_json(json.loads(to_json_line(case.as_json()))) == case
+    assert Result.from_json(json.loads(to_json_line(result.as_json()))) == result
 
 
 def test_report_tells_decisions_from_what_the_hand_did():
@@ -140,7 +139,7 @@ def test_report_tells_decisions_from_what_the_hand_did():
     slipped = {"decided": True, "success": False, "right_part": True}
     result = Result("A/0/pass/cutting", False, "unique", 1, "knife", "knife", slipped)
 
-    counted = EvaluationReport("paper", {"seed": 7}, (Done(result, 2.0),)).as_json()
+    counted = EvaluationReport("paper", {"seed": 7}, (CaseRun(result, 2.0),)).as_json()
 
     assert counted["by_principle"] == {"1": {"runs": 1, "right": 1}}
     assert (counted["right"], counted["executed"], counted["succeeded"]) == (0, 1, 0)
@@ -165,7 +164,7 @@ def test_robot_does_what_it_decided():
     experiment = make_experiment("paper", {"sim": True, "seed": 2})
     cases = [c for c in experiment.cases() if c.key in {"A/7/pass/cutting", "A/7/pointTo/cutting"}]
 
-    for each in run(experiment, cases):
+    for each in run_experiment(experiment, cases):
         assert each.result.right, each.result
 
 
@@ -175,7 +174,7 @@ def test_grasp_is_judged_by_the_world():
     experiment = make_experiment("grasps", {"poses": 1, "seed": 3})
     (case,) = [case for case in experiment.cases() if case.key == "spoon/pass/3"]
 
-    (done,) = run(experiment, [case])
+    (done,) = run_experiment(experiment, [case])
 
     assert done.result.right
     assert done.result.facts["touched"] == ["bowl"]

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from evaluation_faults import Squares, notes
 
-from hilt.agent.evaluation.runners.base import open_engine
+from hilt.agent.evaluation.runners.execution import make_runner
 from hilt.ontology.errors import MissingExtraError, WorkersError
 
-NODES = Path(__file__).with_name("evaluation_nodes.py")
+NODES = Path(__file__).parents[1] / "evaluation_nodes.py"
 COUNT = 80
 
 
@@ -53,13 +53,13 @@ def test_missing_ray_is_told(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "ray", None)
 
     with pytest.raises(MissingExtraError, match=r'"ray" is not installed\. Run: pip install "hilt'):
-        open_engine(2, "local")
+        make_runner(2, "local")
 
 
 def test_cluster_that_does_not_answer_is_told():
     """An address where nobody listens is an error at once."""
     pytest.importorskip("ray", reason="Ray is not installed")
-    engine = open_engine(ray="127.0.0.1:1")
+    runner = make_runner(ray="127.0.0.1:1")
 
     with pytest.raises(WorkersError, match=r'No Ray cluster at "127\.0\.0\.1:1": .*refused'):
-        list(engine.run(Squares(), Squares().cases()))
+        list(runner.run(Squares(), Squares().cases()))

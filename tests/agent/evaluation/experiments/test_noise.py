@@ -10,13 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.agent.evaluation.case import Case, Result
-from hilt.agent.evaluation.experiments.bands import band_of, wilson
-from hilt.agent.evaluation.experiments.curves import CURVES, drawn
-from hilt.agent.evaluation.experiments.garbling import garbled
-from hilt.agent.evaluation.experiments.noise import NoiseRun
+from hilt.agent.evaluation.experiments.noise import NoiseExperiment, garble
+from hilt.agent.evaluation.experiments.noise_curves import (
+    CURVES,
+    clustered_interval,
+    curve_points,
+    wilson_interval,
+)
 from hilt.ontology.errors import UnknownNameError
 
-RUN = NoiseRun(trials=1)
+RUN = NoiseExperiment(trials=1)
 WORDS = ("knife", "mug", "cutting")
 
 
@@ -60,18 +63,18 @@ def test_teacher_whom_nobody_trusts_does_no_harm():
 
 def test_only_the_wanted_curves_are_run():
     """One that there is not is refused, with those there are."""
-    cases = NoiseRun(trials=1, curves="missed, trust").cases()
+    cases = NoiseExperiment(trials=1, curves="missed, trust").cases()
 
     assert {case.spec["curve"] for case in cases} == {"missed", "trust"}
     with pytest.raises(UnknownNameError, match='no curve "mist"'):
-        NoiseRun(curves="mist")
+        NoiseExperiment(curves="mist")
 
 
 @pytest.mark.sim
 def test_robot_acts_in_spite_of_noise():
     """A trial can be carried out; without noise the robot does nearly all that is asked."""
     spec = {"curve": "missed", "line": "default", "value": 0.0, "trial": 0}
-    experiment = NoiseRun(trials=1, curves="missed", sim=True)
+    experiment = NoiseExperiment(trials=1, curves="missed", sim=True)
 
     result = experiment.run(Case("noise", "missed/default/0/0", spec))
 
@@ -85,7 +88,7 @@ def test_curves_have_a_point_for_each_line_and_value():
             for trial in (0, 1)]  # fmt: skip
     results = [Result(key, True, "check", 0, "", "", facts) for key in keys]
 
-    (curve,) = drawn(results)
+    (curve,) = curve_points(results)
 
     assert list(curve["lines"]) == ["yager", "mean"]
     assert [point["x"] for point in curve["lines"]["mean"]] == [0.0, 0.5]
@@ -96,21 +99,23 @@ def test_curves_have_a_point_for_each_line_and_value():
 @given(st.integers(1, 500), st.data())
 def test_wilson_holds_the_share(count, data):
     """The band is in [0, 1] and has the share in it, also at its ends."""
-    band = wilson(data.draw(st.integers(0, count)), count)
+    band = wilson_interval(data.draw(st.integers(0, count)), count)
 
     assert 0 <= band.lower <= band.share <= band.upper <= 1
 
 
 def test_wilson_is_that_of_the_textbook():
     """Ten of ten leaves [.722, 1]; five of ten [.237, .763]."""
-    assert wilson(10, 10).lower == pytest.approx(0.7225, abs=1e-4)
-    assert (wilson(5, 10).lower, wilson(5, 10).upper) == pytest.approx((0.2366, 0.7634), abs=1e-4)
+    assert wilson_interval(10, 10).lower == pytest.approx(0.7225, abs=1e-4)
+    assert (wilson_interval(5, 10).lower, wilson_interval(5, 10).upper) == pytest.approx(
+        (0.2366, 0.7634), abs=1e-4
+    )
 
 
 def test_questions_of_one_trial_count_as_fewer_when_they_fail_together():
     """Trials that fail as a whole tell less than as many failures spread over all trials."""
-    together = band_of([15, 15, 0, 0], 15)
-    spread = band_of([8, 7, 8, 7], 15)
+    together = clustered_interval([15, 15, 0, 0], 15)
+    spread = clustered_interval([8, 7, 8, 7], 15)
 
     assert together.share == spread.share == 0.5
     assert together.upper - together.lower > 1.5 * (spread.upper - spread.lower)
@@ -122,7 +127,7 @@ def test_garbling_keeps_to_its_rate(words, seed):
     text = " ".join(words)
 
     def heard(how: str, rate: float) -> str:
-        return garbled(text, how, rate, Random(seed), WORDS)  # noqa: S311 - no secrets
+        return garble(text, how, rate, Random(seed), WORDS)  # noqa: S311 - no secrets
 
     assert all(heard(how, 0.0) == text for how in ("misheard", "dropped", "swapped"))
     assert heard("dropped", 1.0) == ""

@@ -8,14 +8,14 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from hilt.agent.evaluation.runners.progress import RateColumn, progress
+from hilt.agent.evaluation.runners.execution import RateColumn, show_progress
 
 
 def shown(*, terminal: bool, begun: int) -> str:
     """What a run of four cases shows."""
     file = io.StringIO()
     console = Console(file=file, force_terminal=terminal, width=100)
-    with progress("paper", 4, begun, console) as advance:
+    with show_progress("paper", 4, begun, console) as advance:
         for _ in range(4 - begun):
             advance()
     return file.getvalue()

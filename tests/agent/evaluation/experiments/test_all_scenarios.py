@@ -14,28 +14,32 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.agent.evaluation.case import Case, Result, line_of
-from hilt.agent.evaluation.experiments.all_scenarios import AllScenarios
-from hilt.agent.evaluation.verification.finite_cases import TaughtSpace, scores
-from hilt.agent.evaluation.verification.hypotheses import teaching
-from hilt.agent.evaluation.verification.space import Cell, Space, belief
-from hilt.agent.evaluation.verification.taught_agent import Taught
-from hilt.agent.evaluation.verification.tracing import Opaque, Traced
-from hilt.agent.evaluation.verification.weak_orders import OrderShape, blocks, surjections
+from hilt.agent.evaluation.case import Case, Result, to_json_line
+from hilt.agent.evaluation.experiments.all_scenarios import AllScenariosExperiment
+from hilt.agent.evaluation.verification.finite_cases import TaughtSpace, check_scores
+from hilt.agent.evaluation.verification.hypotheses import check_teaching
+from hilt.agent.evaluation.verification.space import Cell, ScenarioSpace, belief
+from hilt.agent.evaluation.verification.taught_agent import TaughtAgent, TracingSource
+from hilt.agent.evaluation.verification.weak_orders import (
+    OpaqueScore,
+    WeakOrderBlock,
+    surjections,
+    weak_order_blocks,
+)
 from hilt.inference.decision import DecisionRule
 from hilt.inference.evidence import EPSILON, Operators
 from hilt.inference.settings import Settings
 from hilt.inference.types import Inference, Target
 from hilt.kb import Interval, KnowledgeBase, functional
 
-CHECKER = Path(__file__).parents[3] / "examples" / "check_certificate.py"
-SMALL = AllScenarios(objects=2, affordances=2, taught=2, traced=2)
+CHECKER = Path(__file__).parents[4] / "examples" / "check_certificate.py"
+SMALL = AllScenariosExperiment(objects=2, affordances=2, taught=2, traced=2)
 
 
 @pytest.fixture(scope="module")
 def results() -> list[Result]:
     """What comes of the verification for two objects and two affordances."""
-    sent = [Case.from_json(json.loads(line_of(case.as_json()))) for case in SMALL.cases()]
+    sent = [Case.from_json(json.loads(to_json_line(case.as_json()))) for case in SMALL.cases()]
     return [SMALL.run(case) for case in sent]
 
 
@@ -69,7 +73,7 @@ def test_every_finite_case_is_right(results):
 def test_the_paper_has_2189146_finite_cases():
     """The blocks hold as many cases as the counting formulas say."""
 
-    def size(block: OrderShape) -> int:
+    def size(block: WeakOrderBlock) -> int:
         stirling = sum(
             (-1) ** i * comb(block.levels, i) * (block.levels - i) ** block.ranked
             for i in range(block.levels + 1)
@@ -77,7 +81,7 @@ def test_the_paper_has_2189146_finite_cases():
         ranked = comb(8, block.ranked) * 2 ** (8 - block.ranked)
         return ranked * factorial(block.levels) * stirling
 
-    choices = sum(size(block) for block in blocks(8))
+    choices = sum(size(block) for block in weak_order_blocks(8))
 
     assert choices == 2_183_339
     assert choices + 559 + 72 * 16 + 8 * 2 * 16**2 == 2_189_146
@@ -85,7 +89,7 @@ def test_the_paper_has_2189146_finite_cases():
 
 def test_blocks_hold_each_weak_order_once():
     """The orders of all blocks of three objects are distinct, and as many as counted."""
-    orders = [order for block in blocks(3) for order in block.orders()]
+    orders = [order for block in weak_order_blocks(3) for order in block.orders()]
 
     assert len(orders) == len(set(orders)) == sum(comb(3, k) * 2 ** (3 - k) * f for k, f in
                                                   enumerate((1, 1, 3, 13)))  # fmt: skip
@@ -150,7 +154,7 @@ def test_another_fusion_is_found_out(monkeypatch):
     other = Settings(operators=Operators(fusion="mean"))
     monkeypatch.setattr(Settings, "load", classmethod(lambda cls: other))
 
-    _, wrong = scores(TaughtSpace(Space.of_paper(1, 1)), shift=3)
+    _, wrong = check_scores(TaughtSpace(ScenarioSpace.from_paper(1, 1)), shift=3)
 
     assert wrong
 
@@ -166,9 +170,9 @@ def test_base_that_forgets_is_found_out(monkeypatch):
 
     monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
 
-    _, wrong = teaching(TaughtSpace(Space.of_paper(1, 1)), seed=0)
+    _, wrong = check_teaching(TaughtSpace(ScenarioSpace.from_paper(1, 1)), seed=0)
 
-    assert "what is believed is not the union of what each rule leaves" in wrong
+    assert "the beliefs are not the union of the beliefs from each sentence" in wrong
 
 
 def test_choice_that_drops_ties_is_found_out(monkeypatch):
@@ -180,7 +184,7 @@ def test_choice_that_drops_ties_is_found_out(monkeypatch):
         lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
     )
 
-    facts, wrong = OrderShape(2, 2, 1).chosen()
+    facts, wrong = WeakOrderBlock(2, 2, 1).verify()
 
     assert facts["ties"] == 0
     assert wrong == ["(2, 2) ranked (0, 0) gives 1"]
@@ -189,28 +193,28 @@ def test_choice_that_drops_ties_is_found_out(monkeypatch):
 def test_choice_that_looks_at_scores_is_found_out(monkeypatch):
     """Scores cannot be added, rounded or hashed."""
     with pytest.raises(TypeError):
-        Opaque(1) + 1
+        OpaqueScore(1) + 1
     with pytest.raises(TypeError):
-        round(Opaque(1))
+        round(OpaqueScore(1))
     with pytest.raises(TypeError, match="only be compared"):
-        hash(Opaque(1))
+        hash(OpaqueScore(1))
     with pytest.raises(TypeError, match="tolerance"):
-        Opaque(1) - 0.5
+        OpaqueScore(1) - 0.5
 
 
 @given(st.integers(0, 20), st.integers(0, 20))
 def test_opaque_scores_compare_like_their_levels(one, other):
     """Order, reversal, and a little less than a score is still more than the next one below."""
-    assert (Opaque(one) < Opaque(other)) == (one < other)
-    assert (-Opaque(one) < -Opaque(other)) == (other < one)
-    assert (Opaque(one) > Opaque(other) - EPSILON) == (one >= other)
+    assert (OpaqueScore(one) < OpaqueScore(other)) == (one < other)
+    assert (-OpaqueScore(one) < -OpaqueScore(other)) == (other < one)
+    assert (OpaqueScore(one) > OpaqueScore(other) - EPSILON) == (one >= other)
 
 
 def test_trace_notes_what_is_read_of_a_rule():
     """Which cell a rule is about may be asked freely; how sure it is, is noted."""
     with KnowledgeBase.open("memory:") as base:
         base.believe("", "", "sam", [functional("mug", "containing", interval=Interval(0.5, 1))])
-        traced = Traced(base)
+        traced = TracingSource(base)
         (rule,) = traced.rules_at_nodes(["findObject.containing"])
         assert (rule.object, rule.affordance, traced.read) == ("mug", "containing", set())
 
@@ -222,7 +226,7 @@ def test_trace_notes_what_is_read_of_a_rule():
 def test_decision_reads_only_what_is_on_the_table():
     """Rules about what is not in the scene are not read."""
     rules = [functional(name, "cutting", interval=Interval(0.5, 1)) for name in ("knife", "spoon")]
-    with Taught(rules) as taught:
+    with TaughtAgent(rules) as taught:
         decided = taught.decide("pointTo", Target(used_for="cutting"), ["knife"])
 
     assert decided.read == {Cell("knife", "cutting")}

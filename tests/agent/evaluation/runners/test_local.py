@@ -8,29 +8,31 @@ import pytest
 from evaluation_faults import Squares
 
 from hilt.agent.evaluation.case import Result
-from hilt.agent.evaluation.experiment import Experiment, make_experiment
-from hilt.agent.evaluation.runners.base import Runner, Serial, open_engine, run
-from hilt.agent.evaluation.runners.local import Processes
+from hilt.agent.evaluation.experiment import Experiment
+from hilt.agent.evaluation.experiments.registry import make_experiment
+from hilt.agent.evaluation.runners.base import Runner
+from hilt.agent.evaluation.runners.execution import make_runner, run_experiment
+from hilt.agent.evaluation.runners.local import ProcessRunner, SerialRunner
 from hilt.ontology.errors import DataError, UnknownNameError, WorkersError
 
 
-def results(experiment: Experiment, engine: Runner) -> list[Result]:
+def results(experiment: Experiment, runner: Runner) -> list[Result]:
     """What comes of an experiment."""
-    return [each.result for each in run(experiment, engine=engine)]
+    return [each.result for each in run_experiment(experiment, runner=runner)]
 
 
 def test_processes_give_what_one_process_gives():
     """The decisions of a run are the same in two processes, fact by fact and in order."""
     experiment = make_experiment("paper", {"scenes": 2})
 
-    assert results(experiment, Processes(2)) == results(experiment, Serial())
+    assert results(experiment, ProcessRunner(2)) == results(experiment, SerialRunner())
 
 
 def test_case_whose_worker_dies_is_begun_again(tmp_path: Path):
     """A dead worker costs no result, its own case's neither; no other case is begun twice."""
     experiment = Squares(folder=str(tmp_path), deadly=[3, 4])
 
-    done = run(experiment, engine=Processes(2))
+    done = run_experiment(experiment, runner=ProcessRunner(2))
 
     assert [each.result.found for each in done] == [str(n**2) for n in range(12)]
     assert {each.result.key: each.attempts for each in done if each.attempts > 1} == {
@@ -43,7 +45,7 @@ def test_case_that_hangs_is_killed_and_begun_again(tmp_path: Path):
     """A case that takes too long loses its worker, and is done by the next one."""
     experiment = Squares(folder=str(tmp_path), endless=[5], count=8)
 
-    done = run(experiment, engine=Processes(2, timeout_s=1.0))
+    done = run_experiment(experiment, runner=ProcessRunner(2, timeout_s=1.0))
 
     assert [each.attempts for each in done] == [1, 1, 1, 1, 1, 2, 1, 1]
     assert all(each.result.right for each in done)
@@ -53,16 +55,16 @@ def test_case_that_always_kills_is_given_up(tmp_path: Path):
     """After a few workers a case is told as lost; all others are done."""
     experiment = Squares(folder=str(tmp_path), deadly=[2], times=99, count=5)
 
-    found = results(experiment, Processes(2, attempts=2))
+    found = results(experiment, ProcessRunner(2, attempts=2))
 
     assert [result.kind for result in found] == ["check", "check", "lost", "check", "check"]
-    assert found[2].found == "its worker was lost 2 times"
+    assert found[2].found == "its worker process died or timed out 2 times"
 
 
-@pytest.mark.parametrize("engine", [Serial(), Processes(2)], ids=["serial", "processes"])
-def test_error_of_a_case_is_its_result(engine: Runner):
+@pytest.mark.parametrize("runner", [SerialRunner(), ProcessRunner(2)], ids=["serial", "processes"])
+def test_error_of_a_case_is_its_result(runner: Runner):
     """A case that raises is wrong, says how, and stops nothing."""
-    found = results(make_experiment("evaluation_faults:Broken", {"count": 3}), engine)
+    found = results(make_experiment("evaluation_faults:Broken", {"count": 3}), runner)
 
     assert [(r.right, r.kind, r.found) for r in found] == 3 * [
         (False, "error", "ValueError: never right")
@@ -74,21 +76,21 @@ def test_workers_that_cannot_start_are_told(monkeypatch: pytest.MonkeyPatch):
     experiment = Squares(count=3)
     monkeypatch.setattr(Squares, "name", "evaluation_faults:Nothing")
 
-    with pytest.raises(WorkersError, match="No worker process could be started"):
-        run(experiment, engine=Processes(2))
+    with pytest.raises(WorkersError, match="A worker process could not be started"):
+        run_experiment(experiment, runner=ProcessRunner(2))
 
 
 def test_run_without_cases_is_empty():
     """Nothing to do is done at once."""
-    assert run(Squares(count=0), engine=Processes(2)) == ()
+    assert run_experiment(Squares(count=0), runner=ProcessRunner(2)) == ()
 
 
 @pytest.mark.parametrize(
     ("name", "problem"),
     [
-        ("papers", 'There is no evaluation "papers". Did you mean "paper"?'),
+        ("papers", 'There is no experiment "papers". Did you mean "paper"?'),
         ("no_module:Run", "no_module:Run: cannot be imported: No module named 'no_module'."),
-        ("evaluation_faults:Cubes", 'evaluation_faults:Cubes: there is no class "Cubes" in it.'),
+        ("evaluation_faults:Cubes", 'evaluation_faults:Cubes: it contains no class "Cubes".'),
     ],
 )
 def test_unknown_experiment_is_told(name: str, problem: str):
@@ -105,6 +107,6 @@ def test_unknown_option_is_told():
 
 def test_one_worker_needs_no_process():
     """By default cases run where the command runs."""
-    engines: Sequence[Runner] = (open_engine(), open_engine(2))
+    engines: Sequence[Runner] = (make_runner(), make_runner(2))
 
-    assert [type(engine) for engine in engines] == [Serial, Processes]
+    assert [type(runner) for engine in engines] == [SerialRunner, ProcessRunner]

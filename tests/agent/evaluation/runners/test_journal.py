@@ -19,8 +19,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Done
-from hilt.agent.evaluation.runners.base import run
+from hilt.agent.evaluation.case import CaseRun
+from hilt.agent.evaluation.runners.execution import run_experiment
 from hilt.agent.evaluation.runners.journal import JOURNAL, RESULTS, TIMES, RunJournal
 from hilt.ontology.errors import DataError, StoreError
 
@@ -29,11 +29,11 @@ HILT = (sys.executable, "-c", "from hilt.agent.cli import main; main()")
 COMMAND = (*HILT, "evaluate", "paper", "--json")
 
 
-def journaled(folder: Path, experiment: Squares, *, resume: bool = False) -> tuple[Done, ...]:
+def journaled(folder: Path, experiment: Squares, *, resume: bool = False) -> tuple[CaseRun, ...]:
     """Run an experiment, or go on with it, with its journal in a folder."""
     cases = experiment.cases()
     with RunJournal(folder, experiment, cases, resume=resume) as journal:
-        return run(experiment, cases, journal=journal)
+        return run_experiment(experiment, cases, journal=journal)
 
 
 def test_run_leaves_its_results_in_the_order_of_the_cases(tmp_path: Path):
@@ -67,7 +67,7 @@ def test_run_that_is_there_is_not_overwritten(tmp_path: Path):
     """Without --resume a folder that holds a run is refused."""
     journaled(tmp_path, Squares())
 
-    with pytest.raises(DataError, match=r"holds a run already\. Let it go on with --resume"):
+    with pytest.raises(DataError, match=r"contains a run already\. Continue it with --resume"):
         journaled(tmp_path, Squares())
 
 

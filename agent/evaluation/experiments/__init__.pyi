@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+from .all_scenarios import AllScenariosExperiment
+from .custom import CustomExperiment
+from .decisions import DecisionExperiment
+from .grasps import GraspExperiment
+from .noise import NoiseExperiment
+from .paper import PaperExperiment, SituationsExperiment
+from .registry import EXPERIMENTS, make_experiment
+
+__all__ = [
+    "EXPERIMENTS",
+    "AllScenariosExperiment",
+    "CustomExperiment",
+    "DecisionExperiment",
+    "GraspExperiment",
+    "NoiseExperiment",
+    "PaperExperiment",
+    "SituationsExperiment",
+    "make_experiment",
+]

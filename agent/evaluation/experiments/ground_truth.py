@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ground truth of commands, and results of what the agent decided and did.
+
+The ground truth is read from the scenario alone, by the four principles of section 4.1: (1) the
+top-ranked object is present and must be chosen; (2) it is not, and the next lower one must be
+chosen; (3) several are equally high, and any of them may be chosen; (4) there is none, and the
+robot says so. The first choice is judged by them. If the robot moved, its actions are judged too:
+which part the fingers touched, how high and how long the object was held. A robot that cannot take
+what it chose and takes the next best object has decided right but not succeeded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+from ....inference.types import Candidate
+from ...dialogue.reply import Reply
+from ...execution.outcome import Decision, ExecutionResult, GoalResult, Json
+from ..case import Case, Kind, Result
+from ..scenarios import CONTEXTS, Scenario
+
+HELD_S = 1.0  # how long a grasped object must be held [s]
+LIFTED_M = 0.10  # how high it must be lifted [m]
+
+
+@dataclass(frozen=True)
+class GroundTruth:
+    """The right choices for a command in a scene.
+
+    Attributes:
+        objects: the right choices; empty if the right answer is that there is none.
+        principle: the principle of section 4.1 that applies, 1 to 4.
+        parts: object -> the part to grasp; empty for actions that do not grasp.
+    """
+
+    objects: frozenset[str]
+    principle: int
+    parts: Mapping[str, str]
+
+    @classmethod
+    def from_scenario(
+        cls, scenario: Scenario, action: str, affordance: str, scene: Collection[str]
+    ) -> GroundTruth:
+        """Return the ground truth for a command, from the tables of a scenario."""
+        best = scenario.best(affordance, scene)
+        is_top = best <= scenario.best(affordance, scenario.grasps)
+        principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
+        grasps = scenario.grasps.items() if action in CONTEXTS else ()
+        return cls(
+            best, principle, {name: parts[action] for name, parts in grasps if action in parts}
+        )
+
+    @property
+    def kind(self) -> Kind:
+        """The number of right choices as a kind of result."""
+        return "none" if not self.objects else "unique" if len(self.objects) == 1 else "tie"
+
+    def allows(self, chosen: str | None, part: str | None) -> bool:
+        """Whether a choice is right; None stands for no choice."""
+        if not self.objects or chosen is None:
+            return not self.objects and chosen is None
+        return chosen in self.objects and part == self.parts.get(chosen)
+
+    def describe(self) -> str:
+        """Return the right choices as text."""
+        each = (describe_choice(name, self.parts.get(name)) for name in sorted(self.objects))
+        return " or ".join(each) or "nothing"
+
+
+def describe_choice(chosen: str | None, part: str | None) -> str:
+    """Return a choice as text."""
+    return f"{chosen or 'nothing'}{f' by the {part}' if part else ''}"
+
+
+def judge_command(case: Case, truth: GroundTruth, reply: Reply) -> Result:
+    """Return the result of a command: its decision and, if the robot moved, its execution."""
+    found, grasp = _first_choice(reply, "findObject"), _first_choice(reply, "graspObject")
+    chosen = found.object if found else None
+    part = grasp.argument.name if grasp and grasp.argument else None
+    right = truth.allows(chosen, part)
+    facts: Json = {
+        "asked": reply.text,
+        "said": reply.said,
+        "object": chosen,
+        "part": part,
+        "lower": round(found.interval.lower, 6) if found else None,
+        "upper": round(found.interval.upper, 6) if found else None,
+        "decided": right,
+    }
+    found_words = describe_choice(chosen, part)
+    achieved = reply.achievement
+    if achieved and achieved.world.executed:
+        facts |= _execution_facts(achieved, truth, is_done=reply.is_done)
+        if not facts["success"]:
+            right, found_words = False, f"{found_words}, not carried out"
+    return Result(
+        case.key, right, truth.kind, truth.principle, found_words, truth.describe(), facts
+    )
+
+
+def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> Result:
+    """Return the result of a command to grasp an object given by name."""
+    world = reply.achievement.world if reply.achievement else ExecutionResult()
+    facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, part)}
+    facts["why"] = explain_reply(reply)
+    facts["success"] = reply.is_done and facts["success"] is True
+    touched = ", ".join(world.touched) or "nothing"
+    found = f"{touched}, {world.lifted_m:.3f} m, {world.held_s:.1f} s"
+    return Result(case.key, facts["success"] is True, "grasp", 0, found, part, facts)
+
+
+def _first_choice(reply: Reply, action: str) -> Candidate | None:
+    """Return the choice at the first node of an action, before any alternative was tried."""
+    steps = reply.achievement.steps if reply.achievement else ()
+    best = (step.inference.best for step in steps if step.node.endswith(f"/{action}"))
+    return next(best, None)
+
+
+def _execution_facts(achieved: GoalResult, truth: GroundTruth, *, is_done: bool) -> Json:
+    """Return the facts about the object that was taken in the end."""
+    world = achieved.world
+    best = achieved.decision.object.best if achieved.decision else None
+    taken = best.object if best else ""
+    facts: Json = {"success": True}
+    if taken in truth.parts:  # if no part was taught, any will do
+        facts = _grasp_facts(world, taken, truth.parts[taken]) | {"handed_over": world.handed_over}
+    facts["success"] = is_done and taken in truth.objects and facts["success"] is True
+    return facts
+
+
+def _grasp_facts(world: ExecutionResult, taken: str, part: str) -> Json:
+    """Return how an object was held; `right_part` only if the fingers touched something."""
+    right_part = world.touched == (part,)
+    facts: Json = {
+        "success": right_part and world.lifted_m >= LIFTED_M and world.held_s >= HELD_S,
+        "taken": taken,
+        "touched": list(world.touched),
+        "lifted_m": round(world.lifted_m, 4),
+        "held_s": round(world.held_s, 3),
+        "attempts": world.attempts,
+    }
+    return facts | {"right_part": right_part} if world.touched else facts
+
+
+def explain_reply(reply: Reply) -> list[str]:
+    """Return the command and its answer, then every candidate with its verdict and proof."""
+    decision = reply.achievement.decision if reply.achievement else None
+    return [reply.text, reply.said, *(_candidate_lines(decision) if decision else ())]
+
+
+def _candidate_lines(decision: Decision) -> Iterator[str]:
+    for inference in (decision.object, decision.part):
+        for candidate in (*inference.candidates, *inference.absent) if inference else ():
+            about = f"{candidate.name} {candidate.argument or ''}".strip()
+            yield f"{about}: {candidate.verdict}, {candidate.reason}"
+            yield from (f"  {line}" for line in candidate.proof.lines())

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The curves of the noise experiment, and confidence intervals for clustered samples.
+
+A curve varies one kind of noise; its points have a 95 % confidence interval: Wilson's score
+interval (1927) at the effective sample size. The commands of one trial are correlated, so that they
+count as fewer independent ones (Kish, Survey Sampling, 1965: the design effect is the variance of
+the trial means over that of independent samples).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import cast
+
+from ...execution.outcome import Json
+from ..case import Result
+
+FUSIONS = ("yager", "dempster", "cautious", "mean")
+THRESHOLDS = ("0", "0.005", "0.01", "0.02")
+GARBLINGS = ("misheard", "dropped", "swapped")
+OUTCOMES = ("right", "wrong", "declined")
+SENSORS = ("missed", "confused", "confidence")
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Accuracy as a function of one kind of noise.
+
+    Attributes:
+        name: "missed", ...
+        label: the label of the axis.
+        values: the noise levels; the first is no noise.
+        lines: label of a line -> inference setting ("fusion=mean"), or another variant.
+        sound: the lines that must be right in every case without noise.
+    """
+
+    name: str
+    label: str
+    values: tuple[float, ...]
+    lines: Mapping[str, str] = field(default_factory=lambda: {"default": ""})
+    sound: frozenset[str] = frozenset({"default"})
+
+    @property
+    def is_sensor_noise(self) -> bool:
+        """Whether the noise is in the sensors."""
+        return self.name in SENSORS
+
+
+SHARES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5)
+_BY_THRESHOLD = {f"Λ = {value}": f"threshold={value}" for value in THRESHOLDS}
+_BY_FUSION = {name: f"fusion={name}" for name in FUSIONS}
+
+CURVES: Mapping[str, Curve] = {
+    curve.name: curve
+    for curve in (
+        Curve("missed", "share of objects that are not detected", SHARES),
+        Curve("confused", "share of objects detected as another type", SHARES),
+        Curve(
+            "confidence",
+            "largest loss of detection confidence",
+            (0.0, 0.2, 0.4, 0.6, 0.8, 0.95),
+            _BY_THRESHOLD,
+            frozenset(list(_BY_THRESHOLD)[:3]),  # above .0148 "occasionally" is rejected
+        ),
+        Curve(
+            "speech",
+            "share of misrecognised words",
+            (0.0, 0.02, 0.05, 0.1, 0.2),
+            {name: name for name in GARBLINGS},
+            frozenset(GARBLINGS),
+        ),
+        Curve(
+            "trust",
+            "trust in a second teacher, who says the opposite",
+            (0.0, 0.25, 0.5, 0.75, 0.9, 1.0),
+            _BY_FUSION,
+            frozenset(FUSIONS),
+        ),
+        Curve(
+            "wrong",
+            "share of rules that a second, fully trusted teacher contradicts",
+            (0.0, 0.1, 0.25, 0.5, 1.0),
+            _BY_FUSION,
+            frozenset(FUSIONS),
+        ),
+    )
+}
+
+
+def curve_points(results: Sequence[Result]) -> list[Json]:
+    """Return the curves of the results: a point for each line and value, with its interval."""
+    found: dict[str, dict[str, dict[float, list[Json]]]] = {}
+    for result in results:
+        if result.kind == "check":  # not an error
+            curve, line, value, _ = result.key.split("/")
+            lines = found.setdefault(curve, {})
+            lines.setdefault(line, {}).setdefault(float(value), []).append(result.facts)
+    return [
+        {
+            "curve": name,
+            "label": CURVES[name].label,
+            "lines": {
+                line: [_point(value, trials) for value, trials in points.items()]
+                for line, points in lines.items()
+            },
+        }
+        for name, lines in found.items()
+    ]
+
+
+def _point(value: float, trials: Sequence[Json]) -> Json:
+    counts = cast("Sequence[dict[str, int]]", trials)
+    per_trial = counts[0]["commands"]
+    interval = clustered_interval([trial["right"] for trial in counts], per_trial)
+    return {
+        "x": value,
+        "decisions": len(trials) * per_trial,
+        **{name: sum(trial[name] for trial in counts) for name in OUTCOMES},
+        "accuracy": round(interval.share, 6),
+        "lower": round(interval.lower, 6),
+        "upper": round(interval.upper, 6),
+    }
+
+
+Z = 1.959964  # quantile for a confidence of 95 %
+
+
+@dataclass(frozen=True)
+class ConfidenceInterval:
+    """A proportion with its 95 % confidence interval.
+
+    Attributes:
+        share: the proportion, in [0, 1].
+        lower: lower bound, in [0, share].
+        upper: upper bound, in [share, 1].
+    """
+
+    share: float
+    lower: float
+    upper: float
+
+
+def wilson_interval(successes: float, count: float) -> ConfidenceInterval:
+    """Return the proportion of successes with Wilson's score interval.
+
+    >>> wilson_interval(9, 10)
+    ConfidenceInterval(share=0.9, lower=0.5958499..., upper=0.9821237...)
+
+    Args:
+        successes: number of successes; need not be an integer.
+        count: sample size; above 0.
+    """
+    share = successes / count
+    weight = 1 + Z * Z / count
+    middle = (share + Z * Z / (2 * count)) / weight
+    half = Z / weight * sqrt(share * (1 - share) / count + Z * Z / (4 * count * count))
+    return ConfidenceInterval(
+        share, max(0.0, min(middle - half, share)), min(1.0, max(middle + half, share))
+    )
+
+
+def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceInterval:
+    """Return the proportion of successes over trials, with its interval at the effective size.
+
+    Args:
+        successes: successes of each trial, in [0, per_trial]; at least one trial.
+        per_trial: number of samples in each trial.
+    """
+    count = len(successes) * per_trial
+    share = sum(successes) / count
+    effective = count / _design_effect(successes, per_trial, share)
+    return wilson_interval(share * effective, effective)
+
+
+def _design_effect(successes: Sequence[int], per_trial: int, share: float) -> float:
+    """Return the design effect, in [1, per_trial]."""
+    if len(successes) < 2 or share in {0.0, 1.0}:
+        return 1.0
+    spread = sum((each / per_trial - share) ** 2 for each in successes) / (len(successes) - 1)
+    return min(max(spread * per_trial / (share * (1 - share)), 1.0), float(per_trial))

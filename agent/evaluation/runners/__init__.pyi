@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+from .base import Runner
+from .execution import make_runner, run_experiment
+from .journal import RunJournal
+from .local import ProcessRunner, SerialRunner
+from .ray import RayRunner
+
+__all__ = [
+    "ProcessRunner",
+    "RayRunner",
+    "RunJournal",
+    "Runner",
+    "SerialRunner",
+    "make_runner",
+    "run_experiment",
+]

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Running an experiment: choice of the runner, the journal, and a progress bar."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+from ..case import Case, CaseRun
+from ..experiment import Experiment
+from .base import TIMEOUT_S, Runner
+from .journal import RunJournal
+from .local import ProcessRunner, SerialRunner
+from .ray import RayRunner
+
+
+def make_runner(
+    workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
+) -> Runner:
+    """Return the runner for the options of a command.
+
+    Args:
+        workers: how many cases run at the same time; None is one, or all processors of a cluster.
+        ray: the address of a Ray cluster, "auto" for the one this machine belongs to, or "local"
+            to start one.
+        timeout_s: how long a case may take before its worker is killed [s].
+
+    Raises:
+        MissingExtraError: Ray is not installed.
+    """
+    if ray:
+        return RayRunner(ray, workers, timeout_s=timeout_s)
+    if workers is None or workers == 1:
+        return SerialRunner()
+    return ProcessRunner(workers, timeout_s)
+
+
+def run_experiment(
+    experiment: Experiment,
+    cases: Sequence[Case] | None = None,
+    *,
+    runner: Runner | None = None,
+    journal: RunJournal | None = None,
+    console: Console | None = None,
+) -> tuple[CaseRun, ...]:
+    """Run an experiment, or resume it.
+
+    Args:
+        experiment: the experiment.
+        cases: its cases, if they are listed already.
+        runner: runs the cases; None runs them in this process.
+        journal: where results are written as they come; the cases it contains are not run again.
+        console: where the progress is shown; None shows none.
+
+    Returns:
+        The results of all cases, in their order.
+    """
+    cases = experiment.cases() if cases is None else cases
+    runs = dict(journal.runs) if journal else {}
+    left = [case for case in cases if case.key not in runs]
+    with show_progress(experiment.name, len(cases), len(cases) - len(left), console) as advance:
+        for run in (runner or SerialRunner()).run(experiment, left):
+            runs[run.result.key] = run
+            if journal:
+                journal.add(run)
+            advance()
+    ordered = tuple(runs[case.key] for case in cases)
+    if journal:
+        journal.finish(cases, experiment.files([run.result for run in ordered]))
+    return ordered
+
+
+class RateColumn(ProgressColumn):
+    """The rate in cases per second, or in seconds per case where they are slow."""
+
+    def render(self, task: Task) -> Text:
+        """Return the rate as a text."""
+        speed = task.finished_speed or task.speed
+        if not speed:
+            return Text("")
+        return Text(f"{speed:.1f} a second" if speed >= 1 else f"{1 / speed:.1f} s each")
+
+
+@contextmanager
+def show_progress(
+    name: str, total: int, finished: int, console: Console | None
+) -> Generator[Callable[[], None]]:
+    """Show a progress bar during a block, which gets a function to call after each case.
+
+    Args:
+        name: the label of the bar.
+        total: number of cases.
+        finished: how many cases are finished already.
+        console: where the bar is shown; nothing is shown if it is None or not a terminal.
+    """
+    if console is None or not console.is_terminal:
+        yield lambda: None
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        RateColumn(),
+        TimeRemainingColumn(compact=True),
+        TextColumn("left"),
+    )
+    # Few refreshes: more take time that the cases need.
+    with Progress(*columns, console=console, transient=True, refresh_per_second=4) as bar:
+        task = bar.add_task(name, total=total, completed=finished)
+        yield lambda: bar.advance(task)
