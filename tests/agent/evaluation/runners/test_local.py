@@ -107,6 +107,6 @@ def test_unknown_option_is_told():
 
 def test_one_worker_needs_no_process():
     """By default cases run where the command runs."""
-    engines: Sequence[Runner] = (make_runner(), make_runner(2))
+    runners: Sequence[Runner] = (make_runner(), make_runner(2))
 
-    assert [type(runner) for engine in engines] == [SerialRunner, ProcessRunner]
+    assert [type(runner) for runner in runners] == [SerialRunner, ProcessRunner]
