@@ -1,67 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Natural language: from a text to its meaning, and from what there is to say to a text.
+"""Natural language understanding and generation: from a text to its meaning, and back.
 
-Utterance       one text from one speaker to one addressee
+A text becomes tokens, these a chart of derivations of a categorial grammar (CCG), a derivation a
+predicate form, the form a speech act and an intention, and the intention a meaning.
+
 token           a word as the lexicon spells it
-category        what a word combines with (`NP/N`), and so what it is
-term            the lambda term a word contributes to the meaning (`λx.x`)
-chart           all that the words of an utterance can be together
-derivation      one way in which they are a whole utterance
+category        the syntactic type of a word, by what it combines with: `NP/N`
+term            the lambda term that a word contributes to the meaning: `λx.x`
+chart           all constituents that the words of an utterance can form
+derivation      one way in which they form the whole utterance
 predicate form  its meaning without variables: `pass(self,knife)`
 speech act      who says it to whom, and how: `INSTRUCT(sam,self,pass(self,knife))`
 intention       what the speaker wants by it: `want(sam,pass(self,knife))`
-meaning         what it comes to for Hilt: a rule, a command, a question, ...
+meaning         the value that leaves this package: a rule, a command, a question, ...
 
-    >>> from hilt.nlu import Language
-    >>> language = Language.load()
-    >>> language.understand("pass me something used for cutting").pragmatics
-    'want(sam,pass(self,usedFor(something,cutting)))'
+>>> from hilt.nlu import Language
+>>> language = Language.load()
+>>> language.understand("pass me something used for cutting").pragmatics
+'want(sam,pass(self,usedFor(something,cutting)))'
 """
 
-from __future__ import annotations
+import lazy_loader
 
-from .language import Language
-from .lexicon.vocabulary import NewWord, Vocabulary
-from .parsing.understanding import Reading, Understanding
-from .semantics.coreference import Discourse
-from .semantics.meaning import (
-    ANY_OBJECT,
-    Acknowledgement,
-    ActionRule,
-    AskBack,
-    Command,
-    FunctionalRule,
-    Meaning,
-    Misunderstanding,
-    ObjectReference,
-    Question,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-)
-from .session import Session
-
-__all__ = [
-    "ANY_OBJECT",
-    "Acknowledgement",
-    "ActionRule",
-    "AskBack",
-    "Command",
-    "Discourse",
-    "FunctionalRule",
-    "Language",
-    "Meaning",
-    "Misunderstanding",
-    "NewWord",
-    "ObjectReference",
-    "Question",
-    "Reading",
-    "Retraction",
-    "Rule",
-    "Session",
-    "Statement",
-    "ToolCommand",
-    "Understanding",
-    "Vocabulary",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A language as Hilt speaks it: loaded from data, it understands texts and says answers.
+"""A language, loaded from data files: understands texts, and says answers and meanings.
 
-    >>> language = Language.load()
-    >>> language.understand("To pass a knife grab it by the blade").semantics
-    'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
+>>> language = Language.load()
+>>> language.understand("To pass a knife grab it by the blade").semantics
+'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same nine files.
+A second language is a second folder beside `ontology/english`, with the same nine files. A
+`Session` understands the utterances of a conversation one after the other, without believing or
+doing anything.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+import gc
+from collections.abc import Collection, Generator, Iterable, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 from ..ontology.confidence import Degrees, load_degrees
 from ..ontology.errors import UnknownNameError
 from ..ontology.yaml_reader import read_yaml
-from .building import building, without_collecting
 from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
 from .grammar.combinators import Combinator
@@ -38,10 +41,7 @@ from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import (
-    Meaning,
-    Rule,
-)
+from .semantics.meaning import Meaning, Rule, Statement
 from .semantics.pragmatics import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
@@ -49,17 +49,33 @@ LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 _WORD_FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 
 
+@contextmanager
+def _paused_gc() -> Generator[None]:
+    """Pause the garbage collector, which would walk thousands of new terms in vain.
+
+    Measured: a language loads in 0.6 s instead of 0.8 s; beside a large heap an utterance takes
+    15 % less time.
+    """
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
 @dataclass(frozen=True, repr=False)
 class Language:
-    """One language with one vocabulary; never changes.
+    """One language with one vocabulary; immutable.
 
     Attributes:
         name: its folder.
         parser: the parser of one sentence.
         examples: sentences that are understood, each with its words.
-        speech: what speaks.
-        expression: what puts meanings into sentences.
-        book: how entries are made for new words.
+        answers: the sentences that Hilt says.
+        realizer: puts meanings into sentences.
+        builder: makes entries for new words.
         inflection: forms of words.
         degrees: the degrees of confidence.
         learned: words that were added to the vocabulary by `with_words`.
@@ -76,7 +92,7 @@ class Language:
     learned: tuple[NewWord, ...] = ()
 
     @classmethod
-    @building
+    @_paused_gc()
     def load(
         cls,
         language: str = "english",
@@ -84,7 +100,7 @@ class Language:
         vocabulary: Vocabulary | None = None,
         extra_lexicon: Path | None = None,
     ) -> Language:
-        """Read a language.
+        """Load a language.
 
         Args:
             language: the name of its folder beside `english`.
@@ -127,6 +143,10 @@ class Language:
             builder.tool_acts(),
         )
         save_cache()
+        if not gc.get_freeze_count():
+            # All of a language is kept: make it old at once, without a collection of the young.
+            gc.freeze()
+            gc.unfreeze()
         examples = _examples(folder / "examples.yaml", builder.contractions)
         return cls(language, parser, examples, answers, realizer, builder, inflection, degrees)
 
@@ -134,16 +154,13 @@ class Language:
         return f"<Language {self.name}, {len(self.learned)} words learned>"
 
     def with_words(self, words: Iterable[NewWord]) -> Language:
-        """This language with learned words, known from now on in all their forms."""
+        """Return this language with further words, known in all their forms."""
         added = tuple(word for word in dict.fromkeys(words) if word not in self.learned)
         if not added:
             return self
         senses = [sense for word in added for sense in self.builder.name(word.role, word.word)]
-        uses = {
-            self.builder.bare_verb(word.word): word.word
-            for word in added
-            if word.role == "affordance"
-        }
+        gerunds = [word.word for word in added if word.role == "affordance"]
+        uses = {self.builder.bare_verb(gerund): gerund for gerund in gerunds}
         interpreter = self.parser.interpreter.knowing(added)
         parser = replace(
             self.parser,
@@ -152,7 +169,7 @@ class Language:
         )
         return replace(self, parser=parser, learned=(*self.learned, *added))
 
-    @without_collecting
+    @_paused_gc()
     def understand(
         self,
         text: str,
@@ -163,7 +180,7 @@ class Language:
         insist: Collection[str] = (),
         heard: float = 1.0,
     ) -> Understanding:
-        """What a text means; never raises for any text.
+        """Return the meaning of a text, or why it has none; never raises for any text.
 
         Args:
             text: one utterance.
@@ -171,8 +188,8 @@ class Language:
             addressee: who is spoken to, `self` for Hilt.
             discourse: what the conversation has spoken of; None at its beginning.
             insist: words that are new although they are close to known ones.
-            heard: how surely a recogniser heard it, in [0, 1]; what was not heard well enough to
-                be sure what is wanted is asked about.
+            heard: the confidence of a speech recogniser in the text, in [0, 1]; when it is too low
+                to be sure what is wanted, the meaning is a question back.
         """
         context = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
         return self.utterance_parser.understand(text, context, insist)
@@ -210,7 +227,7 @@ class Language:
         return self.utterance_parser.known_words.words
 
     def say(self, key: str, **slots: Slot) -> str:
-        """An answer of `answers.yaml`, with its slots filled."""
+        """Return an answer of `answers.yaml` with its slots filled."""
         return self.answers.say(key, **slots)
 
     def slots(self, key: str) -> tuple[str, ...]:
@@ -218,7 +235,7 @@ class Language:
         return self.answers.slots(key)
 
     def generate(self, meaning: Meaning) -> str:
-        """A sentence that means it: understood again, it gives the same meaning.
+        """Return a sentence with this meaning: understood again, it gives the same meaning.
 
         Raises:
             UnknownNameError: the language has no sentence for a meaning of this shape.
@@ -226,8 +243,39 @@ class Language:
         return self.realizer.realize(meaning)
 
     def phrase(self, rule: Rule) -> str:
-        """A rule in words: "to pass a knife, grab it by the blade"."""
+        """Return a rule in words: "to pass a knife, grab it by the blade"."""
         return self.answers.rule_phrase(rule)
+
+
+@dataclass(frozen=True)
+class Session:
+    """The state of a conversation: the words learned and what was spoken of so far.
+
+    What was spoken of ("it"), the last rule ("no, by the handle") and the words that statements
+    taught are carried on from one utterance to the next.
+
+    Attributes:
+        language: with the words learned so far.
+        discourse: what was spoken of so far.
+    """
+
+    language: Language
+    discourse: Discourse = field(default_factory=Discourse)
+
+    def hear(self, text: str, *, speaker: str = "sam") -> tuple[Understanding, Session]:
+        """Return the meaning of an utterance at this point, and the session after it."""
+        understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
+        language = self.language
+        if isinstance(understood.meaning, Statement):
+            language = language.with_words(understood.new_words)
+        return understood, Session(language, understood.discourse)
+
+    def after(self, texts: Iterable[str], *, speaker: str = "sam") -> Session:
+        """Return the session after several utterances."""
+        session = self
+        for text in texts:
+            _, session = session.hear(text, speaker=speaker)
+        return session
 
 
 def _folder(language: str) -> Path:

@@ -15,8 +15,8 @@ from .common import complain, finish, show, terminal, utterances, write_picture
 from .options import AsJson, Speaker, UserLexicon, app, example
 
 if TYPE_CHECKING:
+    from ...nlu.language import Session
     from ...nlu.parsing.understanding import Understanding
-    from ...nlu.session import Session
 
 Said = Annotated[
     str | None, typer.Argument(metavar="TEXT", help='What to parse, or "-" for lines from stdin.')
@@ -118,8 +118,7 @@ def grammar(
 
 
 def _session(lexicon: Path | None) -> Session:
-    from ...nlu.language import Language
-    from ...nlu.session import Session
+    from ...nlu.language import Language, Session
 
     return Session(Language.load(extra_lexicon=lexicon))
 

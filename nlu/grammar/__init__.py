@@ -1,2 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""grammar."""
+"""Combinatory categorial grammar (CCG) with lambda terms, read from the notation of data files.
+
+categories, types  syntactic categories, and the types of their meanings
+terms              lambda terms in de Bruijn notation, normalised by evaluation
+notation           the reader of categories, terms, types and rules, with parser and cache
+patterns           spellings with choices, as automata: `when (you|we) [want to]`
+grammar            the categories, unary rules and root categories of a language
+constructions      phrases with gaps, as lexical entries
+combinators        application and harmonic composition in normal form
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
