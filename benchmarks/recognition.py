@@ -4,10 +4,9 @@
     python benchmarks/recognition.py [--scenes 400] [--seed 0]
 
 Scene number i is `random:SEED+i`, which training (seeds from 1000000 on) has not seen, with the
-robot at its table. Each is looked at by all four cameras, by all four with 2 mm of depth noise, and
-by one alone. Printed are accuracy of things and of points, the expected calibration error over ten
-bins of confidence, what was seen that is not there or was there already, and the confusion matrix
-of the first.
+robot at its table. Each is seen by all four cameras, by all four with 2 mm of depth noise, and by
+one alone. Printed are the accuracy for objects and points, the expected calibration error over ten
+bins of confidence, the number of false detections, and the confusion matrix of the first.
 """
 
 import argparse
@@ -29,31 +28,31 @@ from hilt.sim.vision.percept import Percept
 OBJECTS = load_objects()
 ALL = [f"object:{name}" for name in OBJECTS]
 BINS = 10
-NEAR = 0.01  # [m], a point so near to the box of a thing is of it
+NEAR = 0.01  # [m], a point so near to the bounding box of an object belongs to it
 DEPTH_NOISE = 0.002  # [m]
-UNSURE = 0.5  # confidence
+LOW_CONFIDENCE = 0.5
 
 
 @dataclass
 class Tally:
-    """What was seen, under one condition."""
+    """The detections under one condition."""
 
     confused: Counter[tuple[str, str]] = field(default_factory=Counter)
     sure: list[float] = field(default_factory=list)
     right: list[bool] = field(default_factory=list)
     points: Counter[bool] = field(default_factory=Counter)
-    invented: int = 0
+    false: int = 0
 
     def add(self, body: Body, percepts: tuple[Percept, ...]) -> None:
-        """Compare what was seen with what is there."""
+        """Compare percepts with the objects of the world."""
         left = dict.fromkeys(body.world.kinds)
         for percept in percepts:
-            name = _shown(body, percept)
+            name = _object_of(body, percept)
             kind = body.world.kinds[name].name if name in left else ""
             self.sure.append(percept.confidence)
             self.right.append(kind == percept.object)
             if name not in left:
-                self.invented += 1
+                self.false += 1
                 continue
             del left[name]
             self.confused[kind, percept.object] += 1
@@ -63,7 +62,7 @@ class Tally:
             self.confused[body.world.kinds[name].name, "nothing"] += 1
 
     def _add_points(self, body: Body, name: str, percept: Percept) -> None:
-        """Whether points lie on the part that they are said to be of, by the hull of each part."""
+        """Count the points that lie on their part, by the bounding box of each part."""
         corners = body.world.models[percept.object].corners
         object_from_world = np.linalg.inv(body.world.pose(name))
         for part, seen in percept.parts.items():
@@ -76,12 +75,12 @@ class Tally:
 
     @property
     def accuracy(self) -> float:
-        """Share of the things that are there which were found and named rightly."""
+        """Share of the objects that were detected with the right type."""
         return sum(self.right) / self.confused.total()
 
     @property
     def calibration_error(self) -> float:
-        """Mean distance between confidence and accuracy over bins, by how many are in each."""
+        """Expected calibration error: mean gap between confidence and accuracy over bins."""
         sure, right = np.array(self.sure), np.array(self.right, dtype=float)
         bins = np.minimum((sure * BINS).astype(int), BINS - 1)
         gaps = [
@@ -92,13 +91,13 @@ class Tally:
 
 
 def _gap(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """How far points (n, 3) are outside the box round corners [m]."""
+    """Distances of points (n, 3) to the bounding box of corners [m]."""
     beyond = np.maximum(corners.min(axis=0) - points, points - corners.max(axis=0))
     return np.linalg.norm(np.maximum(beyond, 0), axis=1)
 
 
-def _shown(body: Body, percept: Percept) -> str | None:
-    """The thing in whose box most points of a percept are; None when there is none."""
+def _object_of(body: Body, percept: Percept) -> str | None:
+    """The object whose bounding box holds most points of a percept; None without one."""
     shares: dict[str, float] = {}
     for name, kind in body.world.kinds.items():
         corners = body.world.models[kind.name].points
@@ -109,17 +108,17 @@ def _shown(body: Body, percept: Percept) -> str | None:
     return best if shares[best] > 0.5 else None
 
 
-def noisy(views: tuple[CameraImage, ...], seed: int) -> list[CameraImage]:
-    """The views with noise on every pixel's depth."""
+def noisy(images: tuple[CameraImage, ...], seed: int) -> list[CameraImage]:
+    """The images with depth noise."""
     noise = Noise(depth_m=DEPTH_NOISE, seed=seed)
     return [
-        replace(view, depth=with_depth_noise(view.depth, noise, view.camera.name, 0))
-        for view in views
+        replace(image, depth=with_depth_noise(image.depth, noise, image.camera.name, 0))
+        for image in images
     ]
 
 
 def main() -> None:
-    """Look at scenes and print the table."""
+    """Detect objects in scenes and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=400)
     parser.add_argument("--seed", type=int, default=0)
@@ -131,13 +130,15 @@ def main() -> None:
             parse_scene(f"random:{seed}", seed=0, objects=OBJECTS), OBJECTS, seed=seed
         ) as body:
             detector = LearnedDetector(body.world.engine, OBJECTS)
-            views = detector.capture()
+            images = detector.capture()
             begun = time.process_time()
-            tallies["4 cameras"].add(body, detector.search(ALL, images=views))
+            tallies["4 cameras"].add(body, detector.search(ALL, images=images))
             seconds += time.process_time() - begun
             rough = replace(detector, noise=Noise(depth_m=DEPTH_NOISE))
-            tallies["4 cameras, 2 mm noise"].add(body, rough.search(ALL, images=noisy(views, seed)))
-            tallies["1 camera"].add(body, detector.search(ALL, images=[views[seed % len(views)]]))
+            tallies["4 cameras, 2 mm noise"].add(
+                body, rough.search(ALL, images=noisy(images, seed))
+            )
+            tallies["1 camera"].add(body, detector.search(ALL, images=[images[seed % len(images)]]))
         if sys.stderr.isatty() or seed % 50 == 49:
             print(f"\r{seed - given.seed + 1} scenes", end="", file=sys.stderr, flush=True)
     print(
@@ -149,20 +150,22 @@ def main() -> None:
 
 def _print_table(tallies: dict[str, Tally]) -> None:
     columns = (
-        "seen by",
-        "things",
+        "images",
+        "objects",
         "accuracy",
         "calibration error",
-        "unsure",
+        "low confidence",
         "of these right",
         "points on the right part",
-        "invented",
+        "false",
     )
     print("|", " | ".join(columns), "|")
     print("|---" * len(columns) + "|")
     for name, tally in tallies.items():
         unsure = [
-            right for sure, right in zip(tally.sure, tally.right, strict=True) if sure < UNSURE
+            right
+            for sure, right in zip(tally.sure, tally.right, strict=True)
+            if sure < LOW_CONFIDENCE
         ]
         row = (
             name,
@@ -172,7 +175,7 @@ def _print_table(tallies: dict[str, Tally]) -> None:
             f"{len(unsure)}",
             f"{sum(unsure)}",
             f"{tally.points[True] / tally.points.total():.4f}",
-            f"{tally.invented}",
+            f"{tally.false}",
         )
         print("|", " | ".join(row), "|")
 
@@ -180,7 +183,7 @@ def _print_table(tallies: dict[str, Tally]) -> None:
 def _print_confusion(confused: Counter[tuple[str, str]]) -> None:
     kinds = graspable(OBJECTS)
     columns = [*kinds, *sorted({seen for _, seen in confused} - set(kinds))]
-    print("\n| is \\ seen as |", " | ".join(columns), "|")
+    print("\n| type \\ detected as |", " | ".join(columns), "|")
     print("|---|" + "---|" * len(columns))
     for kind in kinds:
         print(f"| {kind} |", " | ".join(str(confused[kind, seen]) for seen in columns), "|")

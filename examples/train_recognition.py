@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Train the networks of `hilt.sim.vision.learned_detector` on rendered scenes.
+"""Train the classifiers of `hilt.sim.vision.learned_detector` on rendered scenes.
 
     python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--objects MY] [--out OUT]
 
-Scene number i has the seed SEED + i. A fifth of the scenes is kept back: on it the temperature is
-found and the accuracy printed. The mask of the simulator serves as the teacher here, and here only.
-With objects of your own, `hilt do --objects MY --vision learned:OUT` sees with what was learned.
+Scene number i has the seed SEED + i. A fifth of the scenes is held out for calibration and for the
+accuracy that is printed. The simulator's mask gives the labels.
+With objects of your own, use the result by `hilt do --objects MY --vision learned:OUT`.
 """
 
 import argparse
@@ -27,19 +27,21 @@ from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point
 from hilt.sim.vision.noise import Noise
 from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
 
-UNUSUAL = 0.3  # how often a thing lies in any way it can, usual or not
-NAIL, LOOSE_NAIL = 0.25, 0.15  # how often there is one
-POINTS = 80  # of a segment, for the part network
-EXAMPLES = 100  # of each kind, to tell what is familiar
-NOISY = 0.3  # share of the scenes with some depth noise
-FEWEST = 40  # scenes, so that some of every type are kept back
-AT_ONCE = 8  # most things on the table, besides a nail
-Rows = list[tuple[np.ndarray, int, np.ndarray, np.ndarray]]  # thing, kind, points, their parts
+UNUSUAL = 0.3  # share of objects that lie in any stable pose, usual or not
+NAIL, LOOSE_NAIL = 0.25, 0.15  # shares of scenes with one
+POINTS = 80  # of a segment, for the part classifier
+EXAMPLES = 100  # of each type, for novelty detection
+NOISY = 0.3  # share of scenes with depth noise
+MIN_SCENES = 40  # so that some of every type are held out
+MAX_OBJECTS = 8  # on the table, besides a nail
+Rows = list[
+    tuple[np.ndarray, int, np.ndarray, np.ndarray]
+]  # descriptor, type, point inputs, their parts
 
 
 @dataclass(frozen=True)
-class Teacher:
-    """Shows objects, and says what they are.
+class TrainingScenes:
+    """Renders scenes, and labels their segments.
 
     Attributes:
         objects: the types, by name.
@@ -49,20 +51,20 @@ class Teacher:
 
     @cached_property
     def kinds(self) -> tuple[str, ...]:
-        """The types to be told apart."""
+        """The types to be classified."""
         return (*graspable(self.objects), "block", "nail")
 
     @cached_property
     def parts(self) -> tuple[tuple[str, str], ...]:
-        """The parts to be told apart, each with its type."""
+        """The (type, part) pairs to be classified."""
         return tuple((kind, part) for kind in self.kinds for part in self.objects[kind].parts)
 
     def make_scene(self, seed: int) -> Scene:
-        """Objects, some of them in unusual ways, and sometimes a nail."""
+        """A scene with objects, some in unusual poses, and sometimes a nail."""
         rng = np.random.default_rng(seed)
         shown = graspable(self.objects)
-        if len(shown) > AT_ONCE:
-            shown = tuple(str(name) for name in rng.choice(shown, AT_ONCE, replace=False))
+        if len(shown) > MAX_OBJECTS:
+            shown = tuple(str(name) for name in rng.choice(shown, MAX_OBJECTS, replace=False))
         placed = [Placement(name, name, rest=self._rest(name, rng)) for name in shown]
         if rng.random() < LOOSE_NAIL:
             placed.append(Placement("loose nail", "nail", rest="flat"))
@@ -74,18 +76,20 @@ class Teacher:
         return rests[int(rng.integers(len(rests)))].name if rng.random() < UNUSUAL else None
 
     def samples(self, seed: int) -> Rows:
-        """What a scene shows to all cameras, to two of them, and to one."""
+        """Labelled samples of a scene, from all cameras, from two of them, and from one."""
         rng = np.random.default_rng([seed, 1])
         noise = Noise(depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed)
         try:
             with World.build(self.make_scene(seed), self.objects) as world:
-                views = MaskDetector(world.engine, world.kinds, world.models, noise=noise).capture()
+                images = MaskDetector(
+                    world.engine, world.kinds, world.models, noise=noise
+                ).capture()
                 kinds = {name: kind.name for name, kind in world.kinds.items()}
         except SimulationError:  # a table that is too full
             return []
         rows: Rows = []
-        for count in (len(views), 2, 1):
-            chosen = [views[i] for i in rng.choice(len(views), count, replace=False)]
+        for count in (len(images), 2, 1):
+            chosen = [images[i] for i in rng.choice(len(images), count, replace=False)]
             for segment in segment_images(chosen, margin=TABLE_MARGIN + 4 * noise.depth_m):
                 rows += self._sample(segment, chosen, kinds, rng)
         return rows
@@ -93,13 +97,13 @@ class Teacher:
     def _sample(
         self,
         segment: Segment,
-        views: list[CameraImage],
+        images: list[CameraImage],
         kinds: dict[str, str],
         rng: np.random.Generator,
     ) -> Iterator[tuple[np.ndarray, int, np.ndarray, np.ndarray]]:
-        """A segment with what the mask says it is; nothing when that is not one of the objects."""
+        """A sample of a segment with labels from the mask; nothing when it is not an object."""
         links = [
-            views[view].names.get(int(views[view].labels.flat[pixel]))
+            images[view].names.get(int(images[view].labels.flat[pixel]))
             for view, pixel in segment.sources
         ]
         pairs = [(kinds.get(link[0], ""), link[1]) if link else ("", "") for link in links]
@@ -118,49 +122,53 @@ class Teacher:
 
 
 def main() -> None:
-    """Collect, train, calibrate, keep."""
+    """Collect samples, train, calibrate, and save."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=260)
     parser.add_argument("--seed", type=int, default=1_000_000)
     parser.add_argument("--objects", type=Path, help="a file with objects of your own")
     parser.add_argument("--out", type=Path, default=CLASSIFIERS_FILE)
     given = parser.parse_args()
-    if given.scenes < FEWEST:
-        parser.error(f"expected at least {FEWEST} scenes")
+    if given.scenes < MIN_SCENES:
+        parser.error(f"expected at least {MIN_SCENES} scenes")
     print(f"scenes {given.scenes}, seeds {given.seed} to {given.seed + given.scenes - 1}")
 
     household = load_household()
     if given.objects:
         household = load_household(given.objects, added_to=household)
-    teacher, scenes = Teacher(household.objects), []
+    source, scenes = TrainingScenes(household.objects), []
     for i in range(given.scenes):
-        scenes.append(teacher.samples(given.seed + i))
+        scenes.append(source.samples(given.seed + i))
         if i % 20 == 19:
             print(f"  {i + 1} scenes rendered", flush=True)
     held = given.scenes // 5
     rng = np.random.default_rng(given.seed)
-    _train(teacher, scenes[held:], scenes[:held], rng).save(given.out)
+    _train(source, scenes[held:], scenes[:held], rng).save(given.out)
     print(f"{given.out}: {given.out.stat().st_size / 1000:.0f} kB")
 
 
 def _train(
-    teacher: Teacher, scenes: list[Rows], held: list[Rows], rng: np.random.Generator
+    source: TrainingScenes, scenes: list[Rows], held: list[Rows], rng: np.random.Generator
 ) -> Recogniser:
-    """Both networks and what is usual, calibrated on the scenes that were held back."""
-    things, kinds, inputs, parts = _stacked(scenes)
-    held_things, held_kinds, held_inputs, held_parts = _stacked(held)
-    named = train_classifier(things, kinds, count=len(teacher.kinds), units=48, epochs=60, rng=rng)
-    named = named.calibrated(held_things, held_kinds)
-    shared = train_classifier(inputs, parts, count=len(teacher.parts), units=64, epochs=20, rng=rng)
-    shared = shared.calibrated(held_inputs, held_parts)
-    for what, network, rows, wanted in (
-        ("things", named, held_things, held_kinds),
-        ("points", shared, held_inputs, held_parts),
+    """Train both classifiers and the novelty detector, calibrated on the held-out scenes."""
+    segments, kinds, points, parts = _stacked(scenes)
+    held_segments, held_kinds, held_points, held_parts = _stacked(held)
+    objects = train_classifier(
+        segments, kinds, count=len(source.kinds), units=48, epochs=60, rng=rng
+    ).calibrated(held_segments, held_kinds)
+    part_classifier = train_classifier(
+        points, parts, count=len(source.parts), units=64, epochs=20, rng=rng
+    ).calibrated(held_points, held_parts)
+    for what, classifier, inputs, classes in (
+        ("objects", objects, held_segments, held_kinds),
+        ("points", part_classifier, held_points, held_parts),
     ):
-        right = (network.probabilities(rows).argmax(axis=1) == wanted).mean()
-        print(f"{what}: {right:.4f} of {len(rows)} right, temperature {network.temperature:.2f}")
-    usual = NoveltyDetector.fit(things, kinds, held_things, held_kinds, count=EXAMPLES)
-    return Recogniser(teacher.kinds, teacher.parts, named, shared, usual)
+        right = (classifier.probabilities(inputs).argmax(axis=1) == classes).mean()
+        print(
+            f"{what}: {right:.4f} of {len(inputs)} right, temperature {classifier.temperature:.2f}"
+        )
+    novelty = NoveltyDetector.fit(segments, kinds, held_segments, held_kinds, count=EXAMPLES)
+    return Recogniser(source.kinds, source.parts, objects, part_classifier, novelty)
 
 
 def _stacked(scenes: list[Rows]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
