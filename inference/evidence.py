@@ -14,12 +14,12 @@ the order of teaching.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import log2, prod
 from types import MappingProxyType
 
 from ..kb.interval import VACUOUS, Interval
+from ..ontology import evidence
 from ..ontology.errors import ConflictError, UnknownNameError
 
 EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper differ by .0016
@@ -33,12 +33,11 @@ Acceptance = Callable[[Interval, float], bool]
 
 def _bounded(lower: float, upper: float) -> Interval:
     """Return the interval, with bounds clipped to [0, 1] against rounding errors."""
-    lower = min(max(lower, 0.0), 1.0)
-    return Interval(lower, min(max(upper, lower), 1.0))
+    return Interval(*evidence.clip(lower, upper))
 
 
-def _product(factors: Iterable[float]) -> float:
-    return prod(sorted(factors))
+def _pair(interval: Interval) -> evidence.Bounds:
+    return interval.lower, interval.upper
 
 
 # --- Logical operators -------------------------------------------------------------------
@@ -46,7 +45,9 @@ def _product(factors: Iterable[float]) -> float:
 
 def conjunction(intervals: Sequence[Interval]) -> Interval:
     """AND of independent propositions: [a1·a2, b1·b2] (Sarathy & Scheutz 2016; product frame)."""
-    return _bounded(_product(i.lower for i in intervals), _product(i.upper for i in intervals))
+    return _bounded(
+        evidence.product(i.lower for i in intervals), evidence.product(i.upper for i in intervals)
+    )
 
 
 def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
@@ -77,13 +78,8 @@ def negation(interval: Interval) -> Interval:
 
 
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
-    """Conclude by the conditional reading: [a·α, 1 - a·(1-β)].
-
-    Derived by conditional embedding (Smets): the bounds of P(C) over P(A) in [a, b] and P(C|A) in
-    [α, β] with P(C|not A) free. A doubtful antecedent never yields more than ignorance.
-    """
-    a = antecedent.lower
-    return _bounded(a * rule.lower, 1 - a * (1 - rule.upper))
+    """Conclude by the conditional reading: [a·α, 1 - a·(1-β)] (`ontology.evidence`)."""
+    return Interval(*evidence.modus_ponens(_pair(antecedent), _pair(rule)))
 
 
 def modus_ponens_published(antecedent: Interval, rule: Interval) -> Interval:
@@ -102,25 +98,11 @@ def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
 # --- Fusion of several intervals for one proposition ---------------------------------------
 
 
-def _commonalities(intervals: Sequence[Interval]) -> tuple[float, float, float]:
-    """Return the commonalities (Π b, Π (1-a), Π (b-a)) of true, false and either."""
-    return (
-        _product(i.upper for i in intervals),
-        _product(1 - i.lower for i in intervals),
-        _product(i.upper - i.lower for i in intervals),
-    )
-
-
 def fuse_yager(intervals: Sequence[Interval]) -> Interval:
-    """Fuse by Yager's rule (1987) over all sources at once: conflict becomes ignorance.
-
-    Always defined: [1, 1] with [0, 0] gives [0, 1]. Taken n-ary because pairwise it is not
-    associative, and the result would depend on the order of teaching.
-    """
+    """Fuse by Yager's rule (1987) over all sources at once (`ontology.evidence`)."""
     if len(intervals) == 1:
         return intervals[0]
-    true, false, either = _commonalities(intervals)
-    return _bounded(true - either, 1 - false + either)
+    return Interval(*evidence.fuse_yager([*map(_pair, intervals)]))
 
 
 def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
@@ -131,7 +113,7 @@ def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
     """
     if len(intervals) == 1:
         return intervals[0]
-    true, false, either = _commonalities(intervals)
+    true, false, either = evidence.commonalities([*map(_pair, intervals)])
     agreement = true + false - either
     if agreement <= 0:
         shown = ", ".join(str(i) for i in intervals)
@@ -177,22 +159,12 @@ def fuse_latest(intervals: Sequence[Interval]) -> Interval:
 
 def relative_plausibility(interval: Interval) -> float:
     """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
-    return interval.upper / (1 + interval.upper - interval.lower)
+    return evidence.relative_plausibility((interval.lower, interval.upper))
 
 
 def certainty(interval: Interval) -> float:
-    """The confidence measure lambda of Núñez et al. (2013), in [0, 1].
-
-    lambda = 1 + (b/γ)·log2(b/γ) + ((1-a)/γ)·log2((1-a)/γ) with γ = 1 + b - a, which is one minus
-    the entropy of the plausibility transform. It does not depend on the truth value: [0, 0] is as
-    certain as [1, 1].
-    """
-    share = relative_plausibility(interval)
-    return max(0.0, 1 + _entropy_term(share) + _entropy_term(1 - share))
-
-
-def _entropy_term(share: float) -> float:
-    return share * log2(share) if share > 0 else 0.0
+    """Return the confidence measure lambda of Núñez et al. (2013), see `ontology.evidence`."""
+    return evidence.certainty((interval.lower, interval.upper))
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:

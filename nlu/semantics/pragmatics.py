@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a speaker wants by saying something: pragmatic rules over speech acts.
+"""Pragmatic rules: from a speech act to the speaker's intention.
 
-`STATEMENT(A,B,X) => wantBelieve(A,B,X)`: when a person tells an agent something, it wants the agent
+`STATEMENT(A,B,X) => wantBelieve(A,B,X)`: a person who states something to an agent wants the agent
 to believe it. The rules are data (`pragmatics.yaml`), each with an interval of confidence, as in
 Scheutz et al. (2013) and Williams et al. (2015). Paper, section 3.2.
 """
@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from ...ontology.evidence import certainty, fuse_yager, modus_ponens, relative_plausibility
 from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.notation import read_rule
-from .evidence import EVIDENCE, Evidence
 from .meaning import Confidence
 from .predicates import Form, fill, form_of_term, match
 
@@ -49,12 +49,10 @@ class Pragmatics:
     Attributes:
         rules: in the order of the file.
         threshold: the least certainty of an intention, in [0, 1].
-        evidence: how conclusions are drawn.
     """
 
     rules: tuple[PragmaticRule, ...]
     threshold: float
-    evidence: Evidence = EVIDENCE
 
     def intentions(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
         """All that a speech act may be meant to bring about, the surest first.
@@ -67,10 +65,11 @@ class Pragmatics:
         for rule in self._by_act.get(act.name, ()):
             variables = match(rule.act, act)
             if variables is not None:
-                concluded = self.evidence.ponens(heard, rule.interval)
+                concluded = modus_ponens(heard, rule.interval)
                 found.setdefault(fill(rule.intention, variables), []).append(concluded)
-        judged = [self._judged(form, intervals) for form, intervals in found.items()]
-        return sorted(judged, key=lambda each: -each.certainty)
+        fused = {form: fuse_yager(intervals) for form, intervals in found.items()}
+        intentions = [Intention(form, each, _certainty(each)) for form, each in fused.items()]
+        return sorted(intentions, key=lambda each: -each.certainty)
 
     def meant(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
         """The intentions that are sure enough; with none or several of them, Hilt must ask."""
@@ -78,7 +77,7 @@ class Pragmatics:
 
     def is_enough(self, interval: Confidence) -> bool:
         """Whether an intention is sure enough to go by."""
-        return self.evidence.certainty(interval) > self.threshold
+        return _certainty(interval) > self.threshold
 
     @cached_property
     def _by_act(self) -> Mapping[str, Sequence[PragmaticRule]]:
@@ -86,10 +85,6 @@ class Pragmatics:
         for rule in self.rules:
             found.setdefault(rule.act.name, []).append(rule)
         return found
-
-    def _judged(self, form: Form, intervals: Sequence[Confidence]) -> Intention:
-        interval = self.evidence.fused(intervals)
-        return Intention(form, interval, self.evidence.certainty(interval))
 
 
 @dataclass(frozen=True)
@@ -133,3 +128,8 @@ def _rule(field: Field) -> PragmaticRule:
     if unbound:
         raise parts["rule"].fail(f"{', '.join(sorted(unbound))} stands only on the right.")
     return PragmaticRule(act, intention, (lower, upper))
+
+
+def _certainty(interval: Confidence) -> float:
+    """The certainty that something is so, in [0, 1]; 0 when it is rather not so."""
+    return certainty(interval) if relative_plausibility(interval) > 0.5 else 0.0

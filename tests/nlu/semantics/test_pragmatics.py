@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from hilt.nlu.grammar.notation import parse_term
-from hilt.nlu.semantics.evidence import Evidence
 from hilt.nlu.semantics.pragmatics import load_pragmatics
 from hilt.nlu.semantics.predicates import Form, form_of_term
 from hilt.ontology.errors import DataError
@@ -65,13 +63,6 @@ def test_rules_for_two_intentions_leave_both(tmp_path: Path) -> None:
     )
 
     assert len(load_pragmatics(path).meant(form("INSTRUCT(sam,self,x)"))) == 2
-
-
-def test_another_inference_can_be_handed_in() -> None:
-    """What draws the conclusions is a value."""
-    careful = replace(load_pragmatics(), evidence=Evidence(certainty=lambda interval: 0.0))
-
-    assert careful.meant(form("INSTRUCT(sam,self,x)")) == []
 
 
 @pytest.mark.parametrize(
