@@ -32,10 +32,10 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Render a scene with the robot at its table, and list what stands where."""
-    from ...sim.media.pictures import refuse_unwritable
+    from ...sim.media.pictures import check_writable
     from ..execution.embodiment import Embodiment
 
-    refuse_unwritable(out)
+    check_writable(out)
     embodiment = Embodiment.from_config(config)
     with spinner("Setting the table"), embodiment.open_body() as body:
         _picture(body, out, names=names)
@@ -51,13 +51,12 @@ def show(
 
 
 def _picture(body: Body, path: Path, *, names: bool) -> None:
-    from ...sim.media.drawings import with_names
-    from ...sim.media.pictures import OVERVIEW, save_picture, take_picture
+    from ...sim.media.pictures import OVERVIEW, draw_names, save_picture, take_picture
 
     picture = take_picture(body.world.engine)
     if names:
         places = {name: body.world.top(name) for name in body.world.kinds}
-        picture = with_names(picture, OVERVIEW, places)
+        picture = draw_names(picture, OVERVIEW, places)
     save_picture(picture, path)
 
 

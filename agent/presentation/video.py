@@ -20,7 +20,7 @@ from ..execution.outcome import Constraint, WalkStep
 if TYPE_CHECKING:
     from ...sim.body import Body
     from ...sim.grasping.planner import GraspPlan
-    from ...sim.media.drawings import GraspMark
+    from ...sim.media.pictures import GraspMark
     from ...sim.media.recording import Recorder
     from ...sim.robot.hand_poses import Grasp
     from ..execution.goal_manager import GoalManager
@@ -125,6 +125,6 @@ def _interval(bound: Constraint) -> tuple[float, float]:
 
 
 def _mark(grasp: Grasp, *, accepted: bool) -> GraspMark:
-    from ...sim.media.drawings import GraspMark  # numpy only when something is filmed
+    from ...sim.media.pictures import GraspMark  # numpy only when something is filmed
 
     return GraspMark(grasp.world_from_grip, grasp.opening, accepted)

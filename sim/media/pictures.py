@@ -1,50 +1,63 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures for people: the scene in good light, before a plain warm wall.
+"""Pictures of a scene for people: rendering, tints, drawn grasps, name labels and captions.
 
-Rendered at twice the size and reduced (Lanczos), which smooths all edges. Where the simulator sees
-nothing there is a soft gradient instead of its white. The boards and the grain of the table are
-laid over its plain colour afterwards, computed from the place in the world behind each pixel: as a
-texture in the simulator they would slow every look of the robot. A part can be tinted, and words
-written below; what is drawn into a picture is in `drawings`.
+A picture is rendered at twice the size and reduced (Lanczos), which smooths all edges. The white
+background of the simulator is replaced by a soft gradient. The boards and the grain of the table
+are laid over its plain colour afterwards, computed from the place in the world behind each pixel:
+as a texture in the simulator they would slow every image that the robot takes.
+
+Grasps are drawn as small hands: two fingers, what joins them, and the wrist. Rejected ones are thin
+and red, accepted ones green, the chosen one thick.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import radians
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...ontology.errors import DataError, MissingExtraError
+from ...ontology.errors import DataError, extra_required
+from .. import poses
 from ..physics.engine import PhysicsEngine
 from ..physics.types import Light
 from ..poses import Array
 from ..vision.camera import Camera
 
+with extra_required("sim", "pillow"):
+    from PIL import Image, ImageDraw, ImageFont
+
 Picture = NDArray[np.uint8]
 
-ENDINGS = (".png", ".jpg", ".jpeg")
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
 PICTURE_LIGHT = Light(direction=(0.5, -0.9, 1.6), shadow=True)
 SUPERSAMPLING = 2.0
 TABLE_TOP = ("table", "top")
-CAPTION_PAPER, CAPTION_INK = (252, 250, 246), (52, 44, 38)
+CAPTION_BACKGROUND, CAPTION_COLOUR = (252, 250, 246), (52, 44, 38)
 BOARD_WIDTH = 0.16  # [m]
 SEAM = 0.0018  # [m], half the width of the dark line between two boards
-TINT = (0.10, 0.45, 1.0)  # red, green, blue of a part that is pointed out
+TINT = (0.10, 0.45, 1.0)  # red, green, blue of a highlighted part
 WALL_TOP, WALL_BOTTOM = (250, 247, 242), (232, 224, 213)  # warm white
+
+FINGER, STEM = 0.035, 0.075  # [m], from the tips back to the palm and to the end of the wrist
+REJECTED, ACCEPTED, CHOSEN = (205, 40, 30, 130), (20, 150, 80, 220), (0, 110, 50, 255)
+OVERSAMPLING = 2  # drawn so many times as large, then reduced: lines without teeth
+LABEL_LIFT = 0.03  # [m], of a label above what it names
+LABEL_PAD = 4 * OVERSAMPLING  # pixels of the finer picture round a name
+
+Label: TypeAlias = tuple[float, float, float, float]  # left, top, right, bottom in pixels
 
 OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.26), radians(41), 960, 720)
 
 
 def closeup(target: tuple[float, float, float], *, width: int = 960, height: int = 720) -> Camera:
-    """A camera that looks at a point on the table from near [m]."""
+    """Return a camera that looks at a point on the table from near [m]."""
     x, y, z = target
     return Camera("closeup", (x + 0.42, y - 0.40, z + 0.34), target, radians(36), width, height)
 
@@ -57,14 +70,14 @@ def take_picture(
     smoothing: float = SUPERSAMPLING,
     tint: tuple[str, str] | None = None,
 ) -> Picture:
-    """A picture of the world as it is now, (height, width, 3).
+    """Return a picture of the world as it is now, (height, width, 3).
 
     Args:
         engine: where the world is.
-        camera: from where.
-        light: how it is lit.
+        camera: the point of view.
+        light: of the scene.
         smoothing: how many times as large it is rendered; 1 is fastest and has jagged edges.
-        tint: a body and the part of it that is pointed out.
+        tint: a body and the part of it that is highlighted.
     """
     large = replace(
         camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)
@@ -74,7 +87,7 @@ def take_picture(
     picture = view.colour.copy()
     if TABLE_TOP[0] in engine.bodies.names:
         table = view.mask(*TABLE_TOP)
-        shades = _boards(large)[table] * picture[table]
+        shades = _table_shades(large)[table] * picture[table]
         picture[table] = np.minimum(shades, 255).astype(np.uint8)
     background = ~np.isin(view.labels, np.fromiter(view.names, dtype=np.int32))
     picture[background] = _wall(large)[background]
@@ -82,21 +95,21 @@ def take_picture(
 
 
 @lru_cache(maxsize=4)
-def _boards(camera: Camera) -> NDArray[np.float32]:
-    """How much darker or lighter the table is where each pixel meets it, (height, width, 3)."""
+def _table_shades(camera: Camera) -> NDArray[np.float32]:
+    """Return brightness factors of the table where each pixel meets it, (height, width, 3)."""
     height, width = camera.height, camera.width
     columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
     ahead = np.full(columns.shape, -camera.focal)
     rays = np.stack([columns - width / 2, height / 2 - rows, ahead], axis=-1)
     rays = rays @ camera.world_from_camera[:3, :3].T
-    down = np.minimum(rays[..., 2], -1e-3)  # rays that never come down are not of the table
+    down = np.minimum(rays[..., 2], -1e-3)  # rays that never come down miss the table
     far = (-camera.eye[2] / down)[..., None]
     places = np.array(camera.eye[:2]) + far * rays[..., :2]
     return _grain(places).astype(np.float32)
 
 
 def _grain(places: Array) -> Array:
-    """How much darker or lighter wood is at places (..., 2) of the table, (..., 3) factors."""
+    """Return brightness factors (..., 3) of wood at places (..., 2) of the table."""
     x, y = places[..., 0], places[..., 1]
     board = np.floor(y / BOARD_WIDTH)
     across = y / BOARD_WIDTH - board
@@ -118,19 +131,19 @@ def _wall(camera: Camera) -> Picture:
 
 
 def _reduced(picture: Picture, camera: Camera) -> Picture:
-    image = pillow().fromarray(picture)
-    return np.asarray(image.resize((camera.width, camera.height), pillow().Resampling.LANCZOS))
+    image = Image.fromarray(picture)
+    return np.asarray(image.resize((camera.width, camera.height), Image.Resampling.LANCZOS))
 
 
-def refuse_unwritable(path: Path, endings: Sequence[str] = ENDINGS) -> None:
-    """Tell at once that a file cannot be written, before anything is done for it.
+def check_writable(path: Path, suffixes: Sequence[str] = PICTURE_SUFFIXES) -> None:
+    """Check that a file can be written, before any work is done for it.
 
     Raises:
-        DataError: the ending of the path names none of these formats, or its folder takes no file.
+        DataError: the suffix of the path is none of these, or its folder is not writable.
     """
-    if path.suffix.lower() not in endings:
-        raise DataError(f"expected a file ending in {', '.join(endings)}.", source=str(path))
-    with writing(path):
+    if path.suffix.lower() not in suffixes:
+        raise DataError(f"expected a file ending in {', '.join(suffixes)}.", source=str(path))
+    with reporting_write_errors(path):
         is_new = not path.exists()
         path.parent.mkdir(parents=True, exist_ok=True)
         path.open("ab").close()
@@ -139,8 +152,8 @@ def refuse_unwritable(path: Path, endings: Sequence[str] = ENDINGS) -> None:
 
 
 @contextmanager
-def writing(path: Path) -> Generator[None]:
-    """What goes wrong while a file is written in the block, as a `DataError`."""
+def reporting_write_errors(path: Path) -> Generator[None]:
+    """Raise an OSError in this block as a `DataError` about the file."""
     try:
         yield
     except OSError as error:
@@ -149,18 +162,18 @@ def writing(path: Path) -> Generator[None]:
 
 
 def save_picture(picture: Picture, path: Path) -> None:
-    """Write a picture; the ending of the path names the format (PNG, JPEG, ...).
+    """Write a picture; the suffix of the path names the format (PNG, JPEG, ...).
 
     Raises:
         DataError: it cannot be written.
     """
-    with writing(path):
+    with reporting_write_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        pillow().fromarray(picture).save(path)
+        Image.fromarray(picture).save(path)
 
 
-def captioned(picture: Picture, text: str, *, lines: int = 0) -> Picture:
-    """The picture with a text below it.
+def add_caption(picture: Picture, text: str, *, lines: int = 0) -> Picture:
+    """Return the picture with a text below it.
 
     Args:
         picture: (height, width, 3).
@@ -169,37 +182,37 @@ def captioned(picture: Picture, text: str, *, lines: int = 0) -> Picture:
     """
     height, width = picture.shape[:2]
     size = caption_size(picture)
-    broken = broken_caption(picture, text)
+    broken = wrap_caption(picture, text)
     bar = round(size * (1.35 * (lines or len(broken)) + 0.8))
-    image = pillow().new("RGB", (width, height + bar), CAPTION_PAPER)
-    image.paste(pillow().fromarray(picture), (0, 0))
+    image = Image.new("RGB", (width, height + bar), CAPTION_BACKGROUND)
+    image.paste(Image.fromarray(picture), (0, 0))
     draw, font = _drawing(image, size)
     for number, line in enumerate(broken):
-        draw.text((size, height + size * (0.3 + 1.35 * number)), line, font=font, fill=CAPTION_INK)
+        draw.text(
+            (size, height + size * (0.3 + 1.35 * number)), line, font=font, fill=CAPTION_COLOUR
+        )
     return np.asarray(image)
 
 
 def caption_size(picture: Picture) -> int:
-    """The height of the letters below a picture, in pixels."""
+    """Return the height of the letters below a picture, in pixels."""
     return max(12, round(picture.shape[0] / 25))
 
 
-def broken_caption(picture: Picture, text: str) -> list[str]:
-    """A text in lines that fit below a picture."""
+def wrap_caption(picture: Picture, text: str) -> list[str]:
+    """Return a text in lines that fit below a picture."""
     size = caption_size(picture)
-    draw, font = _drawing(pillow().new("RGB", (1, 1)), size)
+    draw, font = _drawing(Image.new("RGB", (1, 1)), size)
     length = partial(draw.textlength, font=font)
-    return _wrapped(text, length, picture.shape[1] - 2 * size)
+    return _wrap(text, length, picture.shape[1] - 2 * size)
 
 
 def _drawing(image: Any, size: int) -> tuple[Any, Any]:
-    from PIL import ImageDraw, ImageFont
-
     return ImageDraw.Draw(image), ImageFont.load_default(size)
 
 
-def _wrapped(text: str, length: Callable[[str], float], width: float) -> list[str]:
-    """The text in lines that are no longer than `width`, in pixels."""
+def _wrap(text: str, length: Callable[[str], float], width: float) -> list[str]:
+    """Return the text in lines that are no longer than `width`, in pixels."""
     lines: list[str] = []
     for paragraph in text.splitlines() or [""]:
         lines.append("")
@@ -212,14 +225,114 @@ def _wrapped(text: str, length: Callable[[str], float], width: float) -> list[st
     return lines
 
 
-def pillow() -> ModuleType:
-    """The image library.
+# --- drawings -------------------------------------------------------------------------------
 
-    Raises:
-        MissingExtraError: it is not installed.
+
+@dataclass(frozen=True, eq=False)
+class GraspMark:
+    """A grasp to draw.
+
+    Attributes:
+        world_from_grip: (4, 4), origin between the pads, y along the closing, z ahead.
+        opening: between the fingers [m].
+        accepted: whether it is possible.
+        chosen: whether it is the one that is carried out.
     """
-    try:
-        from PIL import Image
-    except ImportError as error:
-        raise MissingExtraError("sim", "pillow") from error
-    return Image
+
+    world_from_grip: Array
+    opening: float
+    accepted: bool
+    chosen: bool = False
+
+
+def draw_grasps(picture: Picture, camera: Camera, marks: Sequence[GraspMark]) -> Picture:
+    """Return a picture with grasps drawn into it.
+
+    Args:
+        picture: what the camera sees (height, width, 3).
+        camera: the point of view.
+        marks: the grasps; accepted ones are drawn over the others.
+    """
+    size = max(1, round(picture.shape[0] / 360))
+    overlay, draw = _overlay(picture)
+    for mark in sorted(marks, key=lambda mark: (mark.chosen, mark.accepted)):
+        colour = CHOSEN if mark.chosen else ACCEPTED if mark.accepted else REJECTED
+        width = round(OVERSAMPLING * size * (3 if mark.chosen else 1.2))
+        for line in _hand(mark):
+            at = camera.pixels(line) * OVERSAMPLING
+            if np.isfinite(at).all():
+                draw.line([tuple(point) for point in at], fill=colour, width=width, joint="curve")
+    return _composited(picture, overlay)
+
+
+def _hand(mark: GraspMark) -> tuple[Array, Array]:
+    """Return the fingers with the palm, and the wrist, as lines of points (n, 3) [m]."""
+    half = mark.opening / 2
+    fingers = np.array([[0, -half, 0], [0, -half, -FINGER], [0, half, -FINGER], [0, half, 0]])
+    wrist = np.array([[0, 0, -FINGER], [0, 0, -STEM]])
+    return (
+        poses.transform(mark.world_from_grip, fingers),
+        poses.transform(mark.world_from_grip, wrist),
+    )
+
+
+def draw_names(picture: Picture, camera: Camera, places: Mapping[str, Array]) -> Picture:
+    """Return a picture with names written above places.
+
+    Args:
+        picture: what the camera sees (height, width, 3).
+        camera: the point of view.
+        places: name -> the place (3,) in the world [m].
+    """
+    overlay, draw = _overlay(picture)
+    font: Any = ImageFont.load_default(max(11, picture.shape[0] // 42) * OVERSAMPLING)
+    labels: list[Label] = []
+    for name, (at, foot) in _label_ends(camera, places):
+        label = _free_label(draw.textbbox(tuple(at), name, font=font, anchor="mb"), labels)
+        labels.append(label)
+        middle, bottom = (label[0] + label[2]) / 2, label[3]
+        draw.line([(middle, bottom), tuple(foot)], fill=(*CAPTION_COLOUR, 150), width=OVERSAMPLING)
+        draw.rounded_rectangle(label, LABEL_PAD, fill=(*CAPTION_BACKGROUND, 225))
+        draw.text(
+            (middle, bottom - LABEL_PAD), name, font=font, anchor="mb", fill=(*CAPTION_COLOUR, 255)
+        )
+    return _composited(picture, overlay)
+
+
+def _label_ends(
+    camera: Camera, places: Mapping[str, Array]
+) -> Iterable[tuple[str, tuple[Array, Array]]]:
+    """Where each label and its foot are in the finer picture, the nearest first."""
+    for name in sorted(places, key=lambda name: float(np.linalg.norm(places[name] - camera.eye))):
+        ends = np.array([places[name] + (0, 0, LABEL_LIFT), places[name]])
+        label, foot = camera.pixels(ends) * OVERSAMPLING
+        if np.isfinite([label, foot]).all():
+            yield name, (label, foot)
+
+
+def _free_label(text: Label, others: Sequence[Label]) -> Label:
+    """A label round a text (left, top, right, bottom), moved up until it covers no other."""
+    left, top, right, bottom = text
+    label = (left - LABEL_PAD, top - LABEL_PAD, right + LABEL_PAD, bottom + LABEL_PAD)
+    while blocking := [other for other in others if _overlap(label, other)]:
+        up = label[3] - min(other[1] for other in blocking) + OVERSAMPLING
+        label = (label[0], label[1] - up, label[2], label[3] - up)
+    return label
+
+
+def _overlap(one: Label, other: Label) -> bool:
+    across = one[0] < other[2] and other[0] < one[2]
+    return across and one[1] < other[3] and other[1] < one[3]
+
+
+def _overlay(picture: Picture) -> tuple[Any, Any]:
+    height, width = picture.shape[:2]
+    sheet = Image.new("RGBA", (width * OVERSAMPLING, height * OVERSAMPLING), (0, 0, 0, 0))
+    return sheet, ImageDraw.Draw(sheet, "RGBA")
+
+
+def _composited(picture: Picture, sheet: Any) -> Picture:
+    height, width = picture.shape[:2]
+    small = sheet.resize((width, height), Image.Resampling.LANCZOS)
+    base = Image.fromarray(picture).convert("RGBA")
+    return np.asarray(Image.alpha_composite(base, small).convert("RGB"))

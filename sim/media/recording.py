@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings: what happens in a world as an animation or a strip of pictures.
+"""Recordings of a world: GIF or MP4 animations, or some moments side by side in a PNG.
 
-A `Recorder` watches a world while its `with` block runs and takes a picture every so often; the
-ending of the file decides what becomes of them: GIF and MP4 move, PNG shows some moments side by
-side. A world that nobody watches does not even ask whether it should take pictures.
+A `Recorder` takes a picture of a world at regular intervals while its `with` block runs; the suffix
+of the file names the format. A world that is not recorded has no cost of it.
 """
 
 from __future__ import annotations
@@ -16,34 +15,36 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from ...ontology.errors import MissingExtraError
 from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..scene.world import World
 from ..vision.camera import Camera
-from .drawings import GraspMark, with_grasps
 from .pictures import (
     OVERVIEW,
     PICTURE_LIGHT,
+    GraspMark,
     Picture,
-    broken_caption,
-    captioned,
+    add_caption,
+    check_writable,
     closeup,
-    refuse_unwritable,
+    draw_grasps,
+    reporting_write_errors,
     save_picture,
     take_picture,
-    writing,
+    wrap_caption,
 )
 
-ENDINGS = (".gif", ".mp4", ".png")
+RECORDING_SUFFIXES = (".gif", ".mp4", ".png")
 RECORDING_CAMERA = replace(OVERVIEW, width=480, height=360)
-LIGHT = replace(PICTURE_LIGHT, shadow=False)  # shadows would double the time of a picture
-RATE = 8  # pictures a second of the recording
-PACE = 2.0  # seconds of the world in one second of the recording
-SMOOTHING = 1.5  # edges without teeth, for half the price of twice
-HOLD = 1.2  # [s], how long an animation rests on its last picture
-COLOURS = 256  # all that a GIF can hold
+LIGHT = replace(PICTURE_LIGHT, shadow=False)  # shadows would double the rendering time
+FRAME_RATE = 8  # [1/s] pictures of the recording
+SPEED = 2.0  # seconds of the world in one second of the recording
+SMOOTHING = 1.5  # smooth edges at half the cost of 2
+LAST_FRAME_TIME = 1.2  # [s]
+COLOURS = 256  # limit of the GIF format
 STRIP_COLUMNS, STRIP_ROWS = 4, 2
 
 
@@ -51,16 +52,16 @@ class Recorder:
     """Records a world into one file.
 
     Args:
-        world: what is watched.
-        path: the file; its ending is .gif, .mp4 or .png.
-        camera: from where.
-        rate: pictures a second of the recording.
-        pace: how much faster than the world the recording runs.
+        world: to record.
+        path: the file; its suffix is .gif, .mp4 or .png.
+        camera: the point of view.
+        rate: pictures per second of the recording.
+        speed: how much faster than the world the recording runs.
 
     Attributes:
-        caption: what stands below the pictures from now on; nothing when empty.
-        tint: a body and the part of it that is pointed out from now on; None for nothing.
-        grasps: what is drawn into the pictures from now on.
+        caption: text below the pictures from now on; none when empty.
+        tint: a body and the part of it that is highlighted from now on; None for nothing.
+        grasps: drawn into the pictures from now on.
     """
 
     def __init__(
@@ -69,20 +70,20 @@ class Recorder:
         path: Path,
         *,
         camera: Camera = RECORDING_CAMERA,
-        rate: float = RATE,
-        pace: float = PACE,
+        rate: float = FRAME_RATE,
+        speed: float = SPEED,
     ) -> None:
-        refuse_unwritable(path, ENDINGS)
-        _refuse_missing_encoder(path)
+        check_writable(path, RECORDING_SUFFIXES)
+        _check_encoder(path)
         self.caption = ""
         self.tint: tuple[str, str] | None = None
         self.grasps: Sequence[GraspMark] = ()
         self._world, self._path, self._camera, self._rate = world, path, camera, rate
-        self._interval = max(1, round(pace / rate / TIME_STEP))  # steps
+        self._interval = max(1, round(speed / rate / TIME_STEP))  # steps
         self._waiting = 0
         self._taken: list[tuple[Picture, str]] = []
         self._last: tuple[int, str] | None = None
-        self._rests: list[int] = []  # where it rests on one of them
+        self._freezes: list[int] = []  # indices of pictures on which it freezes
 
     def __enter__(self) -> Recorder:
         self._world.watcher = self._watch
@@ -102,7 +103,7 @@ class Recorder:
 
     @property
     def _moment(self) -> tuple[int, str]:
-        """The time in the world, and what is written about it."""
+        """The time in the world and the caption."""
         return self._world.engine.steps, self.caption
 
     def _watch(self) -> None:
@@ -112,19 +113,19 @@ class Recorder:
         self._waiting -= 1
 
     def take(self, at: Array | None = None) -> None:
-        """Take one picture now; with a place (3,) in the world [m] a picture from near it."""
+        """Take one picture now, from near a place (3,) in the world [m] when it is given."""
         camera = self._camera if at is None else self._near(at)
         picture = take_picture(
             self._world.engine, camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
         )
         if self.grasps:
-            picture = with_grasps(picture, camera, self.grasps)
+            picture = draw_grasps(picture, camera, self.grasps)
         self._taken.append((picture, self.caption))
         self._last = self._moment
 
     def pause(self, seconds: float, at: Array | None = None) -> None:
-        """Take a picture and let the recording rest on it, while no time passes in the world."""
-        self._rests.append(len(self._taken))
+        """Take a picture and freeze the recording on it, while no time passes in the world."""
+        self._freezes.append(len(self._taken))
         self.take(at)
         self._taken += self._taken[-1:] * (round(seconds * self._rate) - 1)
 
@@ -134,20 +135,20 @@ class Recorder:
 
     @property
     def pictures(self) -> list[Picture]:
-        """What has been taken so far, with captions, all of one size."""
-        return _captioned(self._taken)
+        """The pictures taken so far, with captions, all of one size."""
+        return _with_captions(self._taken)
 
     def _strip(self) -> Picture:
-        """Moments side by side, among them all on which the recording rests."""
+        """Return moments side by side, among them those on which the recording freezes."""
         kept: list[tuple[Picture, str]] = []
-        rests: list[int] = []
+        freezes: list[int] = []
         for index, each in enumerate(self._taken):
-            rests += [len(kept)] if index in self._rests else []
+            freezes += [len(kept)] if index in self._freezes else []
             kept += [each] if not kept or each is not kept[-1] else []
-        return strip(_captioned(kept), rests)
+        return strip(_with_captions(kept), freezes)
 
     def _write(self) -> None:
-        with writing(self._path):
+        with reporting_write_errors(self._path):
             match self._path.suffix.lower():
                 case ".png":
                     save_picture(self._strip(), self._path)
@@ -157,11 +158,11 @@ class Recorder:
                     _write_mp4(self.pictures, self._path, self._rate)
 
 
-def _captioned(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
-    lines = max((len(broken_caption(*each)) for each in taken if each[1]), default=0)
+def _with_captions(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
+    lines = max((len(wrap_caption(*each)) for each in taken if each[1]), default=0)
     if not lines:
         return [picture for picture, _ in taken]
-    return [captioned(picture, text, lines=lines) for picture, text in taken]
+    return [add_caption(picture, text, lines=lines) for picture, text in taken]
 
 
 def caption(
@@ -171,13 +172,13 @@ def caption(
     constraint: str = "",
     interval: tuple[float, float] | None = None,
 ) -> str:
-    """What to write below a picture of one moment.
+    """Return the caption of a picture of one moment.
 
     Args:
-        utterance: what was said.
-        node: where in the action tree this is, "pass/graspObject".
-        constraint: what must be kept to, "knife by the blade".
-        interval: how certain that is.
+        utterance: of the user.
+        node: of the action tree, "pass/graspObject".
+        constraint: what to act on, "knife by the blade".
+        interval: belief and plausibility of the constraint.
 
     >>> print(caption(utterance="Pass me the knife.", node="pass/findObject", constraint="knife",
     ...               interval=(0.9, 1.0)))
@@ -190,17 +191,17 @@ def caption(
     return "\n".join(filter(None, (f'"{utterance}"' if utterance else "", moment)))
 
 
-def _refuse_missing_encoder(path: Path) -> None:
+def _check_encoder(path: Path) -> None:
     if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
         raise MissingExtraError("sim", "imageio-ffmpeg")
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
-    """Some of the pictures, evenly spaced in time, row by row in one.
+    """Return one picture of some pictures, evenly spaced in time, row by row.
 
     Args:
         pictures: all of one size.
-        always: which of them must be among these, as far as there is room.
+        always: indices of those that must be among them, as far as there is room.
     """
     most = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
     must = sorted(always)[:most]
@@ -215,9 +216,7 @@ def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
 
 
 def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
-    from PIL import Image
-
-    # One palette for all keeps still things still: their colours do not flicker.
+    # One palette for all pictures keeps the colours of still objects from flickering.
     palette = Image.fromarray(strip(pictures)).quantize(
         COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=2
     )
@@ -225,7 +224,7 @@ def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
         Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
         for picture in pictures
     ]
-    durations = [round(1000 / rate)] * (len(frames) - 1) + [round(1000 * HOLD)]
+    durations = [round(1000 / rate)] * (len(frames) - 1) + [round(1000 * LAST_FRAME_TIME)]
     frames[0].save(
         path, save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False
     )
@@ -236,5 +235,5 @@ def _write_mp4(pictures: list[Picture], path: Path, rate: float) -> None:
 
     writer: Any = imageio.get_writer(path, fps=rate, macro_block_size=2)
     with writer:
-        for picture in pictures + [pictures[-1]] * round(HOLD * rate):
+        for picture in pictures + [pictures[-1]] * round(LAST_FRAME_TIME * rate):
             writer.append_data(picture)

@@ -13,8 +13,7 @@ from hilt.ontology.errors import DataError, MissingExtraError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.media import pictures, recording
-from hilt.sim.media.drawings import GraspMark
-from hilt.sim.media.pictures import OVERVIEW, captioned, save_picture, take_picture
+from hilt.sim.media.pictures import OVERVIEW, GraspMark, add_caption, save_picture, take_picture
 from hilt.sim.media.recording import Recorder, caption, strip
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
@@ -34,7 +33,7 @@ def world() -> Iterator[World]:
 
 def recorded(world: World, path: Path, captions: tuple[str, ...]) -> Path:
     """A recording of 0.5 s for each caption, at 4 pictures a second."""
-    with Recorder(world, path, camera=SMALL, rate=4, pace=1) as recorder:
+    with Recorder(world, path, camera=SMALL, rate=4, speed=1) as recorder:
         for caption in captions:
             recorder.caption = caption
             world.step(120)
@@ -89,7 +88,7 @@ def test_gif_lasts_as_long_as_what_happened(world: World, tmp_path: Path):
 
     with Image.open(path) as film:
         durations = [frame.info["duration"] for frame in ImageSequence.Iterator(film)]
-        assert sum(durations) == 1000 + 1000 * recording.HOLD
+        assert sum(durations) == 1000 + 1000 * recording.LAST_FRAME_TIME
         assert film.size[0] == 120
         assert film.size[1] > 90
 
@@ -157,7 +156,7 @@ def test_mp4_holds_the_pictures(world: World, tmp_path: Path):
 
     with imageio.get_reader(path) as film:
         facts = film.get_meta_data()
-        assert facts["duration"] == pytest.approx(1 + recording.HOLD, abs=0.3)
+        assert facts["duration"] == pytest.approx(1 + recording.LAST_FRAME_TIME, abs=0.3)
         assert facts["size"][0] == 120
         assert facts["size"][1] > 90
 
@@ -175,11 +174,11 @@ def test_long_caption_is_broken_into_lines():
     picture = np.zeros((90, 300, 3), dtype=np.uint8)
     text = "To pass a knife grab the knife by the blade. " * 3
 
-    lines = pictures.broken_caption(picture, text)
+    lines = pictures.wrap_caption(picture, text)
 
     assert len(lines) > 2
     assert " ".join(lines) == text.strip()
-    assert captioned(picture, text).shape[0] > captioned(picture, "Pass.").shape[0] > 90
+    assert add_caption(picture, text).shape[0] > add_caption(picture, "Pass.").shape[0] > 90
 
 
 def test_caption_keeps_its_own_lines():
@@ -193,7 +192,7 @@ def test_caption_keeps_its_own_lines():
     )
 
     assert text.splitlines()[1] == "pass/graspObject: knife by the blade [0.90, 1.00]"
-    assert pictures.broken_caption(picture, text)[0] == '"Pass me the knife."'
+    assert pictures.wrap_caption(picture, text)[0] == '"Pass me the knife."'
     assert caption(node="pass") == "pass"
 
 
@@ -217,4 +216,4 @@ def test_recording_tints_and_draws_what_it_is_told(world: World, tmp_path: Path)
 def test_picture_of_unknown_ending_is_refused():
     """What is no picture is told before anything is rendered."""
     with pytest.raises(DataError, match=r"expected a file ending in \.png"):
-        pictures.refuse_unwritable(Path("scene.pdf"))
+        pictures.check_writable(Path("scene.pdf"))

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from hilt.sim import poses
-from hilt.sim.media.drawings import FINGER, GraspMark, with_grasps, with_names
-from hilt.sim.media.pictures import OVERVIEW
+from hilt.sim.media.pictures import FINGER, OVERVIEW, GraspMark, draw_grasps, draw_names
 
 CAMERA = replace(OVERVIEW, width=320, height=240)
 BLANK = np.full((240, 320, 3), 255, dtype=np.uint8)
@@ -22,7 +21,7 @@ def drawn(picture: np.ndarray) -> np.ndarray:
 
 def test_grasp_is_drawn_where_it_is():
     """The fingers end where the grip frame says, half the opening to each side."""
-    picture = with_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=True)])
+    picture = draw_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=True)])
 
     tips = poses.transform(DOWNWARD, np.array([[0, -0.04, 0], [0, 0.04, 0], [0, 0.04, -FINGER]]))
     for place in CAMERA.pixels(tips):
@@ -32,7 +31,7 @@ def test_grasp_is_drawn_where_it_is():
 def test_good_grasps_are_green_and_others_red():
     """What was accepted, what was ruled out and what was taken look different."""
     pictures = [
-        with_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=ok, chosen=taken)])
+        draw_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=ok, chosen=taken)])
         for ok, taken in ((True, False), (False, False), (True, True))
     ]
 
@@ -47,7 +46,7 @@ def test_nothing_behind_the_camera_is_drawn():
     """A grasp at the camera's back leaves the picture as it was."""
     behind = poses.translation(*(2 * np.array(CAMERA.eye) - np.array(CAMERA.target)))
 
-    picture = with_grasps(BLANK, CAMERA, [GraspMark(behind, 0.08, accepted=True)])
+    picture = draw_grasps(BLANK, CAMERA, [GraspMark(behind, 0.08, accepted=True)])
 
     assert (picture == BLANK).all()
 
@@ -56,8 +55,8 @@ def test_names_stand_above_their_places_without_covering_each_other():
     """Two names at one place are written one above the other."""
     place = np.array([0.4, 0.0, 0.0])
 
-    one = with_names(BLANK, CAMERA, {"mug": place})
-    two = with_names(BLANK, CAMERA, {"mug": place, "cup": place})
+    one = draw_names(BLANK, CAMERA, {"mug": place})
+    two = draw_names(BLANK, CAMERA, {"mug": place, "cup": place})
 
     assert drawn(one)[:, 1].max() <= CAMERA.pixels(place[None])[0, 1] + 1
     assert np.ptp(drawn(two)[:, 1]) > np.ptp(drawn(one)[:, 1]) + 8
