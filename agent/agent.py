@@ -29,7 +29,7 @@ from . import protocols
 from .config import AgentConfig, open_base
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
-from .dialogue.translation import words_of
+from .dialogue.translation import action_words
 from .episodes.recorder import EpisodeRecorder
 from .episodes.serialization import embodiment_as_json, file_as_json, settings_as_choices
 from .execution.embodiment import Embodiment
@@ -90,7 +90,7 @@ class Agent:
         self._film: Film | None = None
         self.dialogue = DialogueManager(
             base,
-            language.with_words(words_of(actions, language)),
+            language.with_words(action_words(actions, language)),
             lambda: self.goals,
             self.visible,
             EpisodeRecorder(base, self.circumstances, self.state).record,
@@ -236,7 +236,7 @@ class Agent:
         )
 
     @contextmanager
-    def facing(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
+    def in_scene(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
         """Another agent for the block: it knows what this one knows, and has a scene of its own.
 
         Args:
@@ -274,7 +274,7 @@ class Agent:
             finally:
                 self._film = None
 
-    def start_over(self) -> None:
+    def reset_body(self) -> None:
         """Give up the body, whatever it was doing; the next command finds the table as at first."""
         self._release_body()
         for made in ("body", "goals"):

@@ -39,7 +39,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
     chat = Chat(agent, out, speaker, talking=source.isatty())
     if chat.talking:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
-    said = lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.talking else source
+    said = read_lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.talking else source
     for line in (line.removeprefix("\ufeff").strip() for line in said):
         if line in LAST_WORDS:
             return
@@ -84,7 +84,7 @@ class Chat:
             with self.out.status("..."):
                 reply = self.agent.hear(line, speaker=self.speaker)
         except KeyboardInterrupt:
-            self.agent.start_over()
+            self.agent.reset_body()
             self.out.print(Text("I stopped. The next command finds the table as it was at first."))
             return
         except ValidationError as error:  # what is no text ends no conversation
@@ -117,7 +117,7 @@ def _why(agent: Agent) -> RenderableType:
     last = agent.dialogue.last_done
     if last is None or last.achievement is None:
         return Text("I have not done anything yet.")
-    return shown.achievement(last.achievement, agent.quote)
+    return shown.goal_result(last.achievement, agent.quote)
 
 
 _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
@@ -128,7 +128,7 @@ _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
 }
 
 
-def lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
+def read_lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
     """What is typed, a line at a time, until the end of input; Ctrl-C drops a line.
 
     Args:

@@ -90,7 +90,7 @@ def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
     out.print(Panel(reply.text, style="cyan", expand=False))
     out.print(shown.turn(reply))
     if reply.achievement:
-        out.print(shown.achievement(reply.achievement, agent.quote))
+        out.print(shown.goal_result(reply.achievement, agent.quote))
         for picture in reply.achievement.world.pictures:
             out.print(f"wrote {picture}", markup=False)
 

@@ -25,7 +25,7 @@ from ..kb.views import RuleView, view
 from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent
 from .config import AgentConfig, actions_with, load_language, open_base
-from .dialogue.teaching import known
+from .dialogue.teaching import word_from_base
 from .episodes.recorder import AGAIN
 from .episodes.serialization import embodiment_from_json, file_from_json, request_from_json
 from .execution.outcome import GoalResult, Json
@@ -140,7 +140,7 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool
     embodiment = embodiment_from_json(circumstances["embodiment"], gui=gui)
     return Agent(
         open_base("memory:", embodiment.household),
-        load_language(embodiment.household).with_words(map(known, words)),
+        load_language(embodiment.household).with_words(map(word_from_base, words)),
         actions_with(file_from_json(circumstances["actions"])),
         embodiment,
         AgentConfig(settings=Settings().with_choices(circumstances["settings"])),

@@ -29,7 +29,7 @@ from ...ontology.errors import (
 # Each module adds its commands to `app`; help lists them in this order.
 from . import conversation, language, rules, files, history  # isort: skip
 from . import query, reasoning, scene, episodes, evaluate  # isort: skip
-from .common import FAILED, complain
+from .common import FAILED, report_error
 from .options import app
 
 WRONG_USAGE, INTERRUPTED = 2, 130
@@ -72,7 +72,7 @@ def _run(arguments: Sequence[str], *, debug: bool) -> int:
             raise  # no mistake of who typed this
         if debug:
             traceback.print_exc()
-        complain(error if isinstance(error, HiltError) else _in_words(error))
+        report_error(error if isinstance(error, HiltError) else _in_words(error))
         return code
 
 

@@ -93,9 +93,9 @@ def converse(
             reply = hear(said)
         done = done and reply.is_done
         if as_json:
-            show(as_json(reply))
+            print_json(as_json(reply))
         elif reply.ending == "not_understood":
-            complain(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
+            report_error(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
         else:
             _show_reply(agent, reply)
             _tell_of_trust(agent, reply)
@@ -117,7 +117,7 @@ def _show_reply(agent: Agent, reply: Reply) -> None:
     out = terminal()
     out.print(console.turn(reply))
     if reply.achievement and reply.achievement.steps:
-        out.print(console.achievement(reply.achievement, agent.quote))
+        out.print(console.goal_result(reply.achievement, agent.quote))
 
 
 def utterances(text: str) -> Iterator[str]:
@@ -136,7 +136,7 @@ def _lines(stream: Iterable[bytes]) -> Iterator[str]:
             raise DataError("expected UTF-8 text.", source="<stdin>", line=number) from error
 
 
-def text_of(text_or_file: str) -> str:
+def read_sparql(text_or_file: str) -> str:
     """The content of a file of SPARQL, what stdin holds for "-", else the text itself."""
     if text_or_file == STDIN:
         return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
@@ -151,13 +151,13 @@ def text_of(text_or_file: str) -> str:
     return text_or_file
 
 
-def show(document: object) -> None:
+def print_json(document: object) -> None:
     """Print one JSON document on a line of its own."""
     typer.echo(json.dumps(document, ensure_ascii=False))
     sys.stdout.flush()
 
 
-def write_picture(path: Path, svg: str) -> None:
+def write_svg(path: Path, svg: str) -> None:
     """Keep a picture in a file, which must be called one.
 
     Raises:
@@ -171,13 +171,13 @@ def write_picture(path: Path, svg: str) -> None:
         raise DataError(f"cannot be written: {error.strerror}.", source=str(path)) from error
 
 
-def finish(done: bool) -> None:
+def exit_with(done: bool) -> None:
     """End the command: with exit code 1 unless what was asked for is done."""
     if not done:
         raise typer.Exit(FAILED)
 
 
-def complain(error: HiltError | str) -> None:
+def report_error(error: HiltError | str) -> None:
     """A line on stderr for each mistake; on a terminal also the line of the file, with a caret."""
     several = _mistakes(error)
     for one in several[:MOST_MISTAKES]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from ..config import AgentConfig
-from .common import STDIN, converse, finish, open_for_reading, show, terminal
+from .common import STDIN, converse, exit_with, open_for_reading, print_json, terminal
 from .options import (
     EVERY,
     LANGUAGE,
@@ -48,10 +48,10 @@ def demo(
     with Agent.open(kb, config) as agent:
         came = example.run(agent, terminal(stderr=True), out)
         if as_json:
-            show(came.as_json())
+            print_json(came.as_json())
         else:
             example.show(came, terminal(), agent)
-    finish(came.is_as_told)
+    exit_with(came.is_as_told)
 
 
 @app.command(epilog=example('tell "To pass a knife, grab it by the blade"'))
@@ -75,7 +75,7 @@ def tell(
             lambda said: agent.hear(said, speaker=speaker, only="tell", heard=heard),
             (lambda reply: reply.as_tell_json()) if as_json or text == STDIN else None,
         )
-    finish(done)
+    exit_with(done)
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
@@ -100,7 +100,7 @@ def do(
             lambda said: agent.hear(said, speaker=speaker, only="do", heard=heard),
             (lambda reply: reply.as_do_json()) if as_json or text == STDIN else None,
         )
-    finish(done)
+    exit_with(done)
 
 
 def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
@@ -132,7 +132,7 @@ def ask(
             lambda said: agent.hear(said, speaker=speaker, only="ask"),
             (lambda reply: reply.as_ask_json()) if as_json or text == STDIN else None,
         )
-    finish(done)
+    exit_with(done)
 
 
 @app.command(epilog=example("chat --no-sim"))
@@ -154,6 +154,6 @@ def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
     with open_for_reading(kb) as base:
         found = base.words()
     if as_json:
-        show([word.as_json() for word in found])
+        print_json([word.as_json() for word in found])
     else:
         terminal().print(console.words(found))

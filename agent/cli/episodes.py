@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .common import finish, open_for_reading, show, spinner, terminal
+from .common import exit_with, open_for_reading, print_json, spinner, terminal
 from .options import AsJson, Gui, Kb, Record, app, example
 
 
@@ -26,7 +26,7 @@ def episodes(
         found = list(base.episodes())
     shown = found[-last:] if last else found
     if as_json:
-        show([
+        print_json([
             {"id": one.id, "time": one.time and one.time.isoformat(), "speaker": one.speaker,
              **json.loads(one.document)}
             for one in shown
@@ -54,7 +54,7 @@ def replay(
         with spinner(f"Running {which} again"):
             came = run(base, which, gui=gui, film=record)
         if as_json:
-            show(came.as_json())
+            print_json(came.as_json())
         else:
-            terminal().print(history.replayed(came, lambda said: base.utterance(said).text))
-    finish(not came.differences)
+            terminal().print(history.replay_result(came, lambda said: base.utterance(said).text))
+    exit_with(not came.differences)

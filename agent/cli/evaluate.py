@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from .common import finish, show, terminal
+from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 
 What = Annotated[
@@ -123,8 +123,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     report = EvaluationReport.from_runs(experiment, runs)
     for path in report_to or ():
         write_report(path, experiment, cases, report)
-    show(report.as_json()) if as_json else terminal().print(report.table())
-    finish(report.is_right)
+    print_json(report.as_json()) if as_json else terminal().print(report.table())
+    exit_with(report.is_right)
 
 
 def _compare(first: Path, second: Path, *, as_json: bool) -> None:
@@ -133,7 +133,7 @@ def _compare(first: Path, second: Path, *, as_json: bool) -> None:
 
     found = compare(first, second)
     if as_json:
-        show(found.as_json())
+        print_json(found.as_json())
     else:
         terminal().print("No difference." if found.is_empty else found.table())
-    finish(found.is_empty)
+    exit_with(found.is_empty)

@@ -13,7 +13,7 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.text import counted
-from .common import finish, open_base, open_for_reading, show, terminal
+from .common import exit_with, open_base, open_for_reading, print_json, terminal
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def import_(
     with opened(kb) as base, _progress("Reading", _size(file)) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     if as_json:
-        show({"applied": not dry_run, **found.as_json()})
+        print_json({"applied": not dry_run, **found.as_json()})
     else:
         _show(found, file, dry_run=dry_run)
 
@@ -135,16 +135,16 @@ def validate(
         found = _findings_in_base(kb) if file is None else _findings_in_file(file, file_format)
     except DataError as error:
         if as_json:  # what cannot be read is told there, too
-            show([_as_json(one) for one in error.mistakes or (error,)])
+            print_json([_as_json(one) for one in error.mistakes or (error,)])
         raise
     if as_json:
-        show([finding.as_json() for finding in found])
+        print_json([finding.as_json() for finding in found])
     else:
         for finding in found:
             where = ":".join(str(part) for part in (file, finding.line) if part)
             typer.echo(f"{where}: {finding}" if where else str(finding))
         typer.echo(f"{counted(len(found), 'finding')}." if found else "Valid.", err=True)
-    finish(not found)
+    exit_with(not found)
 
 
 def _as_json(error: DataError) -> dict[str, object]:
@@ -206,7 +206,7 @@ def backup(
     with open_for_reading(kb, must_exist=True) as base:
         number = save(base, folder)
     if as_json:
-        show({"backup": str(folder), "sequence": number})
+        print_json({"backup": str(folder), "sequence": number})
     else:
         typer.echo(f"Saved up to utterance {number} in {folder}.", err=True)
 
@@ -227,6 +227,6 @@ def restore(
     location = kb or str(default_location())
     number = put_back(folder, location, replace=replace)
     if as_json:
-        show({"restored": str(folder), "sequence": number})
+        print_json({"restored": str(folder), "sequence": number})
     else:
         typer.echo(f"Restored up to utterance {number} from {folder}.", err=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError, HiltError
-from .common import finish, open_base, open_for_reading, show, terminal
+from .common import exit_with, open_base, open_for_reading, print_json, terminal
 from .options import AsJson, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def history(
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
         shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
     if as_json:
-        show([utterance.as_json() for utterance in shown])
+        print_json([utterance.as_json() for utterance in shown])
     else:
         terminal().print(history.history(shown))
 
@@ -75,7 +75,9 @@ def forget(
         said = _forgotten(base, what, speaker)
         done = list(rule_changes(base.reader, since=before))
     if as_json:
-        show({"said": said, "retracted": [r.as_json() for one in done for r in one.retracted]})
+        print_json(
+            {"said": said, "retracted": [r.as_json() for one in done for r in one.retracted]}
+        )
     else:
         typer.echo(said)
 
@@ -99,7 +101,9 @@ def watch(
     out = terminal()
     try:
         for change in _changes(_location(kb), since, every, seconds):
-            show(change.as_json()) if as_json else out.print(history.change(change), soft_wrap=True)
+            print_json(change.as_json()) if as_json else out.print(
+                history.change(change), soft_wrap=True
+            )
     except KeyboardInterrupt:
         return
 
@@ -117,10 +121,10 @@ def diff(
     with _opened(one) as before, _opened(other) as after:
         found = compare_bases(before.reader, after.reader)
     if as_json:
-        show(found.as_json())
+        print_json(found.as_json())
     else:
         terminal().print(history.difference(found), soft_wrap=True)
-    finish(found.is_empty)
+    exit_with(found.is_empty)
 
 
 @app.command(epilog=example("merge mine/ theirs.trig --dry-run"))
@@ -139,9 +143,9 @@ def merge(
     with opened(into) as base, _opened(other) as source:
         found = merge_report.merge(base, source, name=other, dry_run=dry_run)
     if as_json:
-        show(found.as_json())
+        print_json(found.as_json())
     else:
-        terminal().print(history.merged(found))
+        terminal().print(history.merge_result(found))
 
 
 def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from ...ontology.errors import DataError
-from .common import complain, finish, show, terminal, utterances, write_picture
+from .common import exit_with, print_json, report_error, terminal, utterances, write_svg
 from .options import AsJson, Speaker, UserLexicon, app, example
 
 if TYPE_CHECKING:
@@ -54,10 +54,10 @@ def parse(
     session = session.after(before or (), speaker=speaker)
     understood = [session.hear(said, speaker=speaker)[0] for said in utterances(text or "")]
     for found in understood:
-        show(found.as_json()) if as_json else _print(found)
+        print_json(found.as_json()) if as_json else _print(found)
         if svg is not None:
             _draw(found, svg)
-    finish(all(found.reading is not None for found in understood))
+    exit_with(all(found.reading is not None for found in understood))
 
 
 lexicon_app = typer.Typer(help="The words of the language.")
@@ -74,7 +74,7 @@ def check(
     before = sum(1 for _ in _session(None).language.lexicon.senses())
     entries = sum(1 for _ in _session(file).language.lexicon.senses()) - before
     found = {"file": str(file), "entries": entries}
-    show(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
+    print_json(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
 
 
 @lexicon_app.command(name="list", epilog=example("lexicon list knife"))
@@ -94,12 +94,12 @@ def list_entries(
         for entry in [sense.entry()]
     )
     if word and not entries:
-        complain(f'No entry has the word "{word}".')
+        report_error(f'No entry has the word "{word}".')
     if as_json:
-        show([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])
+        print_json([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])
     else:
         typer.echo("".join(f"{each[0]}  {each[1]} : {each[2]}\n" for each in entries), nl=False)
-    finish(bool(entries))
+    exit_with(bool(entries))
 
 
 @lexicon_app.command(epilog=example("lexicon grammar > hilt.jsgf"))
@@ -126,21 +126,21 @@ def _session(lexicon: Path | None) -> Session:
 def _print(found: Understanding) -> None:
     from ..presentation import console
 
-    terminal().print(console.understood(found))
+    terminal().print(console.understanding(found))
 
 
 def _draw(found: Understanding, path: Path) -> None:
     from ...nlu.parsing.derivation import draw_svg
 
     if found.derivation is not None:
-        write_picture(path, draw_svg(found.derivation))
+        write_svg(path, draw_svg(found.derivation))
 
 
 def _parse_file(session: Session, path: Path, speaker: str) -> None:
     """One result line for each line of the file, each in a session of its own."""
     for text, before in _lines(path):
         found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
-        show(found.as_json())
+        print_json(found.as_json())
 
 
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import QueryError
-from .common import open_base, open_for_reading, show, spinner, terminal, text_of
+from .common import open_base, open_for_reading, print_json, read_sparql, spinner, terminal
 from .options import AsJson, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
@@ -79,10 +79,14 @@ def update(
     opened = open_for_reading if dry_run else open_base
     with opened(kb) as base:
         said = apply(
-            base, text_of(sparql), speaker=speaker, limits=Limits(timeout, memory), dry_run=dry_run
+            base,
+            read_sparql(sparql),
+            speaker=speaker,
+            limits=Limits(timeout, memory),
+            dry_run=dry_run,
         )
     if as_json:
-        show({"updated": not dry_run, "sequence": said.sequence})
+        print_json({"updated": not dry_run, "sequence": said.sequence})
     else:
         done = "It can be applied." if dry_run else f"Updated; number {said.sequence} in history."
         typer.echo(done, err=True)
@@ -91,7 +95,7 @@ def update(
 def _asked(question: str) -> NamedQuery:
     from ...kb.sparql.named_queries import named_query, read_query
 
-    text = text_of(question)
+    text = read_sparql(question)
     is_name = text == question and all(sign.isalnum() or sign == "-" for sign in text)
     return named_query(text) if is_name else read_query(text)
 
@@ -123,7 +127,7 @@ def _list(*, as_json: bool) -> None:
 
     named = [named_query(name) for name in query_names()]
     if as_json:
-        show(
+        print_json(
             [
                 {
                     "name": one.name,

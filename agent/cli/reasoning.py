@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..config import AgentConfig
-from .common import finish, open_base, open_for_reading, show, terminal, write_picture
+from .common import exit_with, open_base, open_for_reading, print_json, terminal, write_svg
 from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -41,14 +41,14 @@ def explain(
         decision = reply.achievement.decision if reply.achievement else None
         changes = _changes(agent, decision)
         if svg and decision:
-            write_picture(svg, proof_svg.draw_svg(decision))
+            write_svg(svg, proof_svg.draw_svg(decision))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
-            show(said | {"proofs": proofs, "changes": [each.as_json() for each in changes]})
+            print_json(said | {"proofs": proofs, "changes": [each.as_json() for each in changes]})
         else:
             terminal().print(console.explanation(reply, changes))
-    finish(reply.is_done)
+    exit_with(reply.is_done)
 
 
 def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
@@ -70,7 +70,7 @@ def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     with open_for_reading(kb) as base:
         found = find_conflicts(base.rules())
     if as_json:
-        show([each.as_json() for each in found])
+        print_json([each.as_json() for each in found])
     else:
         terminal().print(console.conflicts(found))
 
@@ -86,7 +86,7 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     with open_for_reading(kb) as base:
         found = find(base.rules(), household.objects, classes=household.classes)
     if as_json:
-        show([each.as_json() for each in found])
+        print_json([each.as_json() for each in found])
     else:
         terminal().print(console.induced(found))
 
@@ -119,7 +119,7 @@ def abduce(
             taxonomy=Taxonomy.from_base(base),
         )
     if as_json:
-        show([each.as_json() for each in found])
+        print_json([each.as_json() for each in found])
     else:
         terminal().print(console.hypotheses(found))
-    finish(bool(found))
+    exit_with(bool(found))

@@ -11,7 +11,7 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.text import counted
-from .common import STDIN, open_base, open_for_reading, show, terminal
+from .common import STDIN, open_base, open_for_reading, print_json, terminal
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def rules(
         source = base if is_now else view(base.reader, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
     if as_json:
-        show([rule.as_json() for rule in found])
+        print_json([rule.as_json() for rule in found])
     else:
         from ..presentation import console
 
@@ -81,7 +81,7 @@ def trust(
             name = base.match_speaker(str(speaker))
             shown = {name: base.set_trust(name, degree)}
     if as_json:
-        show({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
+        print_json({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
         return
     for name, interval in shown.items():
         typer.echo(f"{name} is trusted to {interval.lower:g}.", err=degree is not None)
@@ -116,7 +116,7 @@ def graph(
     if as_json:
         nodes = [{"id": node, **data} for node, data in found.nodes(data=True)]
         edges = [{"from": a, "to": b, **data} for a, b, data in found.edges(data=True)]
-        show({"nodes": nodes, "edges": edges})
+        print_json({"nodes": nodes, "edges": edges})
         return
     if len(rules) > MOST_RULES:
         raise DataError(

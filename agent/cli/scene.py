@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..config import AgentConfig
-from .common import show as print_json
-from .common import spinner, terminal
+from .common import print_json, spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config
 
 if TYPE_CHECKING:
@@ -22,7 +21,7 @@ app.add_typer(scene_app, name="scene")
 
 @scene_app.command(epilog=example("scene show --scene random:7 --out table.png"))
 @with_config(*SCENE, "robot")
-def show(
+def print_json(
     *,
     config: AgentConfig,
     out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(

@@ -2,8 +2,7 @@
 from .manager import DialogueManager
 from .questions import Knowledge, answer
 from .reply import Reply
-from .teaching import Lesson, lesson
-from .translation import request_of, rule_of, said_of
+from .teaching import Lesson
 
 __all__ = [
     "DialogueManager",

@@ -29,8 +29,8 @@ from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request
 from .questions import Knowledge, answer
 from .reply import Reply
-from .teaching import Lesson, known, learned, lesson, to_forget
-from .translation import request_of, said_of
+from .teaching import Lesson, lesson_from_statement, rule_to_retract, word_from_base, word_to_keep
+from .translation import meaning_from_rule, request_from_command
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction"),
@@ -108,7 +108,9 @@ class DialogueManager:
         self.base = base
         self._other = other
         people = (_person(name) for name in base.trust_by_speaker())
-        self.language = language.with_words((*(known(word) for word in base.words()), *people))
+        self.language = language.with_words(
+            (*(word_from_base(word) for word in base.words()), *people)
+        )
         self.seed = seed
         self.contexts: dict[Atom, Interval] = {}
         self.last_done: Reply | None = None
@@ -180,7 +182,7 @@ class DialogueManager:
             return self._answered(
                 turn, SpokenAnswer("not_trusted", {"speaker": turn.speaker}, "refused")
             )
-        taught = lesson(self.base, said, turn.speaker, turn.heard, self._topic)
+        taught = lesson_from_statement(self.base, said, turn.speaker, turn.heard, self._topic)
         spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
         self.base.believe(
             turn.understood.text,
@@ -188,7 +190,7 @@ class DialogueManager:
             turn.speaker,
             taught.rules,
             supersedes=[rule.id for rule in taught.supersedes],
-            words=[learned(word, turn.speaker) for word in turn.understood.new_words],
+            words=[word_to_keep(word, turn.speaker) for word in turn.understood.new_words],
             kind=turn.understood.kind,
             answer=spoken,
             heard=turn.heard,
@@ -221,7 +223,7 @@ class DialogueManager:
             yield SpokenAnswer("learned_word", {"word": word.word, "role": word.role})
 
     def _in_words(self, rule: Rule) -> str:
-        said = said_of(rule)
+        said = meaning_from_rule(rule)
         return self.language.phrase(said) if said else repr(rule)
 
     def _weighed(self, what: str, rule: Rule) -> str:
@@ -247,7 +249,7 @@ class DialogueManager:
         """What is taken back: what is named, else the last rule spoken of, else the last told."""
         if said.rule is None and self._topic:
             return self._topic[-1]
-        return to_forget(self.base, said, turn.speaker)
+        return rule_to_retract(self.base, said, turn.speaker)
 
     # --- Being asked to do something -----------------------------------------------------------
 
@@ -262,7 +264,7 @@ class DialogueManager:
             words = turn.understood.unknown
             key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
             return self._answered(turn, SpokenAnswer(key, {"words": words}, "asked"))
-        request = request_of(said, turn.speaker, self.language.tool_acts)
+        request = request_from_command(said, turn.speaker, self.language.tool_acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
 
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
@@ -346,7 +348,7 @@ class DialogueManager:
 
     def _turn_to(self, rules: tuple[Rule, ...]) -> None:
         """Talk of these rules now: the last is what "no, by the handle" and "forget that" mean."""
-        said = said_of(rules[-1]) if rules else None
+        said = meaning_from_rule(rules[-1]) if rules else None
         if said:
             self._topic, self._just_acted = rules, False
             self._discourse = replace(self._discourse, rule=said)

@@ -17,7 +17,7 @@ from ...kb.learned_words import Word
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics.meaning import Retraction, Statement
-from .translation import rule_of
+from .translation import rule_from_meaning
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
 ROLES = {kind: role for role, kind in KINDS.items()}
@@ -40,7 +40,7 @@ class Lesson:
     is_known: bool
 
 
-def lesson(
+def lesson_from_statement(
     base: KnowledgeBase,
     said: Statement,
     speaker: str,
@@ -56,10 +56,10 @@ def lesson(
         heard: how surely it was heard, in [0, 1].
         topic: the rules that were last spoken of.
     """
-    as_said = tuple(rule_of(each, speaker) for each in said.rules)
-    rules = tuple(rule_of(each, speaker, heard) for each in said.rules)
+    as_said = tuple(rule_from_meaning(each, speaker) for each in said.rules)
+    rules = tuple(rule_from_meaning(each, speaker, heard) for each in said.rules)
     before = _earlier(base, rules)
-    known = {rule.id for rule in before}
+    word_from_base = {rule.id for rule in before}
     corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
     supersedes = tuple(
         dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic))
@@ -68,13 +68,13 @@ def lesson(
         rules,
         tuple(rule.interval for rule in as_said),
         supersedes,
-        not supersedes and all(rule.id in known for rule in rules),
+        not supersedes and all(rule.id in word_from_base for rule in rules),
     )
 
 
 def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
     """What a correction takes the place of; "no, I meant the knife" is about another thing."""
-    same = [old for old in before if is_same_matter(old, new) and old.id != new.id]
+    same = [old for old in before if can_replace(old, new) and old.id != new.id]
     last = topic[-1] if topic else None
     if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
         return same
@@ -88,7 +88,7 @@ def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
     return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 
 
-def is_same_matter(one: Rule, other: Rule) -> bool:
+def can_replace(one: Rule, other: Rule) -> bool:
     """Whether one rule can correct the other: about the same thing, in the same context.
 
     Two parts for one grasp are the same matter; two uses of one thing are two matters.
@@ -98,7 +98,7 @@ def is_same_matter(one: Rule, other: Rule) -> bool:
     return one.kind == "action" or one.argument == other.argument
 
 
-def to_forget(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
+def rule_to_retract(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
     """The rule that a speaker takes back: the one that is named, else the last one told.
 
     Args:
@@ -108,20 +108,18 @@ def to_forget(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | Non
     """
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
     if said.rule is not None:
-        wanted = rule_of(said.rule, speaker)
+        wanted = rule_from_meaning(said.rule, speaker)
         told = [
-            rule
-            for rule in told
-            if is_same_matter(rule, wanted) and rule.argument == wanted.argument
+            rule for rule in told if can_replace(rule, wanted) and rule.argument == wanted.argument
         ]
     return told[-1] if told else None
 
 
-def learned(word: NewWord, speaker: str) -> Word:
+def word_to_keep(word: NewWord, speaker: str) -> Word:
     """A new word as the base keeps it."""
     return Word(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
 
 
-def known(word: Word) -> NewWord:
+def word_from_base(word: Word) -> NewWord:
     """A kept word as the language takes it."""
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)

@@ -19,7 +19,7 @@ from ...ontology.actions import Actions
 from ..execution.request import Argument, Request
 
 
-def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
+def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
     """The rule that a statement asserts, as far as it was heard.
 
     Args:
@@ -42,7 +42,7 @@ def rule_of(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
     )
 
 
-def said_of(rule: Rule) -> meaning.Rule | None:
+def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
     """What a speaker would mean by a rule; None where no sentence can say it."""
     confidence = (rule.interval.lower, rule.interval.upper)
     kinds = sorted(atom.kind for atom in rule.features if atom.kind != "property")
@@ -58,7 +58,7 @@ def said_of(rule: Rule) -> meaning.Rule | None:
     return None
 
 
-def request_of(
+def request_from_command(
     command: meaning.Command | meaning.ToolCommand,
     speaker: str,
     tool_acts: Mapping[str, str] | None = None,
@@ -87,7 +87,7 @@ def request_of(
     return Request(command.goal, arguments, speaker, part=command.part)
 
 
-def words_of(actions: Actions, language: Language) -> list[NewWord]:
+def action_words(actions: Actions, language: Language) -> list[NewWord]:
     """The words by which actions are asked for that the language does not have yet.
 
     An action on a patient is done with a tool: "stir" comes with "used for stirring". Only a name

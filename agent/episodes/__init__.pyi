@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from .recorder import EpisodeRecorder, episode_of
+from .recorder import EpisodeRecorder
 from .serialization import (
     embodiment_as_json,
     embodiment_from_json,

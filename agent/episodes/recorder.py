@@ -52,7 +52,9 @@ class EpisodeRecorder:
             keep: False when it is not to be kept; no later command can then be run again.
         """
         if keep:
-            self._last = self._base.record_episode(episode_of(reply, self._again(request))).id
+            self._last = self._base.record_episode(
+                episode_from_reply(reply, self._again(request))
+            ).id
         else:
             self._is_whole = False
 
@@ -64,7 +66,7 @@ class EpisodeRecorder:
         return kept | {"circumstances": circumstances, "after": self._last}
 
 
-def episode_of(reply: Reply, again: Json | None = None) -> Episode:
+def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
     """The episode of a command: its facts step by step, and the whole document as JSON.
 
     Args:

@@ -39,7 +39,7 @@ SHOWN_DIGITS = 8  # of a rule's id; any 4 that are unlike those of other rules n
 MOST_ROWS = 1000  # of what a query found; laying out more takes longer than asking
 
 
-def whole(table: Table) -> Table:
+def wrap_cells(table: Table) -> Table:
     """The table with cells that wrap where they do not fit, so that nothing is cut."""
     for column in table.columns:
         column.overflow = "fold"
@@ -53,16 +53,16 @@ def turn(reply: Reply) -> RenderableType:
     if reply.understanding.pragmatics:
         grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
     grid.add_row(Text("Hilt", "bold green"), Text(printable(reply.said)))
-    return whole(grid)
+    return wrap_cells(grid)
 
 
-def understood(found: Understanding) -> RenderableType:
+def understanding(found: Understanding) -> RenderableType:
     """How an utterance was understood: its derivation, predicate forms, and meaning."""
     facts = Table(show_header=False)
     for name, value in found.as_json().items():
         if name not in {"text", "speaker", "addressee"}:
             facts.add_row(name, escape(value if isinstance(value, str) else json.dumps(value)))
-    return Group(Text(str(found.derivation or "")), whole(facts))
+    return Group(Text(str(found.derivation or "")), wrap_cells(facts))
 
 
 def rules(found: Iterable[Rule]) -> Table:
@@ -77,7 +77,7 @@ def rules(found: Iterable[Rule]) -> Table:
             str(rule.utterance),
         )
     table.caption = counted(table.row_count, "rule")
-    return whole(table)
+    return wrap_cells(table)
 
 
 def rule_text(rule: Rule) -> str:
@@ -124,7 +124,7 @@ def decision(made: Decision, quote: Quote) -> Table:
     for candidate in made.part.candidates if made.part else ():
         part = candidate.argument.name if candidate.argument else ""
         _add_candidate(table, candidate, f"  by the {part}", quote)
-    return whole(table)
+    return wrap_cells(table)
 
 
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
@@ -145,7 +145,7 @@ def _source(rule: Rule) -> str:
     return "It is like" if rule.status == "induced" else f"{rule.speaker.capitalize()} said"
 
 
-def world(happened: ExecutionResult) -> Table:
+def execution_result(happened: ExecutionResult) -> Table:
     """What happened in the world, a line each."""
     table = Table(show_header=False, title="In the world", title_justify="left")
     if not happened.executed:
@@ -156,15 +156,15 @@ def world(happened: ExecutionResult) -> Table:
     table.add_row("held", f"{happened.held_s:.1f} s")
     table.add_row("handed over", "yes" if happened.handed_over else "no")
     table.add_row("closings of the hand", str(happened.attempts))
-    return whole(table)
+    return wrap_cells(table)
 
 
-def achievement(came: GoalResult, quote: Quote) -> RenderableType:
+def goal_result(came: GoalResult, quote: Quote) -> RenderableType:
     """All that came of a command: the walk, the decision, the world."""
     parts: list[RenderableType] = [walk(came.steps)]
     if came.decision and came.decision.object.candidates:
         parts.append(decision(came.decision, quote))
-    parts.append(world(came.world))
+    parts.append(execution_result(came.world))
     return Group(*parts)
 
 
@@ -197,7 +197,7 @@ def conflicts(found: Sequence[Conflict]) -> RenderableType:
     for each in found:
         told = (_told(each.first), _told(each.second))
         table.add_row(f"{each.weight:.4f}", *map(escape, told))
-    return whole(table)
+    return wrap_cells(table)
 
 
 def _told(rule: Rule) -> str:
@@ -218,7 +218,7 @@ def induced(found: Sequence[InducedRule]) -> RenderableType:
             ", ".join(each.shared),
         )
         table.add_row(*map(escape, row))
-    return whole(table)
+    return wrap_cells(table)
 
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
@@ -231,7 +231,7 @@ def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
         )
         speakers = ", ".join(sorted({rule.speaker for rule in each.rules}))
         table.add_row(features, contexts, escape(str(each.interval)), speakers)
-    return whole(table)
+    return wrap_cells(table)
 
 
 def words(found: Sequence[Word]) -> Table:
@@ -242,7 +242,7 @@ def words(found: Sequence[Word]) -> Table:
     for word in found:
         row = (word.atom.name, word.atom.kind, word.said, word.speaker, str(word.utterance))
         table.add_row(*map(escape, row))
-    return whole(table)
+    return wrap_cells(table)
 
 
 def results(found: Solutions | Truth) -> RenderableType:
@@ -251,14 +251,14 @@ def results(found: Solutions | Truth) -> RenderableType:
         return Text("yes" if found.value else "no")
     table = Table(*found.variables)
     for row in islice(found, MOST_ROWS):
-        table.add_row(*(escape(shortened(term)) for term in row))
+        table.add_row(*(escape(short_term(term)) for term in row))
     count = counted(len(found), "row")
     if len(found) > MOST_ROWS:
         count += f", of which the first {MOST_ROWS} are shown; all of them: --format csv"
-    return Group(whole(table), Text(count))
+    return Group(wrap_cells(table), Text(count))
 
 
-def shortened(term: Term | None) -> str:
+def short_term(term: Term | None) -> str:
     """A term for a table: an IRI with its prefix, a literal as its value, nothing as nothing."""
     if isinstance(term, Iri):
         return prefixed(term)
@@ -271,4 +271,4 @@ def questions(named: Iterable[NamedQuery]) -> Table:
     for one in named:
         asked = "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values())
         table.add_row(one.name, escape(one.question), asked)
-    return whole(table)
+    return wrap_cells(table)

@@ -19,7 +19,7 @@ from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
 from ...kb.rule import Rule
-from .console import Quote, achievement, conflicts, rule_text, whole
+from .console import Quote, conflicts, goal_result, rule_text, wrap_cells
 from .text import counted, printable
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def history(found: Sequence[Utterance]) -> Table:
         when = said.time.astimezone().strftime("%Y-%m-%d %H:%M:%S")
         row = (str(said.sequence), when, said.speaker, printable(said.text), _effect(said))
         table.add_row(*map(escape, row))
-    return whole(table)
+    return wrap_cells(table)
 
 
 def change(found: RuleChange) -> RenderableType:
@@ -63,21 +63,21 @@ def episodes(found: Sequence[Episode]) -> Table:
         when = one.time.astimezone().strftime("%Y-%m-%d %H:%M:%S") if one.time else ""
         chosen = " by the ".join(filter(None, (one.object, one.part)))
         table.add_row(*map(escape, (one.id, when, one.speaker, one.text, one.outcome, chosen)))
-    return whole(table)
+    return wrap_cells(table)
 
 
-def replayed(came: Replay, quote: Quote) -> RenderableType:
+def replay_result(came: Replay, quote: Quote) -> RenderableType:
     """An episode as it was run again, and whether it came out as it did then."""
     lines: list[RenderableType] = [Text(came.episode.text, "bold"), Text(str(came.after["said"]))]
     if came.achievement.steps:
-        lines.append(achievement(came.achievement, quote))
+        lines.append(goal_result(came.achievement, quote))
     state = came.after["state"] or "nothing moved"
     told = f"The same as in {came.episode.id}, bit for bit (state of the world: {state})."
     lines += [Text(each, "red") for each in came.differences] or [Text(told, "green")]
     return Group(*lines)
 
 
-def merged(report: MergeReport) -> RenderableType:
+def merge_result(report: MergeReport) -> RenderableType:
     """What came of a merge: numbers, contradictions, and what the two do not agree on."""
     came = report.summary
     done = "Would take over" if report.dry_run else "Took over"

@@ -12,7 +12,7 @@ import pytest
 from rich.console import Console
 
 from hilt.agent import Agent, AgentConfig
-from hilt.agent.chat import completions, lines, run
+from hilt.agent.chat import completions, read_lines, run
 
 
 def test_words_are_completed_by_their_beginning():
@@ -88,7 +88,7 @@ def test_ctrl_c_drops_the_line_and_nothing_else(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     monkeypatch.setattr("builtins.input", answer)
 
-    assert list(lines(lambda: "> ", set)) == ["hello"]
+    assert list(read_lines(lambda: "> ", set)) == ["hello"]
 
 
 def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
@@ -100,11 +100,11 @@ def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
     assert "A screwdriver is used for cutting" in (tmp_path / "hilt" / "history").read_text()
 
 
-def piped(lines: list[str]) -> str:
+def piped(read_lines: list[str]) -> str:
     """What is shown when these lines come down a pipe."""
     shown = StringIO()
     with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
-        run(agent, Console(file=shown, width=200), StringIO("\n".join(lines)), "sam")
+        run(agent, Console(file=shown, width=200), StringIO("\n".join(read_lines)), "sam")
     return shown.getvalue()
 
 

@@ -101,7 +101,7 @@ class DecisionExperiment(Experiment):
     def picture(self, objects: Sequence[str], seed: int, path: Path) -> Path:
         """Write a picture of the initial scene and return its path."""
         taught = next(iter(self._taught_agents.values()))
-        with taught.facing(self._scene(objects, seed, taught), simulate=True) as agent:
+        with taught.in_scene(self._scene(objects, seed, taught), simulate=True) as agent:
             return agent.body.picture(path)
 
     def _reply(self, case: Case, *, simulate: bool) -> Reply:
@@ -109,7 +109,7 @@ class DecisionExperiment(Experiment):
         objects = cast("list[str]", case.spec["scene"])
         taught = self._taught_agents[spec["scenario"]]
         scene = self._scene(objects, cast("int", case.spec["seed"]), taught)
-        with taught.facing(scene, simulate=simulate) as agent:
+        with taught.in_scene(scene, simulate=simulate) as agent:
             return agent.hear(command(spec["action"], spec["affordance"]), only="do", keep=False)
 
     def _scene(self, objects: Sequence[str], seed: int, taught: Agent) -> Scene:

@@ -131,7 +131,7 @@ class _Trial:
             for action in ACTIONS:
                 objects = rng.sample(sorted(self._scenario.grasps), rng.randint(1, 8))
                 scene = scene_of(objects, seed=rng.randrange(2**31), objects=taught.objects)
-                with taught.facing(scene, simulate=self.sim) as agent:
+                with taught.in_scene(scene, simulate=self.sim) as agent:
                     said = self._recognised(command(action, affordance), rng.random())
                     reply = agent.hear(said, only="do", keep=False)
                 truth = GroundTruth.from_scenario(self._scenario, action, affordance, objects)

@@ -105,7 +105,7 @@ class EvaluationReport:
         for result in self.results:
             mark = "[green]yes" if result.right else "[red]no"
             table.add_row(result.key, result.found, result.expected, mark)
-        return console.whole(table)
+        return console.wrap_cells(table)
 
     def _points(self, curves: Sequence[Json]) -> Table:
         from rich.table import Table

@@ -18,7 +18,7 @@ from ....nlu.language import Language
 from ....nlu.semantics import meaning
 from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
-from ...dialogue.translation import request_of, rule_of
+from ...dialogue.translation import request_from_command, rule_from_meaning
 from ...execution.outcome import Json
 from ...execution.perception import PerfectVision
 from ..scenarios import ACTIONS, CONTEXTS, LEVELS
@@ -65,7 +65,7 @@ class TaughtSpace:
         if not isinstance(said, meaning.Statement):
             raise TypeError(f'"{sentence}" is not understood as a statement: {said}.')
         (rule,) = said.rules
-        return rule_of(rule, DEFAULT_SPEAKER)
+        return rule_from_meaning(rule, DEFAULT_SPEAKER)
 
     def statements_of(self, sentence: str) -> frozenset[GraphStatement]:
         """Return the graph of beliefs after telling one sentence only."""
@@ -122,7 +122,7 @@ def _command(taught_space: TaughtSpace, text: str) -> list[str | int]:
     said = taught_space.language.understand(text).meaning
     if not isinstance(said, meaning.Command):
         return [text, -1, -1]
-    request = request_of(said, DEFAULT_SPEAKER)
+    request = request_from_command(said, DEFAULT_SPEAKER)
     target = request.arguments["object"]
     wanted = target.used_for if isinstance(target, Target) else None
     affordances = taught_space.space.affordances
