@@ -21,7 +21,7 @@ app.add_typer(scene_app, name="scene")
 
 @scene_app.command(epilog=example("scene show --scene random:7 --out table.png"))
 @with_config(*SCENE, "robot")
-def print_json(
+def show(
     *,
     config: AgentConfig,
     out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(

@@ -2,7 +2,8 @@
 from .manager import DialogueManager
 from .questions import Knowledge, answer
 from .reply import Reply
-from .teaching import Lesson
+from .teaching import Lesson, lesson_from_statement
+from .translation import meaning_from_rule, request_from_command, rule_from_meaning
 
 __all__ = [
     "DialogueManager",
@@ -10,8 +11,8 @@ __all__ = [
     "Lesson",
     "Reply",
     "answer",
-    "lesson",
-    "request_of",
-    "rule_of",
-    "said_of",
+    "lesson_from_statement",
+    "meaning_from_rule",
+    "request_from_command",
+    "rule_from_meaning",
 ]

@@ -49,7 +49,7 @@ class Knowledge:
         return self.last.achievement.decision if self.last and self.last.achievement else None
 
 
-def make_answer(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
+def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
     """An answer by its key, with those of its slots that are filled."""
     given = {name: value for name, value in slots.items() if value is not None}
     return SpokenAnswer(key, given, "done" if done else "failed")
@@ -64,19 +64,19 @@ def _uses_of(question: Question, known: Knowledge) -> Answered:
     strongest = _strongest(known.base.rules(object=question.object), "affordance")
     rules = [rule for rule in strongest if rule.asserts]
     if not rules:
-        return make_answer("no_uses_of", object=question.object), ()
+        return spoken("no_uses_of", object=question.object), ()
     uses = tuple(known.weigh(rule.affordance or "", rule) for rule in rules)
-    return make_answer("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
+    return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
 def _objects_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.asserts]
     if not rules:
-        return make_answer("nothing_known_for", affordance=question.affordance), ()
+        return spoken("nothing_known_for", affordance=question.affordance), ()
     best = {rule.object or "thing": rule for rule in reversed(rules)}  # of each the surest
     names = tuple(known.weigh(name, best[name]) for name in reversed(best))
     slots = {"objects": names, "affordance": question.affordance}
-    return make_answer("objects_for", done=True, **slots), tuple(rules)
+    return spoken("objects_for", done=True, **slots), tuple(rules)
 
 
 def _best_for(question: Question, known: Knowledge) -> Answered:
@@ -86,11 +86,11 @@ def _best_for(question: Question, known: Knowledge) -> Answered:
     seen = [Observation(name, name, {Atom("object", name): CERTAIN}) for name in names]
     best = Affordances(known.base).infer(FIND, goal, seen).best
     if best is None:
-        return make_answer("nothing_known_for", affordance=question.affordance), ()
+        return spoken("nothing_known_for", affordance=question.affordance), ()
     interval = (best.interval.lower, best.interval.upper)
     speakers = tuple(dict.fromkeys(rule.speaker for rule in best.rules))
     found = {"object": best.object, "affordance": question.affordance}
-    return make_answer(
+    return spoken(
         "best_for", done=True, confidence=interval, speakers=speakers, **found
     ), best.rules
 
@@ -99,7 +99,7 @@ def _how(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object, context=question.context)
     grasps = _strongest((rule for rule in rules if rule.part), "part")
     if not grasps:
-        return make_answer("no_how", goal=question.context or "grasp", object=question.object), ()
+        return spoken("no_how", goal=question.context or "grasp", object=question.object), ()
     return _told("how", grasps[0], known), (grasps[0],)
 
 
@@ -107,7 +107,7 @@ def _is_used_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.object == question.object]
     if not rules:
         slots = {"object": question.object, "affordance": question.affordance}
-        return make_answer("is_not_used_for", done=True, **slots), ()
+        return spoken("is_not_used_for", done=True, **slots), ()
     key = "is_used_for" if rules[0].asserts else "is_denied"
     return _told(key, rules[0], known), (rules[0],)
 
@@ -115,26 +115,26 @@ def _is_used_for(question: Question, known: Knowledge) -> Answered:
 def _about(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object)
     if not rules:
-        return make_answer("nothing_about", object=question.object), ()
+        return spoken("nothing_about", object=question.object), ()
     said = tuple(known.weigh(known.describe(rule), rule) for rule in rules)
-    return make_answer("about", done=True, object=question.object, rules=said), tuple(rules)
+    return spoken("about", done=True, object=question.object, rules=said), tuple(rules)
 
 
 def _confidence(question: Question, known: Knowledge) -> Answered:
     rules = _meant(question, known)
     if not rules:
-        return make_answer("not_known"), ()
+        return spoken("not_known"), ()
     interval = rules[0].support
     slots = {"rule": known.describe(rules[0]), "confidence": (interval.lower, interval.upper)}
-    return make_answer("confidence", done=True, **slots), (rules[0],)
+    return spoken("confidence", done=True, **slots), (rules[0],)
 
 
 def _source(question: Question, known: Knowledge) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
-        return make_answer("no_source"), ()
+        return spoken("no_source"), ()
     text = known.base.utterance(rules[0].utterance).text
-    return make_answer("source", done=True, speaker=rules[0].speaker, texts=text), (rules[0],)
+    return spoken("source", done=True, speaker=rules[0].speaker, texts=text), (rules[0],)
 
 
 def _what_if(question: Question, known: Knowledge) -> Answered:
@@ -142,10 +142,10 @@ def _what_if(question: Question, known: Knowledge) -> Answered:
     argument = Atom("affordance", question.affordance or "")
     found = find_hypotheses(known.base.rules(), Conclusion(USED_FOR, argument))
     if not found:
-        return make_answer("nothing_known_for", affordance=question.affordance), ()
+        return spoken("nothing_known_for", affordance=question.affordance), ()
     things = tuple(dict.fromkeys(_thing(each) for each in found))
     key = "what_if_one" if len(things) == 1 else "what_if"
-    said = make_answer(key, done=True, affordance=question.affordance, things=things)
+    said = spoken(key, done=True, affordance=question.affordance, things=things)
     return said, tuple(rule for each in found for rule in each.rules)
 
 
@@ -169,33 +169,29 @@ def _which_context(question: Question, known: Knowledge) -> Answered:
     fitting = [h for h in found if question.context is None or asked & {r.context for r in h.rules}]
     rules = tuple(rule for each in fitting for rule in each.rules)
     if not rules:
-        return make_answer("not_explained", object=question.object, part=question.part), ()
+        return spoken("not_explained", object=question.object, part=question.part), ()
     said = tuple(dict.fromkeys(known.describe(rule) for rule in rules))
-    return make_answer("explained", done=True, rules=said), rules
+    return spoken("explained", done=True, rules=said), rules
 
 
 def _see(question: Question, known: Knowledge) -> Answered:
     names = known.visible()
     if question.object:
         seen = question.object in names
-        return make_answer(
-            "see_one" if seen else "nothing_seen", done=True, object=question.object
-        ), ()
-    return (
-        make_answer("see", done=True, objects=names) if names else make_answer("see_nothing")
-    ), ()
+        return spoken("see_one" if seen else "nothing_seen", done=True, object=question.object), ()
+    return (spoken("see", done=True, objects=names) if names else spoken("see_nothing")), ()
 
 
 def _trust(question: Question, known: Knowledge) -> Answered:
     if question.speaker is None:
-        return make_answer("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
+        return spoken("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
     trust = known.base.trust(known.base.match_speaker(question.speaker))
     key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
-    return make_answer(key, done=True, speaker=question.speaker), ()
+    return spoken(key, done=True, speaker=question.speaker), ()
 
 
 def _capabilities(_: Question, __: Knowledge) -> Answered:
-    return make_answer("capabilities", done=True), ()
+    return spoken("capabilities", done=True), ()
 
 
 # --- Why, and why not ----------------------------------------------------------------------
@@ -207,26 +203,22 @@ def why(question: Question, known: Knowledge) -> Answered:
     if rules:
         return _because(rules, known)
     if known.last is None:
-        return make_answer("nothing_done"), ()
+        return spoken("nothing_done"), ()
     wrong = _not_so(question, known.decision)
     if wrong:
-        return make_answer(wrong, object=question.object, part=question.part), ()
+        return spoken(wrong, object=question.object, part=question.part), ()
     if question.object or question.part or (known.decision and known.decision.object.best):
         # What the command itself names needs no rule.
         last = known.last
-        return make_answer(
-            "because_told", done=True, speakers=(last.speaker,), texts=(last.text,)
-        ), ()
+        return spoken("because_told", done=True, speakers=(last.speaker,), texts=(last.text,)), ()
     reason = _reason(known.decision, None)
-    return (
-        make_answer("because", done=True, reason=reason) if reason else make_answer("not_known")
-    ), ()
+    return (spoken("because", done=True, reason=reason) if reason else spoken("not_known")), ()
 
 
 def why_not(question: Question, known: Knowledge) -> Answered:
     """What speaks against another thing, or another part."""
     if known.last is None:
-        return make_answer("nothing_done"), ()
+        return spoken("nothing_done"), ()
     if question.part and not question.object:
         return _why_not_part(question.part, known)
     return _why_not_thing(question.object or "thing", known.last, known)
@@ -237,31 +229,29 @@ def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:
     denials = _denials(known.decision and known.decision.object, name)
     reason, wanted = _reason(known.decision, name), _wanted_use(last)
     if best and best.object == name:
-        said = make_answer("is_so", done=True, object=name)
+        said = spoken("is_so", done=True, object=name)
     elif denials:
-        return make_answer(
-            "why_not_said", done=True, object=name, **_sources(denials, known)
-        ), denials
+        return spoken("why_not_said", done=True, object=name, **_sources(denials, known)), denials
     elif reason:
-        said = make_answer("why_not", done=True, object=name, reason=reason)
+        said = spoken("why_not", done=True, object=name, reason=reason)
     elif name not in known.visible():
-        said = make_answer("why_not_seen", done=True, object=name)
+        said = spoken("why_not_seen", done=True, object=name)
     elif wanted and not known.base.rules(object=name, affordance=wanted):
-        said = make_answer("why_not_told", done=True, object=name, affordance=wanted)
+        said = spoken("why_not_told", done=True, object=name, affordance=wanted)
     else:
-        said = make_answer("why_not_asked", done=True, object=name)
+        said = spoken("why_not_asked", done=True, object=name)
     return said, ()
 
 
 def _why_not_part(part: str, known: Knowledge) -> Answered:
     decision = known.decision
     if decision is not None and decision.chosen_part == part:
-        return make_answer("is_so_part", done=True, part=part), ()
+        return spoken("is_so_part", done=True, part=part), ()
     chosen = tuple(rule for rule in decision.rules if rule.part) if decision else ()
     rules = _denials(decision and decision.part, part) or chosen
     if rules:
-        return make_answer("why_not_part", done=True, part=part, **_sources(rules, known)), rules
-    return make_answer("why_not_part_told", done=True, part=part), ()
+        return spoken("why_not_part", done=True, part=part, **_sources(rules, known)), rules
+    return spoken("why_not_part_told", done=True, part=part), ()
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
@@ -291,8 +281,8 @@ def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
 
 def _because(rules: Sequence[Rule], known: Knowledge) -> Answered:
     if rules[-1].status == "induced":
-        return make_answer("because_alike", done=True, texts=_words(rules[-1], known)), tuple(rules)
-    return make_answer("because_told", done=True, **_sources(rules, known)), tuple(rules)
+        return spoken("because_alike", done=True, texts=_words(rules[-1], known)), tuple(rules)
+    return spoken("because_told", done=True, **_sources(rules, known)), tuple(rules)
 
 
 def _words(rule: Rule, known: Knowledge) -> str:
@@ -338,7 +328,7 @@ def _wanted_use(last: Reply) -> str | None:
 def _told(key: str, rule: Rule, known: Knowledge) -> SpokenAnswer:
     interval = (rule.support.lower, rule.support.upper)
     said = known.describe(rule)
-    return make_answer(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)
+    return spoken(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)
 
 
 def _functional(question: Question, known: Knowledge) -> list[Rule]:

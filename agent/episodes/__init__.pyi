@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from .recorder import EpisodeRecorder
+from .recorder import EpisodeRecorder, episode_from_reply
 from .serialization import (
     embodiment_as_json,
     embodiment_from_json,
@@ -11,7 +11,7 @@ __all__ = [
     "EpisodeRecorder",
     "embodiment_as_json",
     "embodiment_from_json",
-    "episode_of",
+    "episode_from_reply",
     "request_as_json",
     "request_from_json",
 ]
