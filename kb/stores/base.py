@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every store offers: statements in named graphs, SPARQL, and atomic, durable writes.
+"""The `Store` protocol: statements in named graphs, SPARQL, and atomic, durable writes.
 
-A store holds RDF 1.1 quads and knows nothing of rules. Its laws, tested for every backend:
+A store holds RDF 1.1 quads and knows nothing of rules. Its guarantees, tested for every backend:
 
 - `apply` and `update` are one atomic unit each, and durable when they return;
 - outside `GRAPH` a query sees the union of all graphs;
-- nothing is lost between threads that hold `writing()` while they read and then write;
-- the results of a query are complete when it returns, nothing stays open.
+- no update is lost between threads that hold `writing()` while they read and then write;
+- the results of a query are complete when it returns; no cursor stays open.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ class Store(Protocol):
 
     @property
     def location(self) -> str:
-        """Where it is, as it was given to `open_store`."""
+        """Its location, as it was given to `open_store`."""
         ...
 
     @property
     def read_only(self) -> bool:
-        """Whether every write is refused."""
+        """Whether writes are refused."""
         ...
 
     @property
@@ -53,7 +53,7 @@ class Store(Protocol):
         """The rows of a SELECT query.
 
         Raises:
-            QueryError: the query is wrong or no SELECT.
+            QueryError: the query is wrong or not a SELECT.
             StoreError: the store cannot be read.
         """
         ...
@@ -67,7 +67,7 @@ class Store(Protocol):
         ...
 
     def run(self, query: str, limits: Limits) -> QueryResult:
-        """The answer of any query, which is stopped when it goes beyond its limits.
+        """The result of any query, which is stopped when it exceeds its limits.
 
         Raises:
             QueryError: the query is wrong, or took too long or too much memory.
@@ -86,7 +86,7 @@ class Store(Protocol):
         ...
 
     def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
-        """Everything that stands at a node in a graph, as (predicate, object)."""
+        """The properties of a node in a graph, as (predicate, object)."""
         ...
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
@@ -107,7 +107,7 @@ class Store(Protocol):
         ...
 
     def save(self, target: Path) -> None:
-        """Write a copy of all statements, as they are now, into a new folder.
+        """Write a copy of all statements into a new folder.
 
         Raises:
             StoreError: it cannot be written.
@@ -115,9 +115,9 @@ class Store(Protocol):
         ...
 
     def writing(self) -> AbstractContextManager[object]:
-        """Hold this while something is read and then written that depends on it."""
+        """The lock to hold while a write depends on what was read before it."""
         ...
 
     def close(self) -> None:
-        """Release the store; it cannot be used any more. Closing twice is allowed."""
+        """Close the store; it cannot be used any more. Closing twice is allowed."""
         ...

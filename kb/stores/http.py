@@ -1,9 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""HTTP to an endpoint: logging in, time-outs, trying again, and errors that a person can act on.
+"""HTTP requests to a SPARQL endpoint: addresses, authentication, time-outs, retries and errors.
 
-A call that may be repeated without harm is tried again, a little later each time, when the
-connection fails or the server says that it is busy. Redirects are not followed, so credentials
-reach nobody else.
+`http://host/path` is the address of queries. After a `#` it may name the address of updates and,
+after a comma, that of the Graph Store Protocol; both relative to the query address:
+
+    http://host:3030/ds/query#update,data         Fuseki: /ds/update and /ds/data
+    http://host:7200/repositories/kb#kb/statements    GraphDB
+
+Without `#` updates go to the query address, but to `.../update` where that is `.../query`.
+Credentials are part of the address (`http://name:password@host/...`) or in the environment, and
+are never shown.
+
+A request that may be repeated is retried after increasing pauses when the connection fails or the
+server is busy. Redirects are not followed, so that no other server receives the credentials.
 """
 
 from __future__ import annotations
@@ -24,28 +33,28 @@ from ..sparql.results import Limits
 USER, PASSWORD, TOKEN = "HILT_KB_USER", "HILT_KB_PASSWORD", "HILT_KB_TOKEN"
 TRIES = 4
 FIRST_PAUSE_S = 0.2  # doubled before each further try
-LONGEST_PAUSE_S = 5.0  # however long a server asks to wait
+MAX_PAUSE_S = 5.0  # however long a server asks to wait
 CONNECT_S = 10.0
-FIRST_NOT_DONE, BAD_REQUEST, UNAUTHORIZED = 300, 400, 401  # HTTP status
+REDIRECT, BAD_REQUEST, UNAUTHORIZED = 300, 400, 401  # HTTP status
 NOT_THERE = frozenset({404, 405})
 BUSY = frozenset({429, 502, 503, 504})
 LOGIN = frozenset({401, 403, 407})
 NO_PERMISSION = re.compile(r"\bSR186\b|permission|not authori[sz]ed", re.IGNORECASE)
-OUT_OF_TIME = "S1TAT"  # what Virtuoso says beside an answer that is not whole
-MAX_TOLD = 300  # characters of a server's message that are shown
+OUT_OF_TIME = "S1TAT"  # Virtuoso's state of an incomplete answer
+MAX_MESSAGE = 300  # characters of a server's message that are shown
 
 Form = Mapping[str, "str | Sequence[str]"]
 
 
 @dataclass(frozen=True)
 class Address:
-    """The addresses of one endpoint, and who asks.
+    """The addresses of one endpoint, with the credentials.
 
     Attributes:
-        query: where queries go; without credentials, as it is shown.
-        update: where updates go.
-        graphs: where whole graphs are put (Graph Store Protocol); None where that is not known.
-        is_update_given: whether somebody said where updates go.
+        query: address of queries, without credentials.
+        update: address of updates.
+        graphs: address of the Graph Store Protocol; None where that is not known.
+        is_update_given: whether the address of updates was given.
         user: name for basic or digest authentication; empty for none.
         password: the password of that name.
         token: for bearer authentication; empty for none.
@@ -61,23 +70,23 @@ class Address:
 
     @property
     def has_credentials(self) -> bool:
-        """Whether there is anything to log in with."""
+        """Whether there are credentials."""
         return bool(self.user or self.token)
 
 
 def parse_address(location: str, environment: Mapping[str, str] | None = None) -> Address:
-    """The addresses that a location stands for.
+    """The addresses of a location.
 
     >>> found = parse_address("http://localhost:3030/ds/query#update,data", {})
     >>> found.update, found.graphs
     ('http://localhost:3030/ds/update', 'http://localhost:3030/ds/data')
 
     Args:
-        location: what was given to `--kb`.
-        environment: where credentials are looked up; the process's by default.
+        location: the value of `--kb`.
+        environment: environment variables with credentials; the process's by default.
 
     Raises:
-        StoreError: it is no http or https address.
+        StoreError: it is not an http or https address.
     """
     known = os.environ if environment is None else environment
     bare, fragment = urldefrag(location)
@@ -102,8 +111,10 @@ def _split(location: str) -> SplitResult:
     except ValueError:
         parts, valid = urlsplit(""), False
     if not valid:
-        # Not shown: what cannot be read may hold a password all the same.
-        raise StoreError("The address of the endpoint is none: expected http(s)://host:port/path.")
+        # Not shown: it may hold a password all the same.
+        raise StoreError(
+            "The address of the endpoint is not valid: expected http(s)://host:port/path."
+        )
     return parts
 
 
@@ -114,23 +125,23 @@ def _update_beside(query: str) -> str:
 
 @dataclass(frozen=True)
 class Response:
-    """What an endpoint answered.
+    """The answer of an endpoint.
 
     Attributes:
-        body: all of it.
-        server: how the server calls itself.
-        most_rows: how many rows it gave when it gave no more; None when it gave all.
-        is_partial: whether it gave up because of the time, and sent what it had.
+        body: the complete body.
+        server: name of the server software.
+        max_rows: the number of rows after which it truncated the result; None for all rows.
+        is_partial: whether it ran out of time, and sent an incomplete result.
     """
 
     body: bytes
     server: str = ""
-    most_rows: int | None = None
+    max_rows: int | None = None
     is_partial: bool = False
 
 
-class Challenged(httpx.Auth):
-    """Logs in by the scheme that the server asks for: digest, basic, or a bearer token."""
+class EndpointAuth(httpx.Auth):
+    """Authentication by the scheme that the server requests: digest, basic, or a bearer token."""
 
     def __init__(self, address: Address) -> None:
         self._token = address.token
@@ -140,13 +151,13 @@ class Challenged(httpx.Auth):
         self._scheme = "bearer" if address.token else ""
 
     def auth_flow(self, request: httpx.Request) -> Generator[httpx.Request, httpx.Response]:
-        """Send the request, and once more with credentials when the server asks for them."""
+        """Send the request, and again with credentials when the server requests them."""
         if self._scheme:
             yield from self._with(self._scheme, request)
             return
         response = yield request
-        asked = response.headers.get("www-authenticate", "").lower()
-        found = next((scheme for scheme in ("digest", "basic") if scheme in asked), "")
+        requested = response.headers.get("www-authenticate", "").lower()
+        found = next((scheme for scheme in ("digest", "basic") if scheme in requested), "")
         if response.status_code == UNAUTHORIZED and found and self._has_name:
             self._scheme = found
             yield from self._with(found, request)
@@ -162,7 +173,7 @@ class Challenged(httpx.Auth):
 
 
 class Transport:
-    """Sends requests to one endpoint; threads may share it."""
+    """Sends requests to one endpoint; it is thread-safe."""
 
     def __init__(
         self,
@@ -171,16 +182,16 @@ class Transport:
         pause: Callable[[float], None] = time.sleep,
         connection: httpx.BaseTransport | None = None,
     ) -> None:
-        """Prepare to talk to an endpoint; nothing is sent yet.
+        """Prepare requests to an endpoint; nothing is sent yet.
 
         Args:
-            address: of the endpoint.
-            pause: waits some seconds before the next try.
-            connection: how bytes travel; by TCP by default.
+            address: the address of the endpoint.
+            pause: waits some seconds before a retry.
+            connection: the transport of httpx; TCP by default.
         """
         self.address = address
         self._pause = pause
-        self._client = httpx.Client(auth=Challenged(address), transport=connection)
+        self._client = httpx.Client(auth=EndpointAuth(address), transport=connection)
 
     def close(self) -> None:
         """Close the connections."""
@@ -197,20 +208,20 @@ class Transport:
         content_type: str = "",
         may_repeat: bool = True,
     ) -> Response:
-        """Send something and read the whole answer.
+        """Send a POST request and read the complete answer.
 
         Args:
-            url: where to.
+            url: the address.
             accept: the media types that can be read.
             limits: time for the whole call, and size of its answer.
-            form: fields of a form; or else
-            content: the body, of a
-            content_type: media type.
-            may_repeat: whether doing it twice is as good as once.
+            form: fields of a form; without it,
+            content: the body, and
+            content_type: its media type.
+            may_repeat: whether the request is idempotent.
 
         Raises:
             QueryError: the server says that the query is wrong, or it took too long.
-            StoreError: the server is away, refuses, or fails.
+            StoreError: the server cannot be reached, refuses, or fails.
         """
         headers = {"Accept": accept} | ({"Content-Type": content_type} if content_type else {})
         request = self._client.build_request(
@@ -221,7 +232,7 @@ class Transport:
             try:
                 status, response, wait = self._once(request, limits)
             except httpx.TransportError as error:
-                self._again(error, is_last, may_repeat, limits)
+                self._raise_unless_retried(error, is_last, may_repeat, limits)
                 wait = None
             else:
                 if status not in BUSY or is_last or not may_repeat:
@@ -229,11 +240,11 @@ class Transport:
                         raise limits.time_error()
                     self._check(status, response.body, url)
                     return response
-            self._pause(min(wait or FIRST_PAUSE_S * 2**attempt, LONGEST_PAUSE_S))
+            self._pause(min(wait or FIRST_PAUSE_S * 2**attempt, MAX_PAUSE_S))
         raise AssertionError("the last try returns or raises")
 
     def _once(self, request: httpx.Request, limits: Limits) -> tuple[int, Response, float | None]:
-        """One try: status, answer, and how many seconds the server asks to wait."""
+        """One attempt: status, answer, and the seconds that the server asks to wait."""
         deadline = time.monotonic() + limits.seconds
         received = bytearray()
         with self._sent(request) as response:
@@ -244,12 +255,12 @@ class Transport:
                 if len(received) > limits.megabytes * 1_000_000:
                     raise limits.memory_error()
             headers = response.headers
-            most = headers.get("x-sparql-maxrows", "")
+            max_rows = headers.get("x-sparql-maxrows", "")
             wait = headers.get("retry-after", "")
             answer = Response(
                 bytes(received),
                 headers.get("server", ""),
-                int(most) if most.isdigit() else None,
+                int(max_rows) if max_rows.isdigit() else None,
                 headers.get("x-sql-state", "") == OUT_OF_TIME,
             )
             return response.status_code, answer, float(wait) if wait.isdigit() else None
@@ -262,38 +273,38 @@ class Transport:
         finally:
             response.close()
 
-    def _again(
+    def _raise_unless_retried(
         self, error: httpx.TransportError, is_last: bool, may_repeat: bool, limits: Limits
     ) -> None:
-        """Raise, unless another try makes sense."""
+        """Raise the error of an attempt, unless it is to be retried."""
         if isinstance(error, (httpx.ReadTimeout, httpx.WriteTimeout)):
             raise limits.time_error() from error
-        never_arrived = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
-        if is_last or not (never_arrived or may_repeat):
+        was_not_sent = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
+        if is_last or not (was_not_sent or may_repeat):
             raise StoreError(
                 f'The endpoint "{self.address.query}" cannot be reached: {_reason(error)} '
                 "Is it running, and is the address right?"
             ) from error
 
     def _check(self, status: int, body: bytes, url: str) -> None:
-        """Raise what the status of an answer means."""
-        if status < FIRST_NOT_DONE:
+        """Raise the error of an answer's status."""
+        if status < REDIRECT:
             return
-        told = _first_line(body)
-        if status in LOGIN or NO_PERMISSION.search(told):
-            raise StoreError(f'The endpoint "{url}" refuses: {told} {self._login_hint()}')
+        message = _first_line(body)
+        if status in LOGIN or NO_PERMISSION.search(message):
+            raise StoreError(f'The endpoint "{url}" refuses: {message} {self._login_hint()}')
         if status == BAD_REQUEST:
-            raise QueryError(f"The endpoint says: {told}")
+            raise QueryError(f"The endpoint says: {message}")
         if status in NOT_THERE:
             raise StoreError(
-                f'The endpoint "{url}" does not take this (HTTP {status}). Name the address of '
+                f'The endpoint "{url}" does not accept this (HTTP {status}). Name the address of '
                 'updates after a "#", as in http://host:3030/ds/query#update.'
             )
-        raise StoreError(f'The endpoint "{url}" failed (HTTP {status}): {told}')
+        raise StoreError(f'The endpoint "{url}" failed (HTTP {status}): {message}')
 
     def _login_hint(self) -> str:
         if self.address.has_credentials:
-            return "The credentials that were given are not enough."
+            return "The given credentials are not sufficient."
         return f"Set {USER} and {PASSWORD}, or {TOKEN}."
 
 
@@ -308,5 +319,5 @@ def _reason(error: Exception) -> str:
 
 def _first_line(body: bytes) -> str:
     lines = body[:10_000].decode("utf-8", "replace").strip().splitlines()
-    text = next((line.strip() for line in lines if line.strip()), "nothing else was said")
-    return text[:MAX_TOLD].rstrip(".") + "."
+    text = next((line.strip() for line in lines if line.strip()), "no message")
+    return text[:MAX_MESSAGE].rstrip(".") + "."

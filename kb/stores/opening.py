@@ -17,8 +17,8 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
 
     Args:
         location: `memory:`, a folder, or the address of an endpoint (`hilt.kb.stores.http`).
-        read_only: refuse writes; what it names must exist. A folder that another process
-            writes to is read as it is now.
+        read_only: refuse writes; the store must exist. A folder that another process writes to
+            is read as it is now.
 
     Raises:
         StoreError: it cannot be opened; says why and what to do.
@@ -29,7 +29,7 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
 
         return open_remote(text, read_only=read_only)
     if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
-        raise StoreError(f'"{text}" is no store: expected memory:, a folder, or http(s)://...')
+        raise StoreError(f'"{text}" is not a store: expected memory:, a folder, or http(s)://...')
     from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
 
     if text == MEMORY:

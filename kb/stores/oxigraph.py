@@ -58,14 +58,14 @@ class OxigraphStore:
         folder: Path | None = None,
         snapshot: Path | None = None,
     ) -> None:
-        """Use an open engine.
+        """Use an open store of pyoxigraph.
 
         Args:
-            inner: the engine.
-            location: what it is called.
+            inner: the store of pyoxigraph.
+            location: its location, as it is shown.
             read_only: whether writes are refused.
-            folder: what it owns and writes to; None for the memory and for a snapshot.
-            snapshot: what it reads and nothing changes; removed when the store is closed.
+            folder: the folder it owns; None for memory and for a snapshot.
+            snapshot: the snapshot it reads; removed when the store is closed.
         """
         self._inner: engine.Store | None = inner
         self._lock = threading.RLock()
@@ -81,7 +81,7 @@ class OxigraphStore:
         self.read_only = read_only
 
     def select(self, query: str) -> Solutions:
-        """The rows of a SELECT query, all of them."""
+        """All rows of a SELECT query."""
         found = self._run(query)
         if not isinstance(found, engine.QuerySolutions):
             raise QueryError("Expected a SELECT query.")
@@ -106,7 +106,7 @@ class OxigraphStore:
             return [Quad(*(from_engine(part) for part in triple)) for triple in found]  # pyright: ignore[reportArgumentType]
 
     def run(self, query: str, limits: Limits) -> QueryResult:
-        """Any query, in a process of its own, over the store as it is now."""
+        """The result of any query, evaluated in another process over a snapshot."""
         with self._running:
             with self._lock:
                 self._remove_old_sources()
@@ -114,7 +114,7 @@ class OxigraphStore:
             return self._worker.run(source, query, limits)
 
     def serialized(self, query: str) -> tuple[str, bytes]:
-        """The answer of any query as a document, and which kind it is (see `sandbox`)."""
+        """The kind (see `sandbox`) and the serialized result of any query."""
         found = self._run(query)
         with translated_errors(self.location, query):
             if isinstance(found, engine.QueryTriples):
@@ -143,8 +143,8 @@ class OxigraphStore:
                 yield quad_from_engine(quad)
 
     def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
-        """Everything that stands at a node."""
-        # The hot read: only what is wanted is turned into terms of ours.
+        """The properties of a node."""
+        # The most frequent read: only predicates and objects are converted.
         with translated_errors(self.location):
             found = self._engine().quads_for_pattern(
                 named_node(subject), None, None, named_node(graph)
@@ -153,10 +153,10 @@ class OxigraphStore:
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete, then insert, as one unit."""
-        gone, new = list(delete), list(insert)
+        old, new = list(delete), list(insert)
         with self._changing() as store:
-            if gone:
-                store.update(delete_insert(gone, new))
+            if old:
+                store.update(delete_insert(old, new))
             else:
                 store.extend([quad_to_engine(quad) for quad in new])
 
@@ -168,13 +168,13 @@ class OxigraphStore:
     def load(self, lines: Iterable[bytes]) -> None:
         """Add the statements of lines of N-Quads as one unit; the fast way for millions.
 
-        The engine sorts and writes in threads of its own while the lines are made. An error that
-        they raise goes through, and nothing is added.
+        pyoxigraph sorts and writes in its own threads while the lines are generated. An error of
+        the generator is passed on, and nothing is added.
         """
         with self._changing() as store:
             stream = cast(BinaryIO, _ChunkReader(lines))
             try:
-                # Lenient: Hilt has checked what it writes; to do so again takes a tenth longer.
+                # Lenient: Hilt has checked the lines; checking them again takes a tenth longer.
                 store.bulk_load(stream, format=engine.RdfFormat.N_QUADS, lenient=True)
             except BaseException:
                 if self._folder:  # the parts that were written would stay
@@ -199,7 +199,7 @@ class OxigraphStore:
         return self._lock
 
     def close(self) -> None:
-        """Let go of the folder."""
+        """Close the store and release its folder."""
         with self._lock:
             self._worker.close()
             if self._inner is not None and self._log.has_changes:
@@ -259,7 +259,7 @@ class OxigraphStore:
 
     def _run(self, query: str) -> object:
         with translated_errors(self.location, query):
-            # The engine would not look at the graphs that a query itself chooses (FROM).
+            # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
             is_union = "from" not in query.lower() or "FROM" not in keywords(query)
             return self._engine().query(
                 query, prefixes=_PREFIXES, use_default_graph_as_union=is_union
@@ -288,7 +288,7 @@ class OxigraphStore:
 
 
 class _ChunkReader:
-    """Chunks as a file that the engine reads."""
+    """Chunks of bytes as a file that pyoxigraph reads."""
 
     def __init__(self, chunks: Iterable[bytes]) -> None:
         self._chunks = iter(chunks)
@@ -312,7 +312,7 @@ def open_memory(*, read_only: bool = False) -> OxigraphStore:
 
 
 def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
-    """A store in a folder, which is made when it is not there.
+    """A store in a folder, which is created if it does not exist.
 
     Raises:
         StoreError: the folder is in use, cannot be written, holds something else, or is damaged.
@@ -329,12 +329,12 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         opened = engine.Store(str(folder))
         directory.remove_leftovers(folder)
         return OxigraphStore(opened, str(folder), read_only=False, folder=folder)
-    except (OSError, RuntimeError) as error:  # damage is told as a RuntimeError
+    except (OSError, RuntimeError) as error:  # a damaged folder raises RuntimeError
         raise open_error(folder, error) from error
 
 
 def open_snapshot(snapshot: Path) -> OxigraphStore:
-    """A store over a snapshot that somebody else removes.
+    """A store over a snapshot that the caller removes.
 
     Raises:
         StoreError: it cannot be read.

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The store behind a SPARQL 1.1 endpoint: any engine that speaks the protocol.
+"""The store behind a SPARQL 1.1 endpoint of any engine.
 
-It keeps to what engines were found to agree on. Every query names the base's graphs as its
-dataset, so that an endpoint may hold other data too. Values are compared by value, because
-engines write numbers in their own way. A result that the endpoint cuts is read on, page by page.
+It uses only what engines were found to agree on. Every query names the base's graphs as its
+dataset, so that an endpoint may hold other data too. Literals are compared by value, because
+engines write numbers differently. A result that the endpoint truncates is read page by page.
 
-A unit of up to `BATCH` statements is one update operation, which is atomic wherever updates are.
-A larger one is sent in parts, which may be repeated without harm. One process at a time may write
-to a base; endpoints do not see to that.
+A unit of up to `BATCH` statements is one update operation, which is atomic if updates of the
+endpoint are. A larger one is sent in parts, which may be repeated. Only one process at a time may
+write to a base; endpoints do not enforce that.
 """
 
 from __future__ import annotations
@@ -44,15 +44,15 @@ from ..sparql.text import (
 from .http import Address, Response, Transport, parse_address
 
 BATCH = 1_000  # statements of one update; some engines take no more than 1,400
-MOST_BYTES_MB = 4_096  # of an answer to a call that nobody set limits for
-CALL = Limits(seconds=60, megabytes=MOST_BYTES_MB)
+MAX_MEGABYTES = 4_096  # of the answer to a call without limits
+CALL = Limits(seconds=60, megabytes=MAX_MEGABYTES)
 ROWS, TRIPLES = "application/sparql-results+json", "application/n-triples, text/plain;q=0.2"
-PAGE = 1_000  # solutions of a page where the endpoint does not say how many it gives
-VIRTUOSO, ITS_UPDATES = "Virtuoso", "sparql-auth"
+PAGE = 1_000  # solutions of a page where the endpoint does not say how many it sends
+VIRTUOSO, VIRTUOSO_UPDATES = "Virtuoso", "sparql-auth"
 
 
 class RemoteStore:
-    """A store that another process keeps; see `hilt.kb.stores.base.Store` for its methods."""
+    """A store behind an endpoint; `hilt.kb.stores.base.Store` documents its methods."""
 
     has_cheap_patterns = False
 
@@ -67,18 +67,18 @@ class RemoteStore:
         self._is_open = True
 
     def connect(self) -> None:
-        """Find out whether the endpoint answers, and what it is.
+        """Check that the endpoint answers, and note its server software.
 
         Raises:
-            StoreError: it does not, or refuses.
+            StoreError: it does not answer, or refuses.
         """
         try:
             self._server = self._read("ASK {}", ROWS, CALL).server
         except QueryError as error:
-            raise StoreError(f'"{self.location}" is no SPARQL endpoint: {error}') from error
+            raise StoreError(f'"{self.location}" is not a SPARQL endpoint: {error}') from error
 
     def select(self, query: str) -> Solutions:
-        """The rows of a SELECT query, all of them, however many the endpoint gives at once."""
+        """All rows of a SELECT query, however many the endpoint sends at once."""
         return self._select(query, CALL)
 
     def ask(self, query: str) -> bool:
@@ -90,7 +90,7 @@ class RemoteStore:
         return self._construct(query, CALL)
 
     def run(self, query: str, limits: Limits) -> QueryResult:
-        """Any query; the endpoint's own limits hold beside these."""
+        """The result of any query; the endpoint's own limits apply too."""
         match query_form(query):
             case "ASK":
                 return BooleanResult(self._ask(query, limits))
@@ -121,17 +121,17 @@ class RemoteStore:
             yield Quad(*found.values())  # type: ignore[arg-type]
 
     def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
-        """Everything that stands at a node."""
+        """The properties of a node."""
         return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete, then insert; one operation when it is not too large for one."""
-        gone, new = [q for quad in delete for q in _spellings(quad)], list(insert)
+        old, new = [q for quad in delete for q in _number_variants(quad)], list(insert)
         with self._lock:
-            if len(gone) + len(new) <= BATCH:
-                self._write(delete_insert(gone, new), may_repeat=True)
+            if len(old) + len(new) <= BATCH:
+                self._write(delete_insert(old, new), may_repeat=True)
                 return
-            for part in _batches(gone):
+            for part in _batches(old):
                 self._write(delete_insert(part, []), may_repeat=True)
             self._insert(new)
 
@@ -155,19 +155,17 @@ class RemoteStore:
         self._is_open = False
         self._transport.close()
 
-    # Reading
-
     def _select(self, query: str, limits: Limits) -> Solutions:
         if query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
         found = read_solutions(response.body)
-        if response.most_rows and len(found) >= response.most_rows:
-            return self._read_on(query, found, response.most_rows, limits)
+        if response.max_rows and len(found) >= response.max_rows:
+            return self._read_pages(query, found, response.max_rows, limits)
         return found
 
-    def _read_on(self, query: str, first: Solutions, size: int, limits: Limits) -> Solutions:
-        """The rows of a result that the endpoint cuts after `size`, page by page."""
+    def _read_pages(self, query: str, first: Solutions, size: int, limits: Limits) -> Solutions:
+        """The rows of a result that the endpoint truncates after `size`, page by page."""
         rows: list[tuple[Term | None, ...]] = []
         while len(rows) % size == 0:
             text = page_query(query, first.variables, size=size, offset=len(rows))
@@ -188,7 +186,7 @@ class RemoteStore:
         is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
         if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
             return self._triples(query, limits)
-        # It cuts statements without a word, so they are asked for in pages from the start.
+        # It truncates statements silently, so they are read in pages from the start.
         found: dict[Quad, None] = {}
         for offset in range(0, 10**9, PAGE):
             page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
@@ -207,11 +205,9 @@ class RemoteStore:
         fields: dict[str, str | Sequence[str]] = {"query": with_prefixes(query)}
         if "FROM" not in keywords(query):  # a query may name its own dataset
             fields |= self._dataset
-        if self._server.startswith(VIRTUOSO):  # else it works on when nobody waits any more
+        if self._server.startswith(VIRTUOSO):  # else it continues when the client has stopped
             fields["timeout"] = str(max(1_000, int(limits.seconds * 1_000)))
         return self._transport.post(self._address.query, form=fields, accept=accept, limits=limits)
-
-    # Writing
 
     def _write(self, update: str, *, may_repeat: bool) -> None:
         self._check_writable()
@@ -247,7 +243,7 @@ class RemoteStore:
     def _update_address(self) -> str:
         address = self._address
         if self._server.startswith(VIRTUOSO) and not address.is_update_given:
-            return urljoin(address.query, ITS_UPDATES)
+            return urljoin(address.query, VIRTUOSO_UPDATES)
         return address.update
 
     def _check_writable(self) -> None:
@@ -264,7 +260,7 @@ def open_remote(location: str | Address, *, read_only: bool = False) -> RemoteSt
     """A store behind an endpoint.
 
     Args:
-        location: its address; `hilt.kb.stores.http` says how it is written.
+        location: its address, as documented in `hilt.kb.stores.http`.
         read_only: refuse writes.
 
     Raises:
@@ -285,8 +281,8 @@ def _dataset() -> Mapping[str, Sequence[str]]:
     return {"default-graph-uri": graphs, "named-graph-uri": graphs}
 
 
-def _spellings(quad: Quad) -> Iterator[Quad]:
-    """The statement in every way that an engine may have kept its number."""
+def _number_variants(quad: Quad) -> Iterator[Quad]:
+    """The statement with its number in each datatype that an engine may have stored."""
     yield quad
     value = quad.object
     if isinstance(value, Decimal) and value == value.to_integral_value():

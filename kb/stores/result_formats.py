@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a query found as a document: JSON, CSV, TSV and XML of SPARQL 1.1, and Turtle.
+"""Serialization of query results: JSON, CSV, TSV and XML of SPARQL 1.1, and Turtle.
 
-Rows can be any of the first four, yes or no JSON and XML, statements any; Turtle is for
-statements only.
+Rows have the first four formats, booleans JSON and XML, statements all; Turtle is for statements
+only. pyoxigraph serializes only the results of its own queries, which those of an endpoint are not.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ _ILLEGAL_IN_XML = dict.fromkeys(
 
 
 def write_result(found: QueryResult, format: str) -> str:  # noqa: A002
-    """What a query found, as a document.
+    """The document of a query result.
 
     Args:
-        found: what it is about.
+        found: the result.
         format: one of `FORMATS`.
 
     Raises:
@@ -89,7 +89,9 @@ FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
 
 def _rows(found: QueryResult, name: str) -> Solutions:
     if isinstance(found, BooleanResult):
-        raise QueryError(f"{name} is for rows; an ASK query answers yes or no. Use json or xml.")
+        raise QueryError(
+            f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
+        )
     return found
 
 

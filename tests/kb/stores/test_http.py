@@ -10,7 +10,16 @@ import pytest
 
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.sparql.results import Limits
-from hilt.kb.stores.http import TRIES, Address, Response, Transport
+from hilt.kb.stores.http import (
+    PASSWORD,
+    TOKEN,
+    TRIES,
+    USER,
+    Address,
+    Response,
+    Transport,
+    parse_address,
+)
 from hilt.kb.stores.remote import RemoteStore
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.vocabulary import Iri, iri
@@ -119,7 +128,7 @@ def test_huge_answer_is_not_read():
     [
         (400, "\nsyntax error at 1:3\nmore", QueryError, "The endpoint says: syntax error at 1:3."),
         (401, "no", StoreError, r"refuses: no\. Set HILT_KB_USER and HILT_KB_PASSWORD"),
-        (403, "", StoreError, "refuses: nothing else was said"),
+        (403, "", StoreError, "refuses: no message"),
         (500, "Error SR186: No permission", StoreError, "refuses: Error SR186"),
         (404, "", StoreError, 'after a "#"'),
         (500, "disk on fire", StoreError, r"failed \(HTTP 500\): disk on fire\."),
@@ -216,3 +225,40 @@ def test_partial_answer_of_virtuoso_is_refused():
 
     with pytest.raises(QueryError, match="took longer"):
         store.select("SELECT ?o WHERE { ?s ?p ?o }")
+
+
+@pytest.mark.parametrize(
+    ("location", "query", "update", "graphs"),
+    [
+        ("http://h/sparql", "http://h/sparql", "http://h/sparql", None),
+        ("http://h:7878/query", "http://h:7878/query", "http://h:7878/update", None),
+        ("http://h/d/query#update,data", "http://h/d/query", "http://h/d/update", "http://h/d/data"),
+        ("https://h/r/kb#kb/statements", "https://h/r/kb", "https://h/r/kb/statements", None),
+        ("http://h/sparql#/sparql-auth", "http://h/sparql", "http://h/sparql-auth", None),
+        ("http://h/sparql#,/store", "http://h/sparql", "http://h/sparql", "http://h/store"),
+        ("http://h/a#http://other/b", "http://h/a", "http://other/b", None),
+    ],
+)  # fmt: skip
+def test_one_address_names_all(location: str, query: str, update: str, graphs: str | None):
+    """What follows "#" is relative to where queries go."""
+    found = parse_address(location, {})
+
+    assert (found.query, found.update, found.graphs) == (query, update, graphs)
+
+
+def test_credentials_are_taken_and_never_shown():
+    """From the address, or from the environment; the shown address has none."""
+    found = parse_address("http://sam:s%40fe@h/sparql", {})
+    other = parse_address("http://h/sparql", {USER: "anna", PASSWORD: "secret", TOKEN: "t0ken"})
+
+    assert (found.user, found.password, found.query) == ("sam", "s@fe", "http://h/sparql")
+    assert (other.user, other.password, other.token) == ("anna", "secret", "t0ken")
+    assert found.has_credentials and other.has_credentials
+    assert not any(one in f"{found}{other}" for one in ("s@fe", "s%40fe", "secret", "t0ken"))
+
+
+@pytest.mark.parametrize("location", ["http://", "http:///x", "https://h:port/", "ftp://h/x"])
+def test_what_is_no_address_is_told(location: str):
+    """The text itself is not repeated: it may hold a password."""
+    with pytest.raises(StoreError, match="expected http"):
+        parse_address(location, {})
