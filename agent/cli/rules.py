@@ -15,7 +15,7 @@ from .common import STDIN, open_base, open_for_reading, print_json, terminal
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
-    from ...kb.formats.drawing import Picture
+    from networkx import MultiDiGraph
 
 MOST_RULES = 500  # in one picture; nobody finds anything in more
 Object = Annotated[str | None, typer.Option("--object", help="About this object.")]
@@ -125,23 +125,20 @@ def graph(
             "GraphML.",
             source=file,
         )
-    from ...kb.formats.drawing import picture_of
-
-    _write(picture_of(found), file)
+    _write(found, file)
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
-def _write(picture: Picture, file: str) -> None:
-    from ...kb.formats import painting
+def _write(graph: MultiDiGraph[str], file: str) -> None:
+    from ...kb.formats.drawing import draw_graph
 
     if file == STDIN:
-        sys.stdout.write(painting.svg(picture))
+        sys.stdout.write(draw_graph(graph, "svg").decode())
         return
     suffix = Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
         raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    is_svg = suffix == ".svg"
-    data = painting.svg(picture).encode() if is_svg else painting.png(picture)
+    data = draw_graph(graph, suffix[1:])
     try:
         Path(file).write_bytes(data)
     except OSError as error:

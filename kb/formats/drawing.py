@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rule graph as a picture: what is seen on the left, what follows on the right.
+"""The rule graph as a picture, SVG or PNG: features on the left, consequents on the right.
 
 Each rule is an arrow with its interval, coloured by its context; a dotted one speaks against its
-conclusion, a dashed one needs another feature besides. Boxes stand in columns in the order that
+consequent, a dashed one needs another feature besides. Boxes stand in columns in the order that
 keeps the arrows short (the barycentre heuristic of Sugiyama, Tagawa and Toda 1981), and each arrow
-has a place of its own at the box, so that no label covers another.
+has its own place at a box, so that no label covers another. All lengths are in points.
 """
 
 from __future__ import annotations
 
+import io
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 from typing import TYPE_CHECKING, Any
 
+from ...ontology.errors import MissingExtraError
+
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from networkx import MultiDiGraph
 
-MARGIN, LETTER, LINE = 24, 7, 18  # [px]; of a 12 px font
-BOX_HEIGHT, GAP_Y, CURVE = 28, 14, 150  # [px]
-SWEEPS = 8  # how often the columns are put in order; more changes nothing
 ANY_CONTEXT = "any context"
+_MARGIN, _LETTER, _ROW, _GAP, _CURVE = 18, 5.6, 16, 10, 130  # [pt]; of an 9 pt font
+_LEGEND_ROW = 13.5  # [pt]
+_SWEEPS = 8  # how often the columns are ordered; more changes nothing
+_PIXELS_PER_INCH = 160  # of a PNG
 
 # Colours that people who see few colours can tell apart (Okabe and Ito 2008).
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a5c00")
@@ -29,58 +34,14 @@ _FILLS = {
     "object": "#dcecf7", "property": "#fdf1d6", "part": "#e3f1de", "affordance": "#f5e1ee",
 }  # fmt: skip
 _OTHER_FILL = "#eeeeee"
-
-Point = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class NodeBox:
-    """A node: left upper corner and size [px], its name and the colour of its kind."""
-
-    x: float
-    y: float
-    width: float
-    height: float
-    name: str
-    fill: str
+_STYLES: dict[str, Any] = {
+    "supports": "-", "needs another feature": (0, (6, 3)), "speaks against": (0, (1.5, 2)),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Arrow:
-    """A rule: from its start straight under its label, then in a curve to its end [px]."""
-
-    start: Point
-    bend: Point
-    end: Point
-    label: str
-    colour: str
-    style: str
-
-    @property
-    def controls(self) -> tuple[Point, Point]:
-        """The control points of the curve: it leaves and arrives level."""
-        reach = max(abs(self.end[0] - self.bend[0]) / 2, CURVE / 3)
-        return (self.bend[0] + reach, self.bend[1]), (self.end[0] - reach, self.end[1])
-
-
-@dataclass(frozen=True)
-class Picture:
-    """What is drawn, and its size [px].
-
-    Attributes:
-        legend: contexts with their colours.
-    """
-
-    width: float
-    height: float
-    boxes: tuple[NodeBox, ...]
-    arrows: tuple[Arrow, ...]
-    legend: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True)
-class _Edge:
-    """A rule between two nodes, as far as drawing goes."""
+class _Arrow:
+    """A rule between two nodes."""
 
     start: str
     end: str
@@ -89,130 +50,230 @@ class _Edge:
     style: str
 
 
-def picture_of(graph: MultiDiGraph[str]) -> Picture:
-    """The picture of a graph that `graph_of` made."""
-    edges = sorted((_edge(*each) for each in graph.edges(data=True)), key=astuple)
-    columns = _ordered(_columns(graph), edges, graph)
-    out, into = _ports(columns, edges)
-    rows = {node: max(len(out[node]), len(into[node]), 1) for node in graph}
-    boxes, width = _placed(columns, edges, rows)
-    colours = _palette(edges)
-    arrows = _arrows(edges, boxes, out, into, colours)
-    bottom = max((box.y + box.height for box in boxes.values()), default=MARGIN)
-    legend = tuple(colours.items())
-    height = bottom + GAP_Y + LINE * len(legend) + MARGIN
-    return Picture(width, height, tuple(boxes.values()), tuple(arrows), legend)
+@dataclass(frozen=True)
+class _Box:
+    """Where a node stands: its lower left corner and its size."""
+
+    x: float
+    y: float
+    width: float
+    height: float
 
 
-def _edge(start: str, end: str, data: dict[str, Any]) -> _Edge:
-    contexts = ", ".join(part.partition(":")[2] for part in data["contexts"].split("; ") if part)
+def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
+    """Return the picture of a graph that `graph_of` made.
+
+    Args:
+        graph: the rules.
+        form: "svg" or "png".
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+    """
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("report", "matplotlib") from error
+
+    arrows = sorted((_arrow(*edge) for edge in graph.edges(data=True)), key=astuple)
+    columns = _ordered_columns(graph, arrows)
+    starts, ends = _arrows_by_node(columns, arrows)
+    rows = {node: max(len(starts[node]), len(ends[node]), 1) for node in graph}
+    boxes, width, height = _placed(columns, arrows, rows)
+    colours = _colours(arrows)
+    kinds = sorted({_kind(node) for node in graph})
+    below = _LEGEND_ROW * max(len(colours), len(_STYLES), len(kinds)) + _MARGIN if arrows else 0
+    width = max(width, 420) if arrows else width
+    with mpl.rc_context({"svg.hashsalt": "hilt", "svg.fonttype": "none", "font.size": 9}):
+        figure = Figure(figsize=(width / 72, (height + below) / 72))
+        axes = figure.add_axes((0, 0, 1, 1))
+        axes.set_xlim(0, width)
+        axes.set_ylim(-below, height)
+        axes.set_axis_off()
+        for node, box in boxes.items():
+            _draw_box(axes, box, node)
+        for arrow in arrows:
+            _draw_arrow(
+                axes,
+                arrow,
+                _port(boxes[arrow.start], starts[arrow.start], arrow),
+                _port(boxes[arrow.end], ends[arrow.end], arrow),
+                x=(boxes[arrow.start].x + boxes[arrow.start].width, boxes[arrow.end].x),
+                colour=colours[arrow.context],
+            )
+        if arrows:
+            _draw_legend(axes, colours, kinds)
+        stream = io.BytesIO()
+        metadata = {"Date": None} if form == "svg" else None
+        figure.savefig(stream, format=form, dpi=_PIXELS_PER_INCH, metadata=metadata)
+    return stream.getvalue()
+
+
+def _arrow(start: str, end: str, data: Mapping[str, Any]) -> _Arrow:
+    contexts = ", ".join(_name(one) for one in data["contexts"].split("; ") if one)
     if data["lower"] + data["upper"] <= 1:
-        style = "against"
+        style = "speaks against"
     else:
-        style = "together" if "; " in data["features"] else "plain"
+        style = "needs another feature" if "; " in data["features"] else "supports"
     label = f"{contexts} {data['label']}".strip()
-    return _Edge(start, end, label, contexts or ANY_CONTEXT, style)
-
-
-def _columns(graph: MultiDiGraph[str]) -> list[list[str]]:
-    """Nodes that only lead somewhere, those between, and those that are only led to."""
-    starts = [n for n in graph if not graph.in_degree(n)]
-    ends = [n for n in graph if graph.in_degree(n) and not graph.out_degree(n)]
-    between = [n for n in graph if graph.in_degree(n) and graph.out_degree(n)]
-    return [sorted(column) for column in (starts, between, ends) if column]
-
-
-def _ordered(
-    columns: list[list[str]], edges: Iterable[_Edge], graph: MultiDiGraph[str]
-) -> list[list[str]]:
-    """The columns, each node at the mean height of its neighbours; what hangs together stays so."""
-    import networkx as nx
-
-    near: dict[str, list[str]] = defaultdict(list)
-    for edge in edges:
-        near[edge.start].append(edge.end)
-        near[edge.end].append(edge.start)
-    parts = sorted(nx.weakly_connected_components(graph), key=min)
-    part = {node: number for number, nodes in enumerate(parts) for node in nodes}
-    for _ in range(SWEEPS):
-        for column in columns:
-            height = {node: i / len(each) for each in columns for i, node in enumerate(each)}
-            column.sort(key=lambda node: (part[node], _mean(node, near, height), node))
-    return columns
-
-
-def _mean(node: str, near: dict[str, list[str]], height: dict[str, float]) -> float:
-    heights = [height[other] for other in near[node]]
-    return sum(heights) / len(heights) if heights else height[node]
-
-
-def _ports(
-    columns: Sequence[Sequence[str]], edges: Sequence[_Edge]
-) -> tuple[dict[str, list[_Edge]], dict[str, list[_Edge]]]:
-    """The arrows out of and into each node, from top to bottom, so that few of them cross."""
-    order = {node: i for column in columns for i, node in enumerate(column)}
-    out: dict[str, list[_Edge]] = defaultdict(list)
-    into: dict[str, list[_Edge]] = defaultdict(list)
-    for edge in sorted(edges, key=lambda one: (order[one.end], one.end, one.label)):
-        out[edge.start].append(edge)
-    for edge in sorted(edges, key=lambda one: (order[one.start], one.start, one.label)):
-        into[edge.end].append(edge)
-    return out, into
-
-
-def _placed(
-    columns: Sequence[Sequence[str]], edges: Iterable[_Edge], rows: dict[str, int]
-) -> tuple[dict[str, NodeBox], float]:
-    """Where each box stands, and how wide all of it is."""
-    channel = LETTER * max((len(edge.label) for edge in edges), default=0) + CURVE
-    heights = [sum(_height(rows[node]) + GAP_Y for node in column) for column in columns]
-    boxes: dict[str, NodeBox] = {}
-    x = float(MARGIN)
-    for column, height in zip(columns, heights, strict=True):
-        width = LETTER * max(len(_name(node)) for node in column) + MARGIN
-        y = MARGIN + (max(heights) - height) / 2
-        for node in column:
-            fill = _FILLS.get(node.partition(":")[0], _OTHER_FILL)
-            boxes[node] = NodeBox(x, y, width, _height(rows[node]), _name(node), fill)
-            y += boxes[node].height + GAP_Y
-        x += width + channel
-    return boxes, x - channel + MARGIN if columns else 2.0 * MARGIN
-
-
-def _height(rows: int) -> float:
-    return max(BOX_HEIGHT, rows * LINE + LINE / 2)
+    return _Arrow(start, end, label, contexts or ANY_CONTEXT, style)
 
 
 def _name(node: str) -> str:
     return node.partition(":")[2]
 
 
-def _arrows(
-    edges: Iterable[_Edge],
-    boxes: dict[str, NodeBox],
-    out: dict[str, list[_Edge]],
-    into: dict[str, list[_Edge]],
-    colours: dict[str, str],
-) -> Iterable[Arrow]:
-    starts = {id(e): y for node, some in out.items() for e, y in _levels(boxes[node], some)}
-    ends = {id(e): y for node, some in into.items() for e, y in _levels(boxes[node], some)}
-    for edge in edges:
-        box, target = boxes[edge.start], boxes[edge.end]
-        x, y = box.x + box.width, starts[id(edge)]
-        bend = (x + LETTER * len(edge.label) + 8, y)
-        end = (target.x, ends[id(edge)])
-        yield Arrow((x, y), bend, end, edge.label, colours[edge.context], edge.style)
+def _kind(node: str) -> str:
+    return node.partition(":")[0]
 
 
-def _levels(box: NodeBox, edges: Sequence[_Edge]) -> Iterable[tuple[_Edge, float]]:
-    """Each arrow at a box with its height, evenly spread."""
-    step = box.height / max(len(edges), 1)
-    return ((edge, box.y + step * (i + 0.5)) for i, edge in enumerate(edges))
+# Layout
 
 
-def _palette(edges: Iterable[_Edge]) -> dict[str, str]:
-    contexts = sorted({edge.context for edge in edges} - {ANY_CONTEXT})
+def _ordered_columns(graph: MultiDiGraph[str], arrows: Sequence[_Arrow]) -> list[list[str]]:
+    """Sources, inner nodes and sinks, each at the mean height of its neighbours."""
+    import networkx as nx
+
+    columns: list[list[str]] = [[], [], []]
+    for node in sorted(graph):
+        has_in, has_out = graph.in_degree(node) > 0, graph.out_degree(node) > 0
+        columns[0 if not has_in else 1 if has_out else 2].append(node)
+    columns = [column for column in columns if column]
+    neighbours: dict[str, list[str]] = defaultdict(list)
+    for arrow in arrows:
+        neighbours[arrow.start].append(arrow.end)
+        neighbours[arrow.end].append(arrow.start)
+    components = sorted(nx.weakly_connected_components(graph), key=min)
+    component = {node: number for number, nodes in enumerate(components) for node in nodes}
+    for _ in range(_SWEEPS):
+        for column in columns:
+            height = {node: i / len(one) for one in columns for i, node in enumerate(one)}
+            mean = {
+                node: sum(height[other] for other in neighbours[node]) / len(neighbours[node])
+                for node in column
+            }
+            column.sort(key=lambda node: (component[node], mean[node], node))
+    return columns
+
+
+def _arrows_by_node(
+    columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow]
+) -> tuple[dict[str, list[_Arrow]], dict[str, list[_Arrow]]]:
+    """The arrows out of and into each node from top to bottom, so that few of them cross."""
+    order = {node: i for column in columns for i, node in enumerate(column)}
+    starts: dict[str, list[_Arrow]] = defaultdict(list)
+    ends: dict[str, list[_Arrow]] = defaultdict(list)
+    for arrow in sorted(arrows, key=lambda one: (order[one.end], one.end, one.label)):
+        starts[arrow.start].append(arrow)
+    for arrow in sorted(arrows, key=lambda one: (order[one.start], one.start, one.label)):
+        ends[arrow.end].append(arrow)
+    return starts, ends
+
+
+def _placed(
+    columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow], rows: Mapping[str, int]
+) -> tuple[dict[str, _Box], float, float]:
+    """The boxes, and the width and height of all of them."""
+    heights = [sum(_height(rows[node]) + _GAP for node in column) - _GAP for column in columns]
+    height = max(heights, default=0) + 2 * _MARGIN
+    labels = _LETTER * max((len(arrow.label) for arrow in arrows), default=0)
+    channel = labels + _CURVE + min(height, 3000) / 10
+    boxes: dict[str, _Box] = {}
+    x = float(_MARGIN)
+    for column, own in zip(columns, heights, strict=True):
+        width = _LETTER * max(len(_name(node)) for node in column) + 2 * _MARGIN
+        y = (height + own) / 2
+        for node in column:
+            y -= _height(rows[node])
+            boxes[node] = _Box(x, y, width, _height(rows[node]))
+            y -= _GAP
+        x += width + channel
+    return boxes, (x - channel + _MARGIN if columns else 2 * _MARGIN), height
+
+
+def _height(rows: int) -> float:
+    return rows * _ROW + _ROW / 2
+
+
+def _port(box: _Box, arrows: Sequence[_Arrow], arrow: _Arrow) -> float:
+    """The height at which an arrow meets a box: they are evenly spread."""
+    place = next(i for i, one in enumerate(arrows) if one is arrow)
+    return box.y + box.height * (1 - (place + 0.5) / len(arrows))
+
+
+def _colours(arrows: Sequence[_Arrow]) -> dict[str, str]:
+    contexts = sorted({arrow.context for arrow in arrows} - {ANY_CONTEXT})
     colours = {name: _COLOURS[i % len(_COLOURS)] for i, name in enumerate(contexts)}
-    if any(edge.context == ANY_CONTEXT for edge in edges):
+    if any(arrow.context == ANY_CONTEXT for arrow in arrows):
         colours[ANY_CONTEXT] = _NO_CONTEXT
     return colours
+
+
+# Drawing
+
+
+def _draw_box(axes: Axes, box: _Box, node: str) -> None:
+    from matplotlib.patches import FancyBboxPatch
+
+    axes.add_patch(
+        FancyBboxPatch(
+            (box.x, box.y), box.width, box.height,
+            boxstyle="round,pad=0,rounding_size=5", facecolor=_FILLS.get(_kind(node), _OTHER_FILL),
+            edgecolor="#888888", linewidth=0.8,
+        )
+    )  # fmt: skip
+    axes.text(
+        box.x + box.width / 2, box.y + box.height / 2, _name(node),
+        ha="center", va="center_baseline", color="#222222", parse_math=False,
+    )  # fmt: skip
+
+
+def _draw_arrow(
+    axes: Axes, arrow: _Arrow, start: float, end: float, *, x: tuple[float, float], colour: str
+) -> None:
+    """Draw a line under its label, and from there a curve that leaves and arrives level."""
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.path import Path
+
+    bend = x[0] + _LETTER * len(arrow.label) + 6
+    reach = max(abs(x[1] - bend) / 2, _CURVE / 3)
+    path = Path(
+        [(x[0], start), (bend, start), (bend + reach, start), (x[1] - reach, end), (x[1], end)],
+        [Path.MOVETO, Path.LINETO, Path.CURVE4, Path.CURVE4, Path.CURVE4],
+    )
+    axes.add_patch(
+        FancyArrowPatch(
+            path=path, arrowstyle="-|>,head_length=5,head_width=2.2", mutation_scale=1,
+            color=colour, linestyle=_STYLES[arrow.style], linewidth=1.1,
+            shrinkA=0, shrinkB=0, capstyle="butt",
+        )
+    )  # fmt: skip
+    axes.text(
+        x[0] + 4, start + 2, arrow.label, va="bottom", fontsize=8, color=colour, parse_math=False
+    )
+
+
+def _draw_legend(axes: Axes, colours: Mapping[str, str], kinds: Sequence[str]) -> None:
+    """Explain the colours of the arrows, their styles, and the fills of the boxes."""
+    from matplotlib.legend import Legend
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    grey = "#333333"
+    columns = (
+        [Line2D([], [], color=colour, label=name) for name, colour in colours.items()],
+        [Line2D([], [], color=grey, linestyle=s, label=name) for name, s in _STYLES.items()],
+        [
+            Patch(facecolor=_FILLS.get(one, _OTHER_FILL), edgecolor="#888888", label=one)
+            for one in kinds
+        ],
+    )
+    for number, handles in enumerate(columns):
+        legend = Legend(
+            axes, handles, [str(one.get_label()) for one in handles], loc="upper left",
+            bbox_to_anchor=(_MARGIN + number * 140, 4), bbox_transform=axes.transData,
+            frameon=False, fontsize=8, borderpad=0, borderaxespad=0, handlelength=2.6,
+            labelspacing=0.55,
+        )  # fmt: skip
+        axes.add_artist(legend)

@@ -255,7 +255,7 @@ def test_graph_as_json_is_nodes_and_edges(run: Run):
 
 def test_graph_goes_to_stdout_too(run: Run):
     """A dash is standard output."""
-    assert run("graph", "-")[1].startswith("<svg")
+    assert "<svg" in run("graph", "-")[1]
 
 
 @pytest.mark.parametrize(
