@@ -34,17 +34,17 @@ def measure(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
         ("kuka", "mug", "handle"),
     ],
 )
-def test_thing_is_taken_by_the_part_and_given(
+def test_object_is_grasped_by_the_part_and_handed_over(
     measure: ModuleType, setting: str, name: str, part: str
 ):
-    """Every closing is on the part, the thing is lifted, held and given, no neighbour moves."""
+    """Every closing is on the part, the object is handed over, and no neighbour moves."""
     episode = measure.run(measure.SETTINGS[setting], name, part, 905, objects=OBJECTS)
 
     assert episode.ok and episode.given
     assert (episode.wrong, episode.last.touched, episode.last.bumped) == (0, (part,), ())
 
 
-def test_tables_tell_parts_times_and_troubles(measure: ModuleType):
+def test_tables_show_parts_times_and_failures(measure: ModuleType):
     """One free episode fills a row of each table, and the times add up to the whole."""
     free = measure.SETTINGS["free"]
     episode = measure.run(free, "knife", "", 906, objects=OBJECTS, bare=True)

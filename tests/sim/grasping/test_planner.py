@@ -128,7 +128,7 @@ def test_part_walled_in_by_others_is_blocked():
 
 
 def test_part_hardly_seen_gives_no_grasp_and_no_reason():
-    """Of a handful of points nothing can be said."""
+    """Too few points give an empty plan."""
     few = LabelledCloud.of(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
 
     found = plan(few)
@@ -162,7 +162,7 @@ def test_scoring_centres_the_hand_on_the_part():
     assert scores.world_from_grip[0, 1, 3] == pytest.approx(0.0, abs=5e-4)
 
 
-def test_twist_says_how_to_turn_the_hand_along_the_faces():
+def test_twist_turns_the_hand_to_the_faces():
     """Turning a hand about its approach by the twist lays the pads flat."""
     turned = score_grasps(hand_over_bar(turn=0.1), np.array([0.02]), bar(), GRIPPER)
 
@@ -171,7 +171,7 @@ def test_twist_says_how_to_turn_the_hand_along_the_faces():
     assert abs(straight[1, 1]) > np.cos(0.03)
 
 
-def test_slope_says_where_a_round_part_is_widest():
+def test_slope_leads_to_the_widest_place():
     """On a disc beside its middle, slope times half the width leads to the middle."""
     angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     rim = np.column_stack([0.5 + 0.03 * np.cos(angle), 0.03 * np.sin(angle), 0 * angle])
@@ -197,7 +197,7 @@ def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
     assert 0 < shallow < 0.7 * deep
 
 
-def test_thing_that_would_turn_in_the_hand_is_not_ruled_out():
+def test_object_that_would_turn_in_the_hand_is_not_rejected():
     """A heavy bar held far from its middle scores little, but more than nothing."""
     far = LabelledCloud.of(
         bar().target, table=0.0, centre_of_mass=np.array((0.6, 0.0, 0.012)), mass=0.6
@@ -219,7 +219,7 @@ def test_hand_lower_than_the_table_hits_it():
     assert not hits_table(high, np.array([0.03]), 0.0, GRIPPER).any()
 
 
-def test_weight_turns_a_thing_held_at_its_end_only():
+def test_weight_turns_a_object_held_at_its_end_only():
     """The lever is the level distance across the closing direction."""
     hand = poses.pose(DOWN, (0.5, 0, 0))[None]
     along, across = np.array([[0.1, 0, 0]]), np.array([[0, 0.1, 0]])

@@ -29,7 +29,7 @@ BETWEEN = (
 
 
 def body_at(*placements: Placement, robot: str = "panda") -> Body:
-    """A body at a table on which things stand close to each other."""
+    """A body at a table with objects close to each other."""
     return Body(Scene(placements, 1, gap=0.002), OBJECTS, seed=1, robot=robot)
 
 
@@ -39,7 +39,7 @@ def body_with(spec: str, *, seed: int) -> Body:
 
 
 def grasped(body: Body, name: str, part: str) -> MotionReport:
-    """What came of grasping a thing in sight by a part."""
+    """The report of grasping a visible object by a part."""
     return body.grasp(body.search([f"object:{name}"])[0], part)
 
 
@@ -48,10 +48,8 @@ def grasped(body: Body, name: str, part: str) -> MotionReport:
     [((INVERTED,), "barrel", "too_wide"), (BETWEEN, "handle", "blocked")],
     ids=["barrel of an inverted mug", "handle between two shoes"],
 )
-def test_what_cannot_be_grasped_is_not_tried(
-    placements: tuple[Placement, ...], part: str, reason: str
-):
-    """The reason is told, the hand has not closed, and no time has passed."""
+def test_impossible_grasp_is_not_tried(placements: tuple[Placement, ...], part: str, reason: str):
+    """The report has the reason, the gripper has not closed, and no time has passed."""
     with body_at(*placements) as body:
         before = body.world.time
 
@@ -63,8 +61,8 @@ def test_what_cannot_be_grasped_is_not_tried(
 
 
 @pytest.mark.parametrize("at", [(1.0, 0.1), (0.9, 0.6), (-0.4, 0.2)])
-def test_thing_out_of_reach_is_told_as_that(at: tuple[float, float]):
-    """However little of it is seen from there: not that it cannot be held, but that it is far."""
+def test_distant_object_is_reported_as_unreachable(at: tuple[float, float]):
+    """The reason is the distance, however little of the object is visible."""
     with body_at(Placement("mug", "mug", at, 0.3)) as body:
         before = body.world.time
 
@@ -75,7 +73,7 @@ def test_thing_out_of_reach_is_told_as_that(at: tuple[float, float]):
 
 
 def test_other_part_of_the_inverted_mug_is_grasped():
-    """That its barrel is too wide says nothing about its handle."""
+    """The handle is grasped although the barrel is too wide."""
     with body_at(INVERTED) as body:
         report = grasped(body, "mug", "handle")
 
@@ -83,8 +81,8 @@ def test_other_part_of_the_inverted_mug_is_grasped():
     assert report.touched == ("handle",)
 
 
-def test_thing_that_always_slips_is_given_up():
-    """Without friction every closing fails, each is told, and the hand is empty afterwards."""
+def test_object_that_always_slips_is_given_up():
+    """Without friction every attempt fails and is reported, and the hand is empty afterwards."""
     with body_with("objects:screwdriver", seed=3) as body:
         for finger in body.robot.gripper.links:
             body.world.engine.contacts.set_surface(NAME, finger, friction=0.0, spinning=0.0)
@@ -99,8 +97,8 @@ def test_thing_that_always_slips_is_given_up():
         assert body.holding is None
 
 
-def test_thing_torn_away_on_the_way_is_taken_and_given_all_the_same():
-    """Somebody lays the knife back on the table while it is carried; the second time it arrives."""
+def test_object_lost_on_the_way_is_grasped_again_and_handed_over():
+    """The knife is put back on the table while it is carried; it arrives at the second attempt."""
     with body_with("objects:knife", seed=7) as body:
         where = body.world.pose("knife")
         assert grasped(body, "knife", "handle").ok
@@ -136,7 +134,7 @@ def test_run_that_is_not_recorded_renders_only_what_vision_needs(monkeypatch: py
     assert sum(drawn) < 640 * 480
 
 
-def test_second_robot_takes_by_the_part_too():
+def test_second_robot_grasps_by_the_part():
     """The KUKA arm with its hand takes the blade, and gives the handle."""
     scene = parse_scene("objects:knife", seed=9, objects=OBJECTS)
     with Body(scene, OBJECTS, seed=9, robot="kuka") as body:
@@ -153,7 +151,7 @@ def test_second_robot_takes_by_the_part_too():
     assert handle[0] > blade[0]
 
 
-def test_thing_put_back_lies_still():
+def test_object_put_back_lies_still():
     """A mug that was put back stands where it stood, upright."""
     with body_with("objects:mug", seed=6) as body:
         before = body.world.pose("mug")

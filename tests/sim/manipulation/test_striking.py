@@ -41,7 +41,7 @@ def test_face_meets_the_nail():
     assert world_from_grip[:3, :3] @ strike.point + world_from_grip[:3, 3] == pytest.approx(nail)
 
 
-def test_thing_inside_the_hand_cannot_strike():
+def test_object_inside_the_hand_cannot_strike():
     """What does not stand out of the hand has no face to strike with."""
     wide_hand = 4 * HAND * (1, 1, -1)
 
@@ -74,7 +74,7 @@ def test_nail_is_driven_in_by_blows(tool: str, part: str):
 
 
 @pytest.mark.sim
-def test_only_what_stands_in_something_is_struck():
+def test_only_mounted_objects_are_struck():
     """A mug is not pounded: the report says why, and nothing moves."""
     with Body(parse_scene("objects:hammer,mug", seed=2, objects=OBJECTS), OBJECTS, seed=2) as body:
         mug = body.search(["object:mug"])[0]

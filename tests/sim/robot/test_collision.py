@@ -86,7 +86,7 @@ def test_fingers_of_an_open_hand_stand_apart():
     assert (np.abs(fingers.centre[:, 1]) - fingers.radius >= 0.027).all()
 
 
-def test_thing_held_into_the_arm_is_noticed():
+def test_object_held_into_the_arm_is_detected():
     """A rod that reaches back to the shoulder hits it; one that hangs down does not."""
     spheres = arm_spheres(ARM, PANDA.spheres)
     shoulder = poses.transform(poses.inverse(ARM.forward(HOME)[0]), np.array([[0.0, 0, 0.333]]))

@@ -47,7 +47,7 @@ def test_solve_reaches_poses_over_a_table(panda):
     assert np.all((answer.joints >= panda.arm.low) & (answer.joints <= panda.arm.high))
 
 
-def test_solve_says_when_a_pose_is_out_of_reach(panda):
+def test_solve_reports_a_pose_out_of_reach(panda):
     """A pose two metres away is not found."""
     target = poses.translation(2.0, 0.0, 0.5)[None]
 
@@ -81,8 +81,8 @@ def test_track_follows_a_straight_way_without_a_jump(panda):
     assert np.allclose(panda.arm.forward(answer.joints[0]), way, atol=3e-3)
 
 
-def test_read_chain_names_a_link_that_is_not_there(panda):
-    """A link that no joint leads to is told with the file."""
+def test_read_chain_names_a_missing_link(panda):
+    """The error names the file and the link."""
     with pytest.raises(
         DataError, match=r'panda\.urdf: expected a joint that leads to a link "foot"'
     ):

@@ -37,12 +37,12 @@ def test_hand_of_the_panda_waits_over_the_table_and_looks_down():
 
 
 def test_unknown_robot_names_the_known_ones():
-    """A robot that is not there is told with those that are."""
+    """The error lists the known robots."""
     with pytest.raises(UnknownNameError, match=r'no robot "pando"\. Did you mean "panda"'):
         find_robot("pando")
 
 
-def test_wrong_number_of_joints_is_told_with_its_line(tmp_path: Path):
+def test_wrong_number_of_joints_is_an_error_with_its_line(tmp_path: Path):
     """A posture with a joint too few is found in its line."""
     text = ROBOTS_FILE.read_text(encoding="utf-8").replace(", 1.75, 0.785]", ", 1.75]")
     file = tmp_path / "robots.yaml"
@@ -66,7 +66,7 @@ def test_robot_without_gripper_has_none(tmp_path: Path):
 
 @pytest.mark.sim
 def test_robot_without_a_hand_points_with_its_arm(tmp_path: Path):
-    """It comes near the thing it points at, and touches nothing."""
+    """It comes near the object it points at, and touches nothing."""
     arm = ROBOTS_FILE.read_text(encoding="utf-8").partition("\nkuka:\n")[2]
     arm = re.sub(r"  (attached|gripper):\n(    .*\n)+", "", arm).partition("    panda_hand:\n")[0]
     file = tmp_path / "arm.yaml"
@@ -83,7 +83,7 @@ def test_robot_without_a_hand_points_with_its_arm(tmp_path: Path):
 
 
 def test_robot_of_a_file_with_one_needs_no_name(tmp_path: Path):
-    """Where there are several, the name must be told; the error lists them."""
+    """With several robots the name is required; the error lists them."""
     text = ROBOTS_FILE.read_text(encoding="utf-8")
     both, one = tmp_path / "both.yaml", tmp_path / "one.yaml"
     both.write_text(text, encoding="utf-8")

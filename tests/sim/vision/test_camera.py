@@ -48,7 +48,7 @@ def test_target_is_in_the_middle():
 
 
 def test_what_is_behind_has_no_pixel():
-    """A point behind the camera appears nowhere."""
+    """A point behind the camera has no pixel."""
     assert np.isnan(CAMERA.pixels(np.array([[1.6, -1.0, 1.2]]))).all()
 
 

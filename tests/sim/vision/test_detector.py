@@ -41,7 +41,7 @@ def names(percepts: tuple[Percept, ...]) -> set[str]:
 
 @pytest.mark.sim
 def test_every_object_is_seen_with_all_its_parts(vision: MaskDetector):
-    """Nothing of a well-lit table is missed."""
+    """Nothing on a well-lit table is missed."""
     percepts = vision.search([f"object:{name}" for name in OBJECTS])
 
     assert names(percepts) == set(graspable(OBJECTS))
@@ -134,8 +134,8 @@ def test_features_of_a_type_are_its_names_parts_and_properties():
     assert {"object:knife", "part:blade", "property:sharp"} <= visible_features(OBJECTS["knife"])
 
 
-def test_part_out_of_sight_is_told():
-    """Asking a percept for a part that was not seen lists those that were."""
+def test_part_out_of_sight_is_an_error():
+    """The error lists the visible parts."""
     percept = Percept("mug", "mug", 0.9, {"barrel": PartPercept("barrel", np.zeros((4, 3)), 4)})
 
     with pytest.raises(UnknownNameError, match=r'visible part of mug "handle".*Known: barrel'):
@@ -143,7 +143,7 @@ def test_part_out_of_sight_is_told():
 
 
 def test_clouds_cannot_be_changed():
-    """What has been seen stays as it was."""
+    """The points of a percept are read-only."""
     part = PartPercept("barrel", np.zeros((4, 3)), 4)
 
     with pytest.raises(ValueError, match="read-only"):

@@ -66,8 +66,8 @@ def detector(world: World) -> LearnedDetector:
     return LearnedDetector(world.engine, OBJECTS)
 
 
-def test_each_thing_is_one_segment(views: tuple[CameraImage, ...]):
-    """Eight things on a table are eight segments, above the table and apart."""
+def test_each_object_is_one_segment(views: tuple[CameraImage, ...]):
+    """Eight objects on a table are eight segments, above the table and apart."""
     found = segment_images(views)
 
     assert len(found) == 8
@@ -77,7 +77,7 @@ def test_each_thing_is_one_segment(views: tuple[CameraImage, ...]):
 
 
 def test_empty_table_has_no_segments():
-    """Where nothing stands nothing is found."""
+    """An empty table has no segments and no percepts."""
     with World.build(Scene((), 0), OBJECTS) as world:
         detector = LearnedDetector(world.engine, OBJECTS)
 
@@ -85,10 +85,10 @@ def test_empty_table_has_no_segments():
         assert detector.search(ALL) == ()
 
 
-def test_all_things_are_recognised_without_the_mask(
+def test_all_objects_are_recognised_without_the_mask(
     world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
-    """Each thing gets its name, surely, at its place."""
+    """Each object is detected with its type, at its place."""
     percepts = detector.search(ALL, images=views)
 
     assert {percept.object for percept in percepts} == set(graspable(OBJECTS))
@@ -112,7 +112,7 @@ def test_points_are_shared_out_to_their_parts(
 
 
 def test_only_what_is_asked_is_found(detector: LearnedDetector, views: tuple[CameraImage, ...]):
-    """Learned detector search for features just as the others do."""
+    """The learned detector searches for features, too."""
     assert {p.name for p in detector.search(["property:sharp"], images=views)} == {"knife"}
     assert detector.search(["action:pass"], images=views) == ()
 
@@ -120,7 +120,7 @@ def test_only_what_is_asked_is_found(detector: LearnedDetector, views: tuple[Cam
 def test_obstacles_are_all_the_others(
     world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
-    """What is in the way is all that stands there, besides the thing itself."""
+    """Obstacles are points of all other objects."""
     obstacles = detector.obstacles("mug", images=views)
 
     distance = np.linalg.norm(obstacles[:, :2] - world.pose("mug")[:2, 3], axis=1)
@@ -128,10 +128,8 @@ def test_obstacles_are_all_the_others(
     assert distance.min() > 0.03
 
 
-def test_things_are_tracked_by_the_name_that_they_are_given(
-    views: tuple[CameraImage, ...], world: World
-):
-    """Whoever keeps track of things may name them; twins get numbers."""
+def test_objects_get_the_names_of_the_tracker(views: tuple[CameraImage, ...], world: World):
+    """The tracker names objects; equal names get numbers."""
     detector = LearnedDetector(world.engine, OBJECTS, track=lambda percept: "thing")
 
     names = {percept.name for percept in detector.search(ALL, images=views)}
@@ -140,7 +138,7 @@ def test_things_are_tracked_by_the_name_that_they_are_given(
 
 
 def test_nail_is_seen_in_its_block():
-    """A nail and the block in which it stands are one segment and two things."""
+    """A nail and the block in which it stands are one segment and two objects."""
     with World.build(parse_scene("objects:nail", seed=2, objects=OBJECTS), OBJECTS) as world:
         percepts = {p.object: p for p in LearnedDetector(world.engine, OBJECTS).search(ALL)}
 

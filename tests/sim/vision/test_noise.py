@@ -35,7 +35,7 @@ class Crowd:
 
 
 def percept(name: str, kind: str) -> Percept:
-    """A thing seen for certain, with a point on each part."""
+    """A object seen for certain, with a point on each part."""
     parts = {part: PartPercept(part, np.zeros((1, 3)), 1) for part in OBJECTS[kind].parts}
     return Percept(name, kind, 1.0, parts, OBJECTS[kind].properties)
 
@@ -44,7 +44,7 @@ CROWD = Crowd(tuple(percept(f"{KINDS[i % 8]} {i}", KINDS[i % 8]) for i in range(
 
 
 def seen(noise: Noise, features: Sequence[str] = ALL) -> dict[str, Percept]:
-    """What is seen of the crowd through noise."""
+    """The percepts of the crowd with noise."""
     found = NoisyVision(CROWD, noise, OBJECTS).search(features)
     return {percept.name: percept for percept in found}
 
@@ -57,26 +57,26 @@ def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: floa
 
     first, second = detector.search(ALL), detector.search(ALL)
 
-    told = [[(p.name, p.object, p.confidence) for p in percepts] for percepts in (first, second)]
-    assert told[0] == told[1]
+    facts = [[(p.name, p.object, p.confidence) for p in percepts] for percepts in (first, second)]
+    assert facts[0] == facts[1]
 
 
-def test_without_noise_all_is_seen_as_it_is():
+def test_without_noise_nothing_changes():
     """No noise changes nothing."""
     assert Noise().is_none
     facts = {p.name: (p.object, p.confidence, p.parts) for p in seen(Noise()).values()}
     assert facts == {p.name: (p.object, p.confidence, p.parts) for p in CROWD.percepts}
 
 
-def test_things_are_missed_as_often_as_told():
-    """With missed=0.2, a fifth of all things is not seen."""
+def test_objects_are_missed_as_often_as_asked():
+    """With missed=0.2, a fifth of all objects is missed."""
     left = seen(Noise(missed=0.2, seed=1))
 
     assert len(left) / COUNT == pytest.approx(0.8, abs=0.06)
 
 
-def test_things_are_confused_as_often_as_told():
-    """With confused=0.3, three in ten things are taken for another type that can be grasped."""
+def test_objects_are_confused_as_often_as_asked():
+    """With confused=0.3, three in ten objects are taken for another type that can be grasped."""
     found = seen(Noise(confused=0.3, seed=1))
 
     wrong = [p for name, p in found.items() if name.rsplit(" ", 1)[0] != p.object]
@@ -84,7 +84,7 @@ def test_things_are_confused_as_often_as_told():
     assert {p.object for p in wrong} == set(KINDS)
 
 
-def test_confused_thing_is_found_as_what_it_is_relabelled():
+def test_confused_object_is_found_as_what_it_is_relabelled():
     """A search for knives finds all that seems a knife, and no knife that seems something else."""
     noise = Noise(confused=0.3, seed=1)
 
@@ -94,7 +94,7 @@ def test_confused_thing_is_found_as_what_it_is_relabelled():
     assert {name.rsplit(" ", 1)[0] for name in knives} > {"knife"}
 
 
-def test_confidence_falls_by_no_more_than_told():
+def test_confidence_falls_by_no_more_than_asked():
     """With confidence=0.4 percepts keep between 60 and 100 % of theirs."""
     kept = [percept.confidence for percept in seen(Noise(confidence=0.4, seed=1)).values()]
 
@@ -103,8 +103,8 @@ def test_confidence_falls_by_no_more_than_told():
     assert kept == sorted(kept, reverse=True)
 
 
-def test_thing_keeps_its_noise_whatever_is_searched():
-    """Whether other things are looked for as well makes no difference to one of them."""
+def test_object_keeps_its_noise_whatever_is_searched():
+    """Whether other objects are looked for as well makes no difference to one of them."""
     noise = Noise(missed=0.3, confidence=0.5, seed=3)
     alone, among = seen(noise, ["object:mug"]), seen(noise)
 
@@ -112,7 +112,7 @@ def test_thing_keeps_its_noise_whatever_is_searched():
     assert all(among[name].confidence == each.confidence for name, each in alone.items())
 
 
-def test_what_is_taken_for_another_has_its_parts():
+def test_relabelled_percept_has_the_parts_of_the_other_type():
     """A spoon taken for a knife shows a handle and a blade."""
     mistaken = relabelled(percept("spoon 1", "spoon"), OBJECTS["knife"])
 
@@ -121,8 +121,8 @@ def test_what_is_taken_for_another_has_its_parts():
     assert mistaken.name == "spoon 1"
 
 
-def test_depth_noise_is_new_with_every_look_and_camera():
-    """Two looks differ, the same look repeated does not."""
+def test_depth_noise_is_new_in_every_image():
+    """Noise depends on the step and the camera, and is repeatable."""
     depth = np.ones((50, 60), dtype=np.float32)
     noise = Noise(depth_m=0.002, seed=5)
 
@@ -137,7 +137,7 @@ def test_depth_noise_is_new_with_every_look_and_camera():
 
 @pytest.mark.parametrize("text", ["", "missed=0.1", "missed=0.1, depth_m=0.002,confused=1"])
 def test_noise_is_read_from_text(text: str):
-    """What `--noise` says is read back from the numbers it gives."""
+    """Each amount of the text is read."""
     noise = Noise.parse(text, seed=2)
 
     for item in filter(None, text.split(",")):
@@ -157,7 +157,7 @@ def test_noise_is_read_from_text(text: str):
         ("missed=nan", "missed must be in"),
     ],
 )
-def test_wrong_noise_is_told(text: str, problem: str):
-    """What is no noise is refused with what was expected."""
+def test_wrong_noise_is_an_error(text: str, problem: str):
+    """The error says what was expected."""
     with pytest.raises(DataError, match=problem):
         Noise.parse(text)

@@ -44,14 +44,14 @@ def shown(view: CameraImage) -> dict[tuple[str, str], np.ndarray]:
     return {(body, link): view.points(view.mask(body, link)).round(4) for body, link in present}
 
 
-def seen_of(things: World, view: CameraImage) -> dict[tuple[str, str], int]:
-    """Body and link of the things in view -> how many pixels show it."""
-    return {key: len(points) for key, points in shown(view).items() if key[0] in things.kinds}
+def pixels_of_objects(world: World, view: CameraImage) -> dict[tuple[str, str], int]:
+    """Body and link of the objects in view -> how many pixels show it."""
+    return {key: len(points) for key, points in shown(view).items() if key[0] in world.kinds}
 
 
-@pytest.mark.parametrize("posture", [None, ACROSS], ids=["arm waiting", "arm before the things"])
-def test_things_are_seen_as_in_the_whole_image(world: World, posture: tuple[float, ...] | None):
-    """No pixel of a thing is lost or added, but for one in a thousand at the rims."""
+@pytest.mark.parametrize("posture", [None, ACROSS], ids=["arm waiting", "arm before the objects"])
+def test_objects_are_seen_as_in_the_whole_image(world: World, posture: tuple[float, ...] | None):
+    """No pixel of a object is lost or added, but for one in a thousand at the rims."""
     arm = [joint.name for joint in find_robot("panda").arm.moving]
     waiting = world.engine.joints.positions(NAME, arm)
     world.engine.joints.reset(NAME, arm, posture or waiting)
@@ -60,13 +60,13 @@ def test_things_are_seen_as_in_the_whole_image(world: World, posture: tuple[floa
     world.engine.joints.reset(NAME, arm, waiting)
 
     for part, all_of_it in zip(views, whole, strict=True):
-        expected, found = seen_of(world, all_of_it), seen_of(world, part)
+        expected, found = pixels_of_objects(world, all_of_it), pixels_of_objects(world, part)
         assert found.keys() == expected.keys()
         assert sum(abs(found[key] - expected[key]) for key in found) < sum(found.values()) / 1000
 
 
 def test_arm_that_cannot_hide_anything_is_not_drawn(world: World):
-    """The waiting arm is behind the things, or beside them."""
+    """The waiting arm is behind the objects, or beside them."""
     views = windows(world)
 
     assert not any(view.mask(NAME, "panda_hand").any() for view in views)
@@ -80,7 +80,7 @@ def test_window_grows_where_the_preview_misses_something():
         whole = [view.camera.capture(world.engine) for view in views]
 
     for part, all_of_it in zip(views, whole, strict=True):
-        assert seen_of(world, part) == seen_of(world, all_of_it)
+        assert pixels_of_objects(world, part) == pixels_of_objects(world, all_of_it)
         assert part.labels.size < all_of_it.labels.size / 10
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources of vision: interchangeable, and agreeing on the names of things."""
+"""Vision sensors are interchangeable and agree on the names of objects."""
 
 from collections.abc import Iterator
 
@@ -28,8 +28,8 @@ def world() -> Iterator[World]:
 
 
 @pytest.mark.parametrize("source", SOURCES)
-def test_every_source_names_things_as_the_world_does(world: World, source: str):
-    """Each percept has the name of the thing that stands where it was seen."""
+def test_every_source_names_objects_as_the_world_does(world: World, source: str):
+    """Each percept has the name of the object at its place."""
     percepts = open_vision(world, source=source).search(ALL)
 
     assert {percept.name for percept in percepts} == set(world.kinds)
@@ -39,8 +39,8 @@ def test_every_source_names_things_as_the_world_does(world: World, source: str):
 
 
 @pytest.mark.parametrize("source", SOURCES)
-def test_every_source_sees_through_noise(world: World, source: str):
-    """With 1 mm of depth noise all that lies there is still seen, a nail perhaps not."""
+def test_every_source_works_with_noise(world: World, source: str):
+    """With 1 mm of depth noise all objects are detected, but perhaps not a nail."""
     noise = Noise(depth_m=0.001, seed=1)
 
     percepts = NoisyVision(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
@@ -50,7 +50,7 @@ def test_every_source_sees_through_noise(world: World, source: str):
     assert {"mug", "mug 2", "knife", "block"} <= {percept.name for percept in percepts}
 
 
-def test_unknown_source_is_refused(world: World):
-    """What is no source is told with those that are."""
+def test_unknown_source_is_an_error(world: World):
+    """The error lists the known sources."""
     with pytest.raises(UnknownNameError, match=r'source of vision "crystal".*learned'):
         open_vision(world, source="crystal")
