@@ -5,6 +5,7 @@ vocabulary   namespaces, prefixes and IRIs of the RDF graph
 objects      object types with their parts, properties and materials; geometry has their shapes
 actions      action trees: the steps that achieve a goal
 confidence   degrees of confidence and their intervals: "often" is [0.75, 1]
+evidence     operators on belief intervals: modus ponens, fusion, certainty
 yaml_reader  YAML values with positions, for precise error messages
 errors       all exceptions of Hilt
 cache        the user's cache folder

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The chart: all that a sequence of words can be, cell by cell, in time n³.
+"""The CCG chart of a token sequence, filled by the CKY algorithm (Cocke, Kasami, Younger) in O(n³).
 
-A cell holds the categories of one span, each with the ways it came about (Cocke, Kasami, Younger).
-Meanings are computed only for what spans the whole utterance, so nothing is ever understood from a
-part of it. For each category of a span the `MAX_DERIVATIONS` cheapest derivations are kept.
+A cell holds the categories of one span, each with back pointers to the cells it was built from.
+Derivations and meanings are only computed on demand, for what spans the whole utterance. For each
+category of a span the `MAX_DERIVATIONS` cheapest derivations are kept.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ MAX_DERIVATIONS = 16
 
 
 class Derivation(NamedTuple):
-    """One way in which a span of words is a category, with its meaning.
+    """A derivation of a category for a span of tokens, with its meaning.
 
     Attributes:
-        category: what the span is.
-        value: what it means.
-        cost: the sum of the costs of its words; the less, the likelier.
+        category: the category of the span.
+        value: its meaning.
+        cost: the sum of the costs of its words and unary rules; the lower, the likelier.
         start: its first token.
         end: one past its last token.
-        rule: how it came about: a word, a change of category, or a combination.
-        parts: none for a word, one for a change, two for a combination, all of a frame.
+        rule: the lexical entry, unary rule, or combinatory rule that gave it.
+        parts: none for a word, one for a unary rule, two for a combination, all of a frame.
     """
 
     category: Category
@@ -42,24 +42,24 @@ class Derivation(NamedTuple):
     parts: tuple[Derivation, ...] = ()
 
 
-class _Way(NamedTuple):
+class _BackPointer(NamedTuple):
     rule: Unary | Combination
     middle: int = 0
     left: Sign = 0
     right: Sign = 0
 
 
-_Cell: TypeAlias = "dict[Sign, list[Entry | _Way]]"
+_Cell: TypeAlias = "dict[Sign, list[Entry | _BackPointer]]"
 
 
 class Chart:
-    """The filled chart of one utterance.
+    """The filled chart of one token sequence.
 
     Args:
         tokens: the words.
-        lexicon: what they may be.
-        combinator: what combines.
-        guesses: readings of words that the lexicon does not have, by position.
+        lexicon: their entries.
+        combinator: the combinatory and unary rules.
+        guesses: entries for unknown words, by position.
     """
 
     def __init__(
@@ -82,24 +82,24 @@ class Chart:
         self._fill()
 
     def signs(self, start: int, end: int) -> tuple[Sign, ...]:
-        """What the span is, as the combinator numbers it."""
+        """Return the categories of a span as the numbers that the combinator gives them."""
         return self._signs[start][end]
 
     def categories(self, start: int, end: int) -> list[Category]:
-        """What the span is."""
+        """Return the categories of a span."""
         return [self._combinator.category(sign) for sign in self.signs(start, end)]
 
     def derivations(self, category: Category) -> list[Derivation]:
-        """How the whole utterance is this category, the cheapest first."""
+        """Return the derivations of the whole sequence as a category, the cheapest first."""
         return self.spanning(0, self.length, category) if self.length else []
 
     def spanning(self, start: int, end: int, category: Category) -> list[Derivation]:
-        """How a span is this category, the cheapest first."""
+        """Return the derivations of a span as a category, the cheapest first."""
         sign = self._combinator.sign(category)
         return self._derivations(start, end, sign) if sign in self.signs(start, end) else []
 
     def fragments(self, categories: Collection[Category]) -> Iterator[Derivation]:
-        """The two cheapest derivations of each span that is one of some categories."""
+        """The two cheapest derivations of each span for each of some categories."""
         wanted = {self._combinator.sign(category) for category in categories}
         for start, row in enumerate(self._signs):
             for end, signs in enumerate(row):
@@ -107,7 +107,7 @@ class Chart:
                     yield from self._derivations(start, end, sign)[:2]
 
     def longest_span(self) -> tuple[int, int]:
-        """The longest span that is anything at all, the leftmost among equals; (0, 0) for none."""
+        """Return the longest span with a category, the leftmost among equals; (0, 0) for none."""
         for width in range(self.length, 0, -1):
             for start in range(self.length - width + 1):
                 if self._signs[start][start + width]:
@@ -129,13 +129,13 @@ class Chart:
             for guess in added:
                 end = start + len(guess.says.split(" "))
                 self._cells[start][end].setdefault(guess.sign, []).append(guess)
-        self._add_turns(found)
+        self._add_constructions(found)
 
-    def _add_turns(self, found: Sequence[tuple[_Cell, EntryIndex]]) -> None:
-        """Add the entries of constructions, but for those whose other words are not there.
+    def _add_constructions(self, found: Sequence[tuple[_Cell, EntryIndex]]) -> None:
+        """Add the entries of constructions all of whose words occur in the sequence.
 
-        Nothing is lost: a category that seeks certain words never finds them, and words that
-        nothing seeks are part of nothing. It is most of the entries, and most of the time.
+        This loses no derivation: a category that seeks other words would never find them, and
+        words that nothing seeks combine with nothing. It skips most of the entries.
         """
         turn = self._combinator.turn
         there = {entry.sign for _, entries in found for entry in entries.words}
@@ -166,13 +166,15 @@ class Chart:
                     left, right = row[middle], signs[middle][end]
                     if left and right:
                         for result, one, other, rule in join(left, right):
-                            cell.setdefault(result, []).append(_Way(rule, middle, one, other))
+                            cell.setdefault(result, []).append(
+                                _BackPointer(rule, middle, one, other)
+                            )
                 if cell:
-                    self._change(cell)
+                    self._apply_unary_rules(cell)
                     row[end] = tuple(sorted(cell))
 
-    def _change(self, cell: _Cell) -> None:
-        # What appears through a change may change again; grammars have no cycles of changes.
+    def _apply_unary_rules(self, cell: _Cell) -> None:
+        # Unary rules may apply to the result of others; grammars have no cycles of them.
         changes = self._combinator.changes
         pending = [sign for sign in cell if changes(sign)]
         while pending:
@@ -181,7 +183,7 @@ class Chart:
                 if target not in cell:
                     cell[target] = []
                     pending.append(target)
-                cell[target].append(_Way(rule, left=sign))
+                cell[target].append(_BackPointer(rule, left=sign))
 
     def _derivations(self, start: int, end: int, sign: Sign) -> list[Derivation]:
         key = (start, end, sign)
@@ -189,8 +191,8 @@ class Chart:
         if found is None:
             found = []
             category = self._combinator.category(sign)
-            for way in self._cells[start][end][sign]:
-                found += self._derived(start, end, category, way)
+            for pointer in self._cells[start][end][sign]:
+                found += self._derived(start, end, category, pointer)
             if len(found) > 1:
                 found.sort(key=_cost)
                 del found[MAX_DERIVATIONS:]
@@ -198,11 +200,11 @@ class Chart:
         return found
 
     def _derived(
-        self, start: int, end: int, category: Category, way: Entry | _Way
+        self, start: int, end: int, category: Category, pointer: Entry | _BackPointer
     ) -> list[Derivation]:
-        if isinstance(way, Entry):
-            return [Derivation(category, way.value, way.cost, start, end, way)]
-        rule = way.rule
+        if isinstance(pointer, Entry):
+            return [Derivation(category, pointer.value, pointer.cost, start, end, pointer)]
+        rule = pointer.rule
         if isinstance(rule, Unary):
             return [
                 Derivation(
@@ -214,7 +216,7 @@ class Chart:
                     rule,
                     (part,),
                 )
-                for part in self._derivations(start, end, way.left)
+                for part in self._derivations(start, end, pointer.left)
             ]
         return [
             Derivation(
@@ -226,8 +228,8 @@ class Chart:
                 rule,
                 (left, right),
             )
-            for left in self._derivations(start, way.middle, way.left)
-            for right in self._derivations(way.middle, end, way.right)
+            for left in self._derivations(start, pointer.middle, pointer.left)
+            for right in self._derivations(pointer.middle, end, pointer.right)
         ]
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The search for covers: all ways in which a frame takes in every word of an utterance.
+"""The frame parser: beam search for the ways in which a frame covers every token of an utterance.
 
-From the left to the right a cover grows by a filler, a degree, or a thing for one of its slots, as
-far as the kinds of words may follow each other; of covers that go on alike the cheapest are kept.
+A cover grows from left to right by a filler, a degree, or a value of one of its slots, as far as
+the kinds of words may follow each other; of covers in the same state the cheapest are kept.
 """
 
 from __future__ import annotations
@@ -37,16 +37,16 @@ _START, _END, _PAUSE, _CLAUSE = "start", "end", "pause", "clause"
 
 
 class _Cover(NamedTuple):
-    """How far a frame has come.
+    """A frame that covers the first tokens of an utterance.
 
     Attributes:
         cost: the sum of the costs of its parts.
-        parts: all that it has taken, from left to right.
-        slots: what fills each slot, None for what is still needed.
+        parts: the covered spans, from left to right.
+        slots: the value of each slot, None for an empty one.
         degree: the degree that was said, if any.
-        cues: the groups of the cues that were heard.
-        seen: the kinds of what it has taken, as far as others need them.
-        last: the kind of what was taken last.
+        cues: the groups of the cues found.
+        seen: the kinds of the parts, as far as other kinds need them.
+        last: the kind of the last part.
     """
 
     cost: float
@@ -59,157 +59,165 @@ class _Cover(NamedTuple):
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What decides how it may go on."""
+        """The state of the search: what decides how the cover may grow."""
         filled = tuple(part is not None for part in self.slots)
         return filled, self.degree is not None, self.cues, self.seen, self.last
 
-    def and_part(self, part: Derivation) -> _Cover:
-        """The same with one more part."""
+    def with_part(self, part: Derivation) -> _Cover:
+        """Return the cover with one more part."""
         return self._replace(cost=self.cost + part.cost + _PART_COST, parts=(*self.parts, part))
 
 
 def parse_frames(frames: Frames, tokens: Tokens, chart: Chart) -> Iterator[Derivation]:
-    """What an utterance comes to, for each frame and each way to cover it.
+    """Return a derivation for each frame and each way in which it covers the utterance.
 
     Args:
         frames: the frames of the language.
         tokens: the utterance.
-        chart: all that its spans can be.
+        chart: its chart, which has the categories of its spans.
     """
     if frames.is_barred(tokens):
         return
-    heard = _heard(frames, tokens, chart)
-    for frame in filter(heard.may_be, frames.frames):
-        for cover in _Search(frames, frame, heard).covers():
-            yield _whole(frame, cover, frames.degree)
+    found = _find_constituents(frames, tokens, chart)
+    for frame in filter(found.may_fill, frames.frames):
+        for cover in _FrameSearch(frames, frame, found).covers():
+            yield _derivation(frame, cover, frames.degree)
 
 
 @dataclass(frozen=True)
-class _Heard:
-    """What there is in an utterance for any frame.
+class _Constituents:
+    """The constituents of an utterance that a frame may take.
 
     Attributes:
         tokens: the utterance.
         words: its words.
-        fillers: of each group the fillers from each place on, with their kinds.
-        denials: the denials from each place on, with their kinds.
-        things: what is each category from a place on.
-        categories: all that something is.
+        fillers: of each group the fillers from each position on, with their kinds.
+        denials: the phrases for "never" from each position on, with their kinds.
+        values: the slot values by category and start.
+        categories: the categories of all slot values.
     """
 
     tokens: Tokens
     words: Phrase
     fillers: Mapping[str, Sequence[Sequence[tuple[str, Derivation]]]]
     denials: Sequence[Sequence[tuple[str, Derivation]]]
-    things: Mapping[tuple[Category, int], Sequence[Derivation]]
+    values: Mapping[tuple[Category, int], Sequence[Derivation]]
     categories: frozenset[Category]
 
-    def may_be(self, frame: Frame) -> bool:
-        """Whether there is something for each slot, and each cue, of a frame."""
+    def may_fill(self, frame: Frame) -> bool:
+        """Whether there is a value for each slot, and a phrase for each cue, of a frame."""
         fills = (any(kind.category in self.categories for kind in slot) for slot in frame.slots)
         return all(fills) and all(any(self.fillers[name]) for name in frame.cues)
 
 
-def _heard(frames: Frames, tokens: Tokens, chart: Chart) -> _Heard:
+def _find_constituents(frames: Frames, tokens: Tokens, chart: Chart) -> _Constituents:
     words, places = tokens.words, range(len(tokens.items))
-    things: dict[tuple[Category, int], list[Derivation]] = {}
+    values: dict[tuple[Category, int], list[Derivation]] = {}
     for part in chart.fragments(frames.categories | {_DEGREE}):
-        if not (_is_bare_guess(part) or _is_cut(part, tokens) or _is_anything(part)):
-            things.setdefault((part.category, part.start), []).append(part)
-    return _Heard(
+        if not (
+            _is_guess_without_article(part)
+            or _is_cut_by_pause(part, tokens)
+            or _is_unnamed_object(part)
+        ):
+            values.setdefault((part.category, part.start), []).append(part)
+    return _Constituents(
         tokens,
         words,
         {
-            name: [_said(group, AtomicCategory(name), _NOTHING, words, place) for place in places]
+            name: [
+                _matches(group, AtomicCategory(name), _NOTHING, words, place) for place in places
+            ]
             for name, group in frames.fillers.items()
         },
-        [_said(frames.denials, _DEGREE, _NEVER, words, place) for place in places],
-        things,
-        frozenset(category for category, _ in things),
+        [_matches(frames.denials, _DEGREE, _NEVER, words, place) for place in places],
+        values,
+        frozenset(category for category, _ in values),
     )
 
 
-def _said(
+def _matches(
     group: Fillers, category: Category, term: Constant, words: Phrase, place: int
 ) -> list[tuple[str, Derivation]]:
-    """The phrases of a group from a place on, with the kind of word that each is."""
+    """The phrases of a group from a position on, each with its kind of word."""
     return [
         (kind, _words(words[place:end], place, category, term))
-        for kind, end in group.at(words, place)
+        for kind, end in group.match(words, place)
     ]
 
 
 @dataclass(frozen=True)
-class _Search:
+class _FrameSearch:
     frames: Frames
     frame: Frame
-    heard: _Heard
+    found: _Constituents
 
     def covers(self) -> list[_Cover]:
-        """The cheapest covers of the utterance that fill all slots and have all cues."""
-        length = len(self.heard.words)
+        """Return the cheapest covers of the whole utterance with all slots and cues filled."""
+        length = len(self.found.words)
         reached: list[dict[object, list[_Cover]]] = [{} for _ in range(length + 1)]
         start = _Cover(self.frame.cost, (), (None,) * len(self.frame.slots))
         reached[0][start.key] = [start]
         for place in range(length):
             for cover in [each for same in reached[place].values() for each in same]:
-                for longer in self._longer(cover, place):
+                for longer in self._extended(cover, place):
                     _keep(reached[longer.parts[-1].end], longer)
-        return [each for same in reached[length].values() for each in same if self._is_full(each)]
+        return [
+            each for same in reached[length].values() for each in same if self._is_complete(each)
+        ]
 
-    def _is_full(self, cover: _Cover) -> bool:
+    def _is_complete(self, cover: _Cover) -> bool:
         has_all = None not in cover.slots and len(cover.cues) == len(self.frame.cues)
         is_clause = self.frame.result not in _STATED or self._has_needs(cover, _CLAUSE)
-        return has_all and is_clause and self._may_end(cover) and self._is_asked(cover)
+        return has_all and is_clause and self._may_end(cover) and self._is_question_if_needed(cover)
 
-    def _is_asked(self, cover: _Cover) -> bool:
-        """Whether a question is one: by its mark, or because it begins as one."""
-        if self.frame.result != _QUESTION or self.heard.tokens.asks:
+    def _is_question_if_needed(self, cover: _Cover) -> bool:
+        """Whether a question frame has a question: by its mark, or because it begins as one."""
+        if self.frame.result != _QUESTION or self.found.tokens.asks:
             return True
         return str(cover.parts[0].category) in self.frames.openers
 
-    def _longer(self, cover: _Cover, place: int) -> Iterator[_Cover]:
-        """The cover with each part that may come next."""
-        if self.heard.words[place] == BREAK and self._may_end(cover) and self.frame.joins:
+    def _extended(self, cover: _Cover, place: int) -> Iterator[_Cover]:
+        """The cover extended by each part that may come next."""
+        if self.found.words[place] == BREAK and self._may_end(cover) and self.frame.joins:
             part = _words((BREAK,), place, AtomicCategory(BREAK), _NOTHING)
             seen = cover.seen | {_PAUSE}
-            yield cover.and_part(part)._replace(last=_START, seen=seen)
-        for kind, part in self._next(cover, place):
-            is_pause = place in self.heard.tokens.pauses and self._may_end(cover)
+            yield cover.with_part(part)._replace(last=_START, seen=seen)
+        for kind, part in self._candidates(cover, place):
+            is_pause = place in self.found.tokens.pauses and self._may_end(cover)
             fits = self.frames.may_follow(kind, cover.last)
             fits = fits or (is_pause and self.frames.may_follow(kind, _START))
             if fits and self._has_needs(cover, kind):
-                heard = {kind, _PAUSE} if is_pause else {kind}
-                seen = cover.seen | (self.frames.needed & heard)
+                kinds = {kind, _PAUSE} if is_pause else {kind}
+                seen = cover.seen | (self.frames.needed & kinds)
                 yield self._with(cover, part)._replace(last=kind, seen=seen)
 
-    def _next(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation]]:
-        """What may come next by itself, and its kind."""
+    def _candidates(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation]]:
+        """The constituents from a position on that the cover has room for, each with its kind."""
         for name in self.frame.fillers:
-            for kind, filler in self.heard.fillers[name][place]:
-                if not self._asks(cover, filler):
+            for kind, filler in self.found.fillers[name][place]:
+                if not self._makes_question(cover, filler):
                     yield kind, filler
         if self.frame.result == _RULE:
             yield from self._degrees(cover, place)
         for slot, filled in zip(self.frame.slots, cover.slots, strict=True):
             for kind in slot if filled is None else ():
-                for part in self.heard.things.get((kind.category, place), ()):
-                    if not _is_changed(part, slot):
+                for part in self.found.values.get((kind.category, place), ()):
+                    if not _is_retyped(part, slot):
                         yield kind.name, part
 
     def _degrees(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation]]:
         if cover.degree is None:
-            yield from self.heard.denials[place]
-        for part in self.heard.things.get((_DEGREE, place), ()):
+            yield from self.found.denials[place]
+        for part in self.found.values.get((_DEGREE, place), ()):
             # A degree may be said twice: "always, without exception".
-            if cover.degree is None or _is_same(part, cover.degree):
+            if cover.degree is None or _is_same_form(part, cover.degree):
                 yield str(_DEGREE), part
 
     def _with(self, cover: _Cover, part: Derivation) -> _Cover:
-        longer = cover.and_part(part)
+        longer = cover.with_part(part)
         if str(part.category) in self.frame.fillers:
-            heard = self.frame.cues & {str(part.category)}
-            return longer._replace(cues=cover.cues | heard)
+            cue = self.frame.cues & {str(part.category)}
+            return longer._replace(cues=cover.cues | cue)
         if part.category == _DEGREE:
             return longer._replace(degree=part)
         index = next(
@@ -219,21 +227,21 @@ class _Search:
         )
         return longer._replace(slots=(*cover.slots[:index], part, *cover.slots[index + 1 :]))
 
-    def _asks(self, cover: _Cover, filler: Derivation) -> bool:
-        """Whether a filler makes a question of a rule, or of a question another one."""
+    def _makes_question(self, cover: _Cover, filler: Derivation) -> bool:
+        """Whether a filler turns a rule into a question, or a question into another one."""
         if self.frame.result not in _STATED:
             return False
-        phrase = self.heard.words[filler.start : filler.end]
-        if self.heard.tokens.asks:
+        phrase = self.found.words[filler.start : filler.end]
+        if self.found.tokens.asks:
             # A question within a question is none about a rule.
             within = any((word,) in self.frames.asking for word in phrase)
-            return within or BREAK in self.heard.words
+            return within or BREAK in self.found.words
         asks = phrase[:1] in self.frames.asking or phrase in self.frames.inverted
         return asks and all(self._is_plain_degree(part) for part in cover.parts)
 
     def _is_plain_degree(self, part: Derivation) -> bool:
-        """Whether it is a degree after which a question is still one, unlike "rarely"."""
-        phrase = self.heard.words[part.start : part.end]
+        """Whether a part is a degree after which inversion asks, unlike after "rarely"."""
+        phrase = self.found.words[part.start : part.end]
         return part.category == _DEGREE and phrase not in self.frames.inverting
 
     def _has_needs(self, cover: _Cover, kind: str) -> bool:
@@ -244,8 +252,8 @@ class _Search:
         return self.frames.may_follow(_END, cover.last)
 
 
-def _is_anything(part: Derivation) -> bool:
-    """Whether it is a thing without a name, which may be what something else stands for."""
+def _is_unnamed_object(part: Derivation) -> bool:
+    """Whether a part is "something" or the like, with or without properties."""
     if part.category != _OBJECT:
         return False
     form = form_of(part.value)
@@ -254,24 +262,24 @@ def _is_anything(part: Derivation) -> bool:
     return form.name in SOMETHING
 
 
-def _is_cut(part: Derivation, tokens: Tokens) -> bool:
-    """Whether a pause cuts a thing in two; only a list of objects may have some."""
+def _is_cut_by_pause(part: Derivation, tokens: Tokens) -> bool:
+    """Whether there is a pause within a part; only a list of objects may have one."""
     within = any(part.start < pause < part.end for pause in tokens.pauses)
     return within and part.category != _OBJECT
 
 
-def _is_changed(part: Derivation, slot: Sequence[Kind]) -> bool:
-    """Whether a thing was something else first that goes into the slot as well."""
+def _is_retyped(part: Derivation, slot: Sequence[Kind]) -> bool:
+    """Whether a unary rule made the part from a category that the slot takes as well."""
     rule = part.rule
     return isinstance(rule, Unary) and any(rule.source == kind.category for kind in slot)
 
 
-def _is_same(one: Derivation, other: Derivation) -> bool:
+def _is_same_form(one: Derivation, other: Derivation) -> bool:
     return form_of(one.value) == form_of(other.value)
 
 
-def _is_bare_guess(part: Derivation) -> bool:
-    """Whether it is an unknown word without the article that a name has: that may be any word."""
+def _is_guess_without_article(part: Derivation) -> bool:
+    """Whether a part is an unknown word without an article, which may be any word."""
     while part.parts and len(part.parts) == 1:
         part = part.parts[0]
     return isinstance(part.rule, Entry) and bool(part.rule.role) and part.category in _BARE
@@ -290,7 +298,7 @@ def _words(words: Phrase, start: int, category: Category, term: Constant) -> Der
     return Derivation(category, value, 0.0, start, start + len(words), entry)
 
 
-def _whole(frame: Frame, cover: _Cover, degree: str) -> Derivation:
+def _derivation(frame: Frame, cover: _Cover, degree: str) -> Derivation:
     value = frame.value
     for part in cover.slots:
         value = value(part.value) if part is not None else value

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames: what an utterance comes to by the things that it names, in whatever order it names them.
+"""Frames: the meaning of objects, uses and degrees in any order, read from `frames.yaml`.
 
 "Poking, that is something a screwdriver does sometimes" names an object, a use and a degree. The
-chart knows what each span is; a frame says that an object and a use make a rule. Every other word
-must be listed as one that adds nothing to that frame, so that still nothing is left out: what is
-not listed, such as "only", "than" or "said", is in the way. After frame semantics (Fillmore 1982)
+chart has the category of each span; a frame says that an object and a use make a rule. Every other
+word must be listed as a filler of that frame, so that no word is dropped: a word that is not
+listed, such as "only", "than" or "said", blocks the frame. After frame semantics (Fillmore 1982)
 and categories that take a set of arguments (Hoffman 1995).
 """
 
@@ -30,14 +30,14 @@ Phrase = tuple[str, ...]
 
 
 class Kind(NamedTuple):
-    """One thing that a slot may be: how it goes with its neighbours, and its category."""
+    """One kind of slot value: its name in the tables of neighbours, and its category."""
 
     name: str
     category: Category
 
 
-class Said(NamedTuple):
-    """A filler that was found: the kind of word that it is, and one past its last token."""
+class FillerMatch(NamedTuple):
+    """A filler in an utterance: its kind of word, and one past its last token."""
 
     kind: str
     end: int
@@ -45,7 +45,7 @@ class Said(NamedTuple):
 
 @dataclass(frozen=True)
 class Fillers:
-    """Phrases, each with the kind of word that it is.
+    """A group of filler phrases, which add nothing to the meaning of a frame.
 
     Attributes:
         kinds: the kinds of words.
@@ -58,25 +58,25 @@ class Fillers:
     steps: Mapping[str, Steps]
     words: frozenset[str]
 
-    def at(self, words: Sequence[str], place: int) -> frozenset[Said]:
-        """All of the phrases that begin at a place."""
+    def match(self, words: Sequence[str], place: int) -> frozenset[FillerMatch]:
+        """Return all phrases that match from a position on."""
         steps = (*self.steps.get(words[place], ()), *self.steps.get("*", ()))
         found = matches(steps, words, place)
-        return frozenset(Said(self.kinds[kind], end) for kind, end in found)
+        return frozenset(FillerMatch(self.kinds[kind], end) for kind, end in found)
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Things that together have a meaning, in any order.
+    """Slots that have a meaning together, in any order.
 
     Attributes:
-        slots: what each of the things may be.
-        fillers: the groups of phrases that may stand between them.
-        cues: those groups of which there must be a phrase.
-        result: the category of the whole; a rule takes a degree, too.
-        value: the function from the meanings of the slots, in their order, to that of the whole.
-        cost: how unlikely it is.
-        joins: whether it may go over several sentences.
+        slots: the kinds of values of each slot.
+        fillers: the names of the filler groups that may stand between the slots.
+        cues: those groups of which one phrase is required.
+        result: the category of the utterance; a rule takes a degree as well.
+        value: the function from the meanings of the slots, in their order, to the meaning.
+        cost: how unlikely the frame is.
+        joins: whether it may span several sentences.
     """
 
     slots: tuple[tuple[Kind, ...], ...]
@@ -94,15 +94,15 @@ class Frames:
 
     Attributes:
         frames: the frames.
-        fillers: the groups of phrases that add nothing.
-        denials: phrases that say that it is never so, by their kind.
-        barred: phrases that no frame can do with.
-        inverted: words that ask when they come first.
-        inverting: degrees after which the subject comes later, although nothing is asked.
-        asking: words that ask for something wherever they stand, in what is a question.
-        openers: the groups of phrases that begin a question without its mark.
-        follows: what kinds may come after each kind, and at the start and the end of a clause.
-        needs: the kinds of which one must go before a kind; a rule needs those of `clause`.
+        fillers: the groups of filler phrases by name.
+        denials: phrases that say "never", by their kind.
+        barred: phrases that block every frame.
+        inverted: phrases that make a question when they come first.
+        inverting: degrees after which subject and verb are inverted without a question.
+        asking: words that make a question wherever they stand.
+        openers: the filler groups that begin a question without a question mark.
+        follows: the kinds that may follow each kind, also at the start and the end of a clause.
+        needs: the kinds of which one must precede a kind; a rule needs those of `clause`.
         degree: the degree of a rule when none was said.
     """
 
@@ -120,12 +120,12 @@ class Frames:
 
     @cached_property
     def needed(self) -> frozenset[str]:
-        """All kinds that something needs."""
+        """All kinds that are needed before another kind or in a clause."""
         return frozenset[str]().union(*self.needs.values())
 
     @cached_property
     def categories(self) -> frozenset[Category]:
-        """All that may fill a slot."""
+        """The categories of all slot values."""
         slots = (slot for frame in self.frames for slot in frame.slots)
         return frozenset(kind.category for slot in slots for kind in slot)
 
@@ -136,19 +136,19 @@ class Frames:
         return frozenset[str]().union(*(group.words for group in groups))
 
     def may_follow(self, kind: str, last: str) -> bool:
-        """Whether one kind may come right after another one."""
+        """Whether one kind may directly follow another one."""
         return kind in self.follows.get(last, frozenset())
 
     def is_barred(self, tokens: Tokens) -> bool:
-        """Whether an utterance has a phrase that no frame can do with."""
-        return any(self.barred.at(tokens.words, place) for place in range(len(tokens.items)))
+        """Whether an utterance has a phrase that blocks every frame."""
+        return any(self.barred.match(tokens.words, place) for place in range(len(tokens.items)))
 
 
 def load_frames(path: Path, grammar: Grammar) -> Frames:
-    """Read the frames of a language.
+    """Return the frames of a language from its file.
 
     Raises:
-        DataError: the file is not as expected; says where.
+        DataError: the file is invalid; has line and column.
     """
     parts = read_yaml(path).entries(
         required=(
@@ -189,7 +189,7 @@ def load_frames(path: Path, grammar: Grammar) -> Frames:
 
 
 def _sets(field: Field, known: Collection[str]) -> Mapping[str, frozenset[str]]:
-    """The kinds that belong to each kind, all of them known."""
+    """Return the table of kinds, checked against the known ones."""
     found: dict[str, frozenset[str]] = {}
     for kind, others in field.entries().items():
         if kind not in known:
@@ -204,7 +204,7 @@ def _phrases(field: Field) -> Iterator[Phrase]:
 
 
 def _fillers(kinds: Mapping[str, Field]) -> Fillers:
-    """The phrases of a group, which stand there by the kind of word."""
+    """Return a group of phrases, which are listed by kind of word."""
     steps: dict[str, Steps] = {}
     words: set[str] = set()
     for number, phrases in enumerate(kinds.values()):
@@ -234,7 +234,7 @@ def _frame(
     taken = tuple(_slot(gap, slots) for gap in gaps)
     line = parts["is"]
     category, term, cost = read_entry(line)
-    # Whatever may fill a slot must fit.
+    # The term must be well typed for every kind of slot value.
     for index in range(max(map(len, taken))):
         each = zip(gaps, taken, strict=True)
         chosen = [Gap(gap.name, kinds[index % len(kinds)].category) for gap, kinds in each]

@@ -1,2 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""semantics."""
+"""Semantics and pragmatics: from the term of a derivation to what an utterance means to Hilt.
+
+predicates      predicate forms, and patterns over them: `pass(self,knife)`
+meaning         the meanings: rules, commands, questions, corrections, acknowledgements
+coreference     the referent of "it", and the discourse state
+pragmatics      rules from speech acts to intentions
+interpretation  from an intention to its meaning
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

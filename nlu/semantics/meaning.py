@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an utterance means to Hilt: rules, commands, questions, corrections, acknowledgements.
+"""The meanings of utterances: rules, commands, questions, corrections, acknowledgements.
 
-These frozen values are all that leaves the language part. Names are lower-case words, singular,
-with a space where there are several ("wine glass"); affordances are gerunds ("cutting"). A
-confidence is a pair (lower, upper) in [0, 1]. `as_json` gives the meaning schema of the
-documentation, key for key.
+These frozen values are all that other packages get. Names are lower-case words in the singular,
+with a space between several ("wine glass"); affordances are gerunds ("cutting"). A confidence is a
+pair (lower, upper) in [0, 1]. `as_json` follows the meaning schema of `docs/language.md`.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ class FunctionalRule:
         object: the kind of object, or `ANY_OBJECT`.
         affordance: the gerund of what it is used for.
         confidence: (lower, upper) in [0, 1].
-        props: properties that the object must have besides, sorted.
-        revises: it takes the place of what was taught before.
+        props: further properties that the object must have, sorted.
+        revises: whether it replaces what was taught before.
     """
 
     object: str
@@ -37,7 +36,7 @@ class FunctionalRule:
     revises: bool = False
 
     def as_json(self) -> Json:
-        """This rule as the meaning schema writes it."""
+        """The rule as a JSON object."""
         result: Json = {
             "rule": "functional",
             "object": self.object,
@@ -56,8 +55,8 @@ class ActionRule:
         context: the action during which the rule holds ("pass", "pickUp", ...).
         part: the part to grasp.
         confidence: (lower, upper) in [0, 1].
-        props: properties that the object must have besides, sorted.
-        revises: it takes the place of what was taught before.
+        props: further properties that the object must have, sorted.
+        revises: whether it replaces what was taught before.
     """
 
     object: str
@@ -68,7 +67,7 @@ class ActionRule:
     revises: bool = False
 
     def as_json(self) -> Json:
-        """This rule as the meaning schema writes it."""
+        """The rule as a JSON object."""
         result: Json = {
             "rule": "action",
             "object": self.object,
@@ -87,7 +86,7 @@ class Statement:
     """One or more rules that the speaker wants believed.
 
     Attributes:
-        rules: in the order they were said; never empty.
+        rules: at least one, in the order they were said.
     """
 
     rules: tuple[Rule, ...]
@@ -106,13 +105,13 @@ class Statement:
 
 @dataclass(frozen=True)
 class ObjectReference:
-    """What a command is about: exactly one of the first three is set.
+    """The object that a command refers to: exactly one of the first three attributes is set.
 
     Attributes:
         object: a kind of object, or `ANY_OBJECT` when only properties are asked for.
         used_for: an affordance it must have.
         not_used_for: an affordance it must not have.
-        props: properties it must have besides, sorted.
+        props: further properties that it must have, sorted.
     """
 
     object: str | None = None
@@ -122,10 +121,10 @@ class ObjectReference:
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
-            raise ValueError("A target has exactly one of object, used_for and not_used_for.")
+            raise ValueError("A reference needs exactly one of object, used_for and not_used_for.")
 
     def as_json(self) -> Json:
-        """This target as the meaning schema writes it."""
+        """The reference as a JSON object."""
         named = {
             "object": self.object,
             "usedFor": self.used_for,
@@ -143,7 +142,7 @@ class Command:
         target: what to act on.
         part: the part to grasp, when the speaker names it.
         recipient: who gets it, when it is not the speaker.
-        negated: the act is forbidden, and must never be executed.
+        negated: whether the act is forbidden; then it must never be executed.
     """
 
     kind: ClassVar[str] = "command"
@@ -154,7 +153,7 @@ class Command:
     negated: bool = False
 
     def as_json(self) -> Json:
-        """This command as the meaning schema writes it."""
+        """The command as a JSON object."""
         result: Json = {"goal": self.goal, "target": self.target.as_json()}
         result |= _present({"part": self.part, "recipient": self.recipient})
         return result | ({"negated": True} if self.negated else {})
@@ -168,7 +167,7 @@ class ToolCommand:
         goal: `pound`, `cut`, `poke`, ...
         patient: what the tool is used on.
         tool: the tool named, or the affordance that the act needs.
-        negated: the act is forbidden, and must never be executed.
+        negated: whether the act is forbidden; then it must never be executed.
     """
 
     kind: ClassVar[str] = "command"
@@ -178,18 +177,18 @@ class ToolCommand:
     negated: bool = False
 
     def as_json(self) -> Json:
-        """This command as the meaning schema writes it."""
+        """The command as a JSON object."""
         result: Json = {"goal": self.goal, "patient": self.patient, "tool": self.tool.as_json()}
         return result | ({"negated": True} if self.negated else {})
 
 
 @dataclass(frozen=True)
 class Question:
-    """Something the speaker wants to know.
+    """A question of the speaker.
 
     Attributes:
         ask: one of `QUESTIONS`.
-        object, affordance, context, part, speaker: what it is about, where the question says.
+        object, affordance, context, part, speaker: what the question names, else None.
     """
 
     kind: ClassVar[str] = "question"
@@ -201,7 +200,7 @@ class Question:
     speaker: str | None = None
 
     def as_json(self) -> Json:
-        """This question as the meaning schema writes it."""
+        """The question as a JSON object."""
         named = {
             "object": self.object,
             "affordance": self.affordance,
@@ -233,23 +232,23 @@ QUESTIONS = (
 
 @dataclass(frozen=True)
 class Retraction:
-    """The speaker takes a rule back: "forget that".
+    """The speaker retracts a rule: "forget that".
 
     Attributes:
-        rule: which one; None is the last one that was taught.
+        rule: the rule; None for the one taught last.
     """
 
     kind: ClassVar[str] = "correction"
     rule: Rule | None = None
 
     def as_json(self) -> Json:
-        """This retraction as the meaning schema writes it."""
+        """The retraction as a JSON object."""
         return {"retract": "last" if self.rule is None else self.rule.as_json()}
 
 
 @dataclass(frozen=True)
 class Acknowledgement:
-    """A turn that only keeps the conversation going.
+    """An utterance that only keeps the conversation going.
 
     Attributes:
         ack: `okay`, `thanks`, `praise`, `yes`, `no` or `greeting`.
@@ -259,17 +258,17 @@ class Acknowledgement:
     ack: str
 
     def as_json(self) -> Json:
-        """This acknowledgement as the meaning schema writes it."""
+        """The acknowledgement as a JSON object."""
         return {"ack": self.ack}
 
 
 @dataclass(frozen=True)
 class AskBack:
-    """The utterance can be meant in several ways, or as something close: Hilt must ask.
+    """The utterance is ambiguous or close to a known one: Hilt must ask a clarification question.
 
     Attributes:
-        question: what to ask, a spoken sentence.
-        choices: the utterances or words it may stand for, best first.
+        question: the sentence to ask.
+        choices: the words or sentences to choose from, best first.
     """
 
     kind: ClassVar[str] = "ask_back"
@@ -277,19 +276,19 @@ class AskBack:
     choices: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
-        """The mark that a question back is due; the question itself is spoken."""
+        """The JSON object, which leaves the question out because it is spoken."""
         return {"ask_back": True}
 
 
 @dataclass(frozen=True)
 class Misunderstanding:
-    """The utterance is not understood, and why.
+    """The utterance is not understood, with the reason.
 
     Attributes:
         message: one sentence for the speaker.
         where: the longest span that was understood; empty when nothing was.
         expected: what was expected after it.
-        nearest: sentences close to it that would be understood, best first.
+        nearest: similar sentences that would be understood, best first.
     """
 
     kind: ClassVar[str] = "error"
@@ -299,7 +298,7 @@ class Misunderstanding:
     nearest: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
-        """This failure as the meaning schema writes it."""
+        """The failure as a JSON object."""
         result: Json = {"error": True, "message": self.message, "where": self.where}
         result["expected"] = list(self.expected)
         result["nearest"] = list(self.nearest)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Predicate forms: meanings without variables of their own, as the paper writes them.
+"""Predicate forms, the closed terms in which the paper writes meanings, and pattern matching.
 
-`implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)` is one. In the pattern of a
-pragmatic rule a name of one capital letter stands for any form. Paper, section 3.2.
+An example is `implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)`. In the pattern
+of a pragmatic rule a name of one capital letter is a variable. Paper, section 3.2.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ class Form:
 
     @property
     def is_variable(self) -> bool:
-        """Whether it stands for any form in a pattern."""
+        """Whether this is a variable of a pattern."""
         return len(self.name) == 1 and self.name.isupper() and not self.arguments
 
     def mapped(self, change: Callable[[Form], Form | None]) -> Form:
-        """This form with parts replaced; `change` gives None for what stays as it is."""
+        """Return the form with parts replaced; `change` returns None for a part to keep."""
         changed = change(self)
         if changed is not None:
             return changed
@@ -51,22 +51,30 @@ class Form:
 
 
 def form_of(value: Value) -> Form:
-    """The form of a value without free variables, which must not be a function."""
+    """Return the predicate form of a value without free variables.
+
+    Raises:
+        ValueError: the value is a function.
+    """
     if not isinstance(value, Neutral) or not isinstance(value.head, str):
-        raise ValueError("A function is no predicate form.")
+        raise ValueError("A function is not a predicate form.")
     return Form(value.head, tuple(form_of(argument) for argument in value.arguments))
 
 
 def form_of_term(term: Term) -> Form:
-    """The form that a term without functions writes down."""
+    """Return the predicate form of a term without functions.
+
+    Raises:
+        ValueError: the term has a function.
+    """
     head, arguments = spine(term)
     if not isinstance(head, Constant):
-        raise ValueError("A function is no predicate form.")
+        raise ValueError("A function is not a predicate form.")
     return Form(head.name, tuple(form_of_term(argument) for argument in arguments))
 
 
 def term_of(form: Form) -> Term:
-    """The term that writes a form down."""
+    """Return the term of a predicate form."""
     term: Term = Constant(form.name)
     for argument in form.arguments:
         term = Apply(term, term_of(argument))
@@ -76,12 +84,12 @@ def term_of(form: Form) -> Term:
 def match(
     pattern: Form, form: Form, found: Mapping[str, Form] | None = None
 ) -> dict[str, Form] | None:
-    """What the variables of a pattern stand for, None where it does not fit.
+    """Return the bindings of the variables of a pattern, None when it does not match.
 
     Args:
-        pattern: with variables; the same variable always stands for the same form.
-        form: without.
-        found: what is known of the variables already.
+        pattern: a form with variables; a variable that occurs twice must match the same form.
+        form: a form without variables.
+        found: the bindings so far.
     """
     result = dict(found or {})
     if pattern.is_variable:
@@ -97,5 +105,5 @@ def match(
 
 
 def fill(pattern: Form, found: Mapping[str, Form]) -> Form:
-    """The pattern with its variables replaced by what they stand for."""
+    """Return the pattern with its variables replaced by their bindings."""
     return pattern.mapped(lambda part: found.get(part.name) if part.is_variable else None)

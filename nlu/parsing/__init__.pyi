@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+from .chart import Chart, Derivation
+from .clarification import Clarification
+from .derivation import DerivationStep, draw_svg
+from .frame_parser import parse_frames
+from .frames import Frame, Frames, load_frames
+from .parser import SentenceParser, UtteranceContext
+from .reading_filter import ReadingFilter
+from .segmentation import combine_meanings, segmentations
+from .strategies import UtteranceParser
+from .understanding import Reading, Understanding
+
+__all__ = [
+    "Chart",
+    "Clarification",
+    "Derivation",
+    "DerivationStep",
+    "Frame",
+    "Frames",
+    "Reading",
+    "ReadingFilter",
+    "SentenceParser",
+    "Understanding",
+    "UtteranceContext",
+    "UtteranceParser",
+    "combine_meanings",
+    "draw_svg",
+    "load_frames",
+    "parse_frames",
+    "segmentations",
+]

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+from .coreference import Discourse, RefusedError, resolve
+from .interpretation import Interpreter
+from .meaning import Command, Meaning, Question, Rule, Statement, ToolCommand
+from .pragmatics import Intention, Pragmatics, load_pragmatics
+from .predicates import Form, fill, form_of, form_of_term, match, term_of
+
+__all__ = [
+    "Command",
+    "Discourse",
+    "Form",
+    "Intention",
+    "Interpreter",
+    "Meaning",
+    "Pragmatics",
+    "Question",
+    "RefusedError",
+    "Rule",
+    "Statement",
+    "ToolCommand",
+    "fill",
+    "form_of",
+    "form_of_term",
+    "load_pragmatics",
+    "match",
+    "resolve",
+    "term_of",
+]
