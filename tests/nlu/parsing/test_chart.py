@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The chart: everything is found once, all words are used, and time is bounded."""
+"""The chart: one derivation per meaning, all words used, bounded time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def chart_of(language: Language, text: str) -> Chart:
 
 
 def test_a_span_knows_its_categories(language: Language) -> None:
-    """Parts of an utterance are there to look at."""
+    """The chart gives the categories of every span."""
     chart = chart_of(language, "pass me the knife")
 
     assert {"NP", "TP"} <= set(map(str, chart.categories(2, 4)))
@@ -49,15 +49,15 @@ def test_a_meaning_is_found_once(language: Language) -> None:
     ]
 
 
-def test_the_longest_span_is_told(language: Language) -> None:
-    """A failure can say how far it got."""
+def test_the_longest_span_is_reported(language: Language) -> None:
+    """A failure message can say how much was understood."""
     chart = chart_of(language, "knife pass me the knife by")
 
     assert chart.longest_span() == (1, 5)
 
 
-def test_an_empty_chart_has_nothing(language: Language) -> None:
-    """No words, no derivations."""
+def test_an_empty_chart_has_no_derivations(language: Language) -> None:
+    """A text without words has no span and no derivation."""
     chart = chart_of(language, "")
 
     assert chart.longest_span() == (0, 0)
@@ -66,7 +66,7 @@ def test_an_empty_chart_has_nothing(language: Language) -> None:
 
 @pytest.mark.parametrize("word", ["the", "to", "and", "is", "knife", "used", "with", "or"])
 def test_repeated_words_take_bounded_time(language: Language, word: str) -> None:
-    """The worst there is: as many as are allowed of the most ambiguous words."""
+    """The worst case, as many of the most ambiguous words as allowed, takes under a second."""
     text = " ".join([word] * MAX_TOKENS)
 
     started = time.process_time()
@@ -78,7 +78,7 @@ def test_repeated_words_take_bounded_time(language: Language, word: str) -> None
 @settings(max_examples=200, deadline=None)
 @given(st.data())
 def test_any_words_take_bounded_time(language: Language, data: st.DataObject) -> None:
-    """Known words in any order, as many as are allowed."""
+    """Known words in any order, as many as allowed, take under a second."""
     known = sorted(language.known_words)
     words = data.draw(st.lists(st.sampled_from(known), max_size=MAX_TOKENS))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an utterance comes to by the things that it names, in any order."""
+"""Frames: meanings from objects, uses and degrees in any order."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FRAMED = [
 
 @pytest.mark.parametrize("text", FRAMED)
 def test_all_words_are_accounted_for(language: Language, text: str) -> None:
-    """The parts of a frame are the words of the utterance, none left out and none twice."""
+    """The parts of a frame are the words of the utterance, each exactly once."""
     understood = language.understand(text)
 
     assert isinstance(understood.meaning, Statement)
@@ -49,7 +49,7 @@ def test_all_words_are_accounted_for(language: Language, text: str) -> None:
     ],
 )
 def test_the_order_does_not_matter(language: Language, text: str) -> None:
-    """An object and a use are a rule, whichever is named first."""
+    """An object and a use make a rule, whichever is named first."""
     meaning = language.understand(text).meaning.as_json()
 
     assert (meaning["object"], meaning["affordance"]) == ("hammer", "pounding")
@@ -58,8 +58,8 @@ def test_the_order_does_not_matter(language: Language, text: str) -> None:
 @pytest.mark.parametrize(
     "word", ["only", "than", "said", "unless", "almost", "without", "if", "yet"]
 )
-def test_a_word_that_is_not_listed_is_in_the_way(language: Language, word: str) -> None:
-    """What may change the meaning is never passed over."""
+def test_a_word_that_is_not_listed_blocks_a_frame(language: Language, word: str) -> None:
+    """Words that may change the meaning are never skipped."""
     text = f"Poking is {word} something a screwdriver does sometimes"
 
     assert language.understand(text).kind in {"error", "ask_back"}
@@ -68,7 +68,7 @@ def test_a_word_that_is_not_listed_is_in_the_way(language: Language, word: str) 
 @settings(max_examples=200, deadline=None)
 @given(st.sampled_from(FRAMED), st.randoms(use_true_random=False))
 def test_shuffled_words_teach_nothing_else(language: Language, text: str, rng: object) -> None:
-    """Kinds of words follow each other as in English, or there is no frame."""
+    """Words out of English order give no rule about another object."""
     words = text.strip(".").replace(",", "").split()
     wanted = language.understand(text).meaning
     rng.shuffle(words)  # type: ignore[attr-defined]
@@ -80,7 +80,7 @@ def test_shuffled_words_teach_nothing_else(language: Language, text: str, rng: o
 
 
 def test_a_name_needs_its_article(language: Language) -> None:
-    """An unknown word without one may be any word, as a slip of a known one."""
+    """An unknown word without an article may be any word, such as a misspelled known one."""
     assert language.understand("Now a skewer, that one you will see used for poking").new_words
     assert not language.understand("Now skewer, that one you will see used for poking").new_words
 
@@ -94,10 +94,10 @@ def test_a_name_needs_its_article(language: Language) -> None:
         ('{takes: "{x:NO}", with: [plain], is: "Q : about(x)"}', "NO"),
     ],
 )
-def test_a_mistake_in_a_frame_is_told_with_its_line(
+def test_a_mistake_in_a_frame_is_reported_with_its_line(
     language: Language, tmp_path: Path, line: str, problem: str
 ) -> None:
-    """A frame must have gaps only, groups that are there, and a term of its category."""
+    """A frame must have gaps only, known filler groups, and a term of its category."""
     text = (ENGLISH / "frames.yaml").read_text(encoding="utf-8")
     head, _, _ = text.partition("\nframes:\n")
     path = tmp_path / "frames.yaml"
@@ -109,8 +109,8 @@ def test_a_mistake_in_a_frame_is_told_with_its_line(
     assert caught.value.line == head.count("\n") + 3
 
 
-def test_a_kind_that_nothing_is_is_told(language: Language, tmp_path: Path) -> None:
-    """A slip in the table of what follows what would silently bar sentences."""
+def test_an_unknown_kind_of_word_is_reported(language: Language, tmp_path: Path) -> None:
+    """A misspelled kind in the table of neighbours would silently reject sentences."""
     text = (ENGLISH / "frames.yaml").read_text(encoding="utf-8")
     path = tmp_path / "frames.yaml"
     path.write_text(text.replace("\n  wish: [", "\n  wish: [advv, "), encoding="utf-8")

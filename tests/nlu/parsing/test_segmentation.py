@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Utterances that are several moves."""
+"""Utterances of several segments."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from hilt.nlu import Language
         ("Scratch that, I was wrong.", {"retract": "last"}),
     ],
 )
-def test_moves_come_to_one_meaning(language: Language, text: str, meaning: object) -> None:
-    """What goes before or after the main move does not change it."""
+def test_segments_have_one_meaning_together(language: Language, text: str, meaning: object) -> None:
+    """Segments before or after the main segment do not change its meaning."""
     assert language.understand(text).meaning.as_json() == meaning
 
 
@@ -36,12 +36,12 @@ def test_moves_come_to_one_meaning(language: Language, text: str, meaning: objec
         "Bob is hungry. Pass me the knife.",
     ],
 )
-def test_moves_without_one_meaning_are_refused(language: Language, text: str) -> None:
-    """Nothing is done on one move when another one is not understood, or says something else."""
+def test_segments_without_one_meaning_are_rejected(language: Language, text: str) -> None:
+    """No segment is acted on when another one is not understood or contradicts it."""
     assert language.understand(text).kind in {"error", "ask_back"}
 
 
-def test_statements_are_taken_together(language: Language) -> None:
+def test_statements_are_combined(language: Language) -> None:
     """Two sentences teach two rules, and the second may speak of the first."""
     understood = language.understand("Knives are for cutting. They are passed by the blade.")
 
@@ -52,5 +52,5 @@ def test_statements_are_taken_together(language: Language) -> None:
 
 @pytest.mark.parametrize("text", ["Do not. Pass me the knife.", "never, pass me the knife"])
 def test_a_pause_does_not_lose_a_negation(language: Language, text: str) -> None:
-    """What was cut off from its verb still forbids."""
+    """A negation that a pause separates from its verb still forbids."""
     assert language.understand(text).meaning.as_json()["negated"] is True

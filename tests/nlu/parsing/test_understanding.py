@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What comes of an utterance: every stage, the JSON, and the report of a failure."""
+"""The result of an utterance: every stage, the JSON object, and failure messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ IMPLIES = "implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)"
 
 
 def test_the_json_has_every_stage(language: Language) -> None:
-    """As the documentation shows it, key for key."""
+    """The JSON object has the keys that the documentation lists."""
     assert language.understand(SENTENCE).as_json() == {
         "text": SENTENCE,
         "speaker": "sam",
@@ -56,26 +56,26 @@ def test_the_json_has_every_stage(language: Language) -> None:
     ],
 )
 def test_the_predicate_forms_are_the_papers(language: Language, text: str, pragmatics: str) -> None:
-    """Sections 3.2, 3.3 and 4.2."""
+    """The predicate forms are those of sections 3.2, 3.3 and 4.2."""
     assert language.understand(text).pragmatics == pragmatics
 
 
 def test_the_speaker_is_named(language: Language) -> None:
-    """Who says it stands in the forms."""
+    """Predicate forms name the speaker."""
     understood = language.understand("I need the knife", speaker="evan")
 
     assert understood.semantics == "STATEMENT(evan,self,need(evan,knife))"
 
 
 def test_the_goal_is_the_content_of_a_command(language: Language) -> None:
-    """What is submitted to the goal manager is a predicate."""
+    """The goal submitted to the goal manager is a predicate form."""
     understood = language.understand("pass me something used for cutting")
 
     assert understood.content == "pass(self,usedFor(something,cutting))"
 
 
 def test_the_derivation_shows_a_term_at_each_step(language: Language) -> None:
-    """It prints as an indented tree."""
+    """The derivation prints as an indented tree."""
     assert str(language.understand("pass me the knife").derivation).splitlines() == [
         "C : pass(self,knife)    CP => C",
         "  CP : pass(self,knife)    >",
@@ -89,15 +89,15 @@ def test_the_derivation_shows_a_term_at_each_step(language: Language) -> None:
 
 
 def test_the_derivation_is_there_as_json(language: Language) -> None:
-    """Other programs can draw it."""
+    """The derivation can be written as JSON for other programs."""
     derivation = language.understand("pass me the knife").derivation
 
     assert derivation is not None
     assert json.loads(json.dumps(derivation.as_json()))["rule"] == "CP => C"
 
 
-def test_a_failure_says_how_far_it_got(language: Language) -> None:
-    """The longest span, what was expected after it, and what could be said instead."""
+def test_a_failure_has_the_longest_span_understood(language: Language) -> None:
+    """A failure has the longest span, what was expected after it, and similar sentences."""
     meaning = language.understand("to pass a knife grab").meaning
 
     assert isinstance(meaning, Misunderstanding)
@@ -120,8 +120,10 @@ def test_a_failure_says_how_far_it_got(language: Language) -> None:
         ("pass me the knife and the mug", "One thing at a time, please."),
     ],
 )
-def test_a_failure_is_told_in_a_sentence(language: Language, text: str, message: str) -> None:
-    """What is wrong, in words for the speaker."""
+def test_a_failure_has_a_message_for_the_speaker(
+    language: Language, text: str, message: str
+) -> None:
+    """The message says in one sentence what is wrong."""
     meaning = language.understand(text).meaning
 
     assert isinstance(meaning, Misunderstanding)

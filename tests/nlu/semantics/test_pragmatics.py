@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Speech acts and what is wanted by them."""
+"""Pragmatic rules: speech acts and intentions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_the_most_detailed_rule_decides(act: str, intention: str) -> None:
     assert [str(each.form) for each in load_pragmatics().meant(form(act))] == [intention]
 
 
-def test_all_rules_that_fit_are_there() -> None:
+def test_all_matching_rules_give_intentions() -> None:
     """The others stay as less likely intentions."""
     found = load_pragmatics().intentions(form("QUESTION(sam,self,can(self,x))"))
 
@@ -43,8 +43,8 @@ def test_all_rules_that_fit_are_there() -> None:
     assert found[1].certainty < 0.1
 
 
-def test_what_was_badly_heard_is_less_sure() -> None:
-    """The score of a recogniser bounds how sure an intention can be."""
+def test_uncertain_recognition_lowers_certainty() -> None:
+    """The score of a speech recogniser bounds the interval of an intention."""
     act = form("INSTRUCT(sam,self,pass(self,knife))")
 
     heard = load_pragmatics().intentions(act, heard=(0.8, 1.0))
@@ -75,8 +75,8 @@ def test_rules_for_two_intentions_leave_both(tmp_path: Path) -> None:
         ("{rule: 'STATEMENT(A,B,X) => want(A,X)'}", 'the key "interval" is missing'),
     ],
 )
-def test_a_wrong_rule_is_told(tmp_path: Path, rule: str, message: str) -> None:
-    """File, line, column, and what was expected."""
+def test_an_invalid_rule_is_reported(tmp_path: Path, rule: str, message: str) -> None:
+    """The error has the line and what was expected."""
     path = tmp_path / "pragmatics.yaml"
     path.write_text(f"threshold: 0.1\nrules:\n  - {rule}\n", encoding="utf-8")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is denied of a thing, and what only puts right what was said before."""
+"""The scope of "no": it negates a thing, or corrects what was said before."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from hilt.nlu import Language, Statement
         "No object should ever be passed by the handle.",
     ],
 )
-def test_no_thing_is_a_denial(language: Language, text: str) -> None:
-    """Without a pause, "no" goes with the thing."""
+def test_no_before_a_thing_makes_a_negative_rule(language: Language, text: str) -> None:
+    """Without a pause, "no" is the determiner of the thing."""
     meaning = language.understand(text).meaning
 
     assert isinstance(meaning, Statement)
@@ -27,8 +27,8 @@ def test_no_thing_is_a_denial(language: Language, text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["No, knives are used for cutting.", "No, a saw is for cutting."])
-def test_no_before_a_pause_puts_right(language: Language, text: str) -> None:
-    """With a pause, "no" is about what was said before."""
+def test_no_before_a_pause_is_a_correction(language: Language, text: str) -> None:
+    """With a pause, "no" refers to what was said before."""
     meaning = language.understand(text).meaning
 
     assert isinstance(meaning, Statement)
@@ -43,6 +43,6 @@ def test_no_before_a_pause_puts_right(language: Language, text: str) -> None:
         "to pass no knife grab it by the blade",
     ],
 )
-def test_what_is_not_understood_of_no_thing_is_refused(language: Language, text: str) -> None:
-    """Nothing is believed of "no knife" as if it were "a knife"."""
+def test_a_positive_rule_about_no_thing_is_rejected(language: Language, text: str) -> None:
+    """No rule about "no knife" is taken for one about "a knife"."""
     assert language.understand(text).kind in {"error", "ask_back"}
