@@ -94,7 +94,7 @@ class NoiseExperiment(Experiment):
             "check",
             0,
             f"{counted['right']} of {commands} right",
-            "all right" if must else "as it comes",
+            "all right" if must else "any number",
             facts
             | {
                 "declined": counted["declined"],
