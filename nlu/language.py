@@ -161,7 +161,7 @@ class Language:
         senses = [sense for word in added for sense in self.builder.name(word.role, word.word)]
         gerunds = [word.word for word in added if word.role == "affordance"]
         uses = {self.builder.bare_verb(gerund): gerund for gerund in gerunds}
-        interpreter = self.parser.interpreter.knowing(added)
+        interpreter = self.parser.interpreter.with_words(added)
         parser = replace(
             self.parser,
             lexicon=Lexicon(senses, self.parser.lexicon),

@@ -162,7 +162,7 @@ class SentenceParser:
             speech_act,
             intention.form,
             intention.interval,
-            self.interpreter.knowing(words).meaning(intention.form, context.discourse),
+            self.interpreter.with_words(words).meaning(intention.form, context.discourse),
             derivation.cost + _WORD_COST * len(entries),
             derivation,
             words,

@@ -68,7 +68,7 @@ class Interpreter:
     tool_acts: Mapping[str, str]
     acts: frozenset[str] = frozenset()
 
-    def knowing(self, words: Sequence[NewWord]) -> Interpreter:
+    def with_words(self, words: Sequence[NewWord]) -> Interpreter:
         """Return this interpreter with the acts that new words name."""
         acts = {word.word for word in words if word.role == "context"}
         return replace(self, acts=self.acts | acts) if acts else self
