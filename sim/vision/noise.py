@@ -75,11 +75,6 @@ class Noise:
                 ) from None
         return cls(**values, seed=seed)
 
-    @property
-    def is_none(self) -> bool:
-        """Whether all amounts are zero."""
-        return not any(getattr(self, name) for name in _MAX)
-
     def generator(self, name: str, *numbers: int) -> np.random.Generator:
         """The random generator for one name, independent of all others."""
         return np.random.default_rng([self.seed, crc32(name.encode()), *numbers])

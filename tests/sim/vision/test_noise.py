@@ -63,7 +63,6 @@ def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: floa
 
 def test_without_noise_nothing_changes():
     """No noise changes nothing."""
-    assert Noise().is_none
     facts = {p.name: (p.object, p.confidence, p.parts) for p in seen(Noise()).values()}
     assert facts == {p.name: (p.object, p.confidence, p.parts) for p in CROWD.percepts}
 
@@ -143,7 +142,6 @@ def test_noise_is_read_from_text(text: str):
     for item in filter(None, text.split(",")):
         name, _, number = item.strip().partition("=")
         assert getattr(noise, name) == float(number)
-    assert noise.is_none == (not text)
 
 
 @pytest.mark.parametrize(
