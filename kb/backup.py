@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Backups: a copy of a base while it is in use, checked, and put back whole or not at all.
+"""Backup and restore: a checked copy of a base in use, and its restoration as one unit.
 
 A backup is a folder that can be opened like any base. On the same disk it shares the data files
-of the base, which never change once written; to be safe from a broken disk, name another disk.
+of the base, which never change once written; a backup against disk failure goes to another disk.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _OCCUPIED = '"{}" holds a knowledge base. Say that it is to be replaced (--repla
 
 
 def backup(base: KnowledgeBase, target: Path) -> int:
-    """Write a copy of a base as it is now into a new folder.
+    """Write a copy of a base into a new folder, and return the number of its last utterance.
 
     Args:
         base: any base, in use or not.
@@ -51,7 +51,7 @@ def backup(base: KnowledgeBase, target: Path) -> int:
 
 
 def restore(source: Path, location: str, *, replace: bool = False) -> int:
-    """Put a backup where a base is to be.
+    """Restore a base from a backup, and return the number of its last utterance.
 
     Args:
         source: the backup, which stays as it is.
@@ -75,10 +75,10 @@ def restore(source: Path, location: str, *, replace: bool = False) -> int:
 
 
 def check(folder: Path) -> int:
-    """Open a backup and read it; the number of its last utterance.
+    """Open a backup, read it, and return the number of its last utterance.
 
     Raises:
-        StoreError: it is no base that can be read.
+        StoreError: it is no readable base.
     """
     with KnowledgeBase.open(folder, read_only=True) as base:
         list(base.history(since=max(0, base.sequence - 1)))
@@ -96,10 +96,10 @@ def _restore_folder(source: Path, target: Path, *, replace: bool) -> None:
 
 
 def _check_free(target: Path, *, replace: bool) -> None:
-    """Whether the place may be taken; it is there, and a base, afterwards."""
+    """Check that a folder may be replaced; it exists, and is a base, afterwards."""
     owner = open_folder(target)
     holds_base = any(owner.quads())
-    owner.close()  # it would go on tidying up under this name
+    owner.close()  # it would go on compacting files under this name
     if holds_base and not replace:
         raise StoreError(_OCCUPIED.format(target))
 
@@ -121,7 +121,7 @@ def _locked(folder: Path) -> Generator[None]:
 
 
 def _exchange(place: Path, target: Path) -> None:
-    """Put one folder in the place of another; after a crash between, the old one comes back."""
+    """Replace a folder by another; after a crash in between, the old one comes back."""
     old = replaced_place(target)
     target.rename(old)
     place.rename(target)
@@ -148,7 +148,7 @@ def _close(*stores: Store) -> None:
 
 @contextmanager
 def _beside(target: Path) -> Generator[Path]:
-    """A place on the same disk, for what is not yet complete."""
+    """A temporary folder on the same disk."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
@@ -160,7 +160,7 @@ def _beside(target: Path) -> Generator[Path]:
 
 
 def _sync(folder: Path) -> None:
-    """Have the disk write down all files of a folder."""
+    """Flush all files of a folder to disk."""
     for file in folder.rglob("*"):
         if file.is_file():
             with file.open("rb") as opened:

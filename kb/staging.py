@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a file says, in a store of its own, before anything of it reaches a base.
+"""Staging: statements of a file in a store of their own, before they reach a base.
 
-There it is put in order (each statement in the graph where it belongs, each rule under its own
-name) and checked, by SHACL and by the laws of intervals and rules.
+There each statement is moved to the graph where it belongs, each rule gets the id that its content
+makes, and everything is checked by SHACL and by the laws of intervals and rules.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
 
 
 def stage(quads: Iterable[Quad], *, source: str) -> Store:
-    """Statements in a store of their own, each in the graph where it belongs.
+    """Return a store with these statements, each in the graph where it belongs.
 
     Raises:
-        DataError: they are in graphs that a base has not.
+        DataError: a statement is in a graph that a base has not.
     """
     staging = open_store(MEMORY)
     staging.apply(insert=placed(quads, source=source))
@@ -52,7 +52,7 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
 
 
 def stage_rules(rules: Iterable[Rule]) -> Store:
-    """Rules in a store of their own."""
+    """Return a store with these rules."""
     staging = open_store(MEMORY)
     staging.apply(insert=(quad for rule in rules for quad in rule_mapping.rule_quads(rule)))
     return staging

@@ -1,2 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""bulk."""
+"""Imports and exports of any size: rules and statements as streams of text.
+
+statements      N-Quads and N-Triples, read subject by subject
+rule_lines      rules as lines of N-Quads: serialization, and the fast reading of exports
+importer        the import, which checks rules as they stream by and writes them as one unit
+reconciliation  conflicts, trust and the numbering of utterances between an import and a base
+exporter        the export, from one pass over a store
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

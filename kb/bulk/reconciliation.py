@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How an import is reconciled with a base: conflicts, trust, utterances, episodes and words.
+"""Reconciling an import with a base: conflicts, trust, utterances, episodes and words.
 
 Rules have their ids from their content, so the same rule is recognised. What the base already knows
 about a rule (that it was retracted, say) stays. Utterances come after those of the base, in their

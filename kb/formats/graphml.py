@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rules as a graph of networkx: atoms are its nodes, and each rule is an edge between them.
+"""Rules as a networkx graph and as GraphML: atoms are nodes, each rule is an edge between them.
 
-An edge leads from each feature of a rule to its argument, with the interval and all else that the
-rule says; the id of the rule is its key. A rule without features starts at its contexts, one
+An edge leads from each feature of a rule to its argument, with all that the rule says as
+attributes; the id of the rule is its key. A rule without features starts at its contexts, one
 without an argument ends at a node for its functor. All attributes are plain texts and numbers, so
 that GraphML and other tools carry them, and the rules can be read back.
 """
@@ -26,7 +26,7 @@ _NEEDED = ("features", "contexts", "functor", "argument", "lower", "upper")
 
 
 def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
-    """The graph of these rules.
+    """Return the graph of rules.
 
     >>> from hilt.kb import Interval, grasping
     >>> graph = graph_of([grasping("knife", "blade", "pass", interval=Interval(0.95, 1))])
@@ -50,10 +50,10 @@ def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
 
 
 def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iterator[Rule]:
-    """The rules that the edges of a graph stand for, each once.
+    """Iterate over the rules of the edges of a graph, each rule once.
 
     Raises:
-        DataError: an edge does not say all of a rule; `source` names the graph.
+        DataError: an edge lacks an attribute of a rule; `source` names the graph.
     """
     seen: set[str] = set()
     for start, end, attributes in graph.edges(data=True):
@@ -68,7 +68,7 @@ def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iter
 
 
 def write_graphml(rules: Iterable[Rule]) -> bytes:
-    """The graph of these rules as GraphML."""
+    """Return the graph of rules as GraphML."""
     import networkx as nx
 
     target = io.BytesIO()
@@ -77,10 +77,10 @@ def write_graphml(rules: Iterable[Rule]) -> bytes:
 
 
 def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
-    """The rules of a GraphML text that `write_graphml` wrote, or one with the same attributes.
+    """Iterate over the rules of a GraphML text with the attributes that `write_graphml` writes.
 
     Raises:
-        DataError: it is no GraphML, or an edge does not say all of a rule.
+        DataError: it is no GraphML, or an edge lacks an attribute of a rule.
     """
     import networkx as nx
 

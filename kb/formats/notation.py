@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules in words that a person can type: what the rule sheet and the table have in common.
+"""Atoms, intervals, statuses and times as text: what the rule sheet and the table share.
 
-An atom is written with its kind, "property:red". Where the kind is plain it is left out: a bare
-feature is an object, a bare context an action, and what something is used for is an affordance.
+An atom is written with its kind, "property:red". The usual kind is left out: a bare feature is an
+object, a bare context an action, and what something is used for is an affordance.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 
 ANY = "*"  # any object
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
-MAX_MISTAKES = 20  # of a file that are told
+MAX_MISTAKES = 20  # of a file that are reported
 Thing = TypeVar("Thing")
 Read = TypeVar("Read")
 STATUSES: tuple[str, ...] = get_args(Status)
 
 
 def read_atom(text: str, kind: str | None) -> Atom:
-    """The atom that a text names.
+    """Return the atom that a text names.
 
     >>> str(read_atom("knife", "object")), str(read_atom("property:red", "object"))
     ('object:knife', 'property:red')
@@ -35,7 +35,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
         kind: of a bare name; None where the kind must be written.
 
     Raises:
-        ValidationError: it names none.
+        ValidationError: it names no atom.
     """
     name = text.strip()
     if ":" in name:
@@ -47,14 +47,14 @@ def read_atom(text: str, kind: str | None) -> Atom:
 
 
 def read_all(things: Iterable[Thing], read: Callable[[Thing], Read]) -> Iterator[Read]:
-    """The rules that things of a file stand for; behind a mistake only others are looked for.
+    """Iterate over the rules of a file; after a mistake only further mistakes are looked for.
 
     Args:
-        things: rows or entries; to go through them may fail, too.
-        read: makes a rule of one.
+        things: rows or entries; to iterate over them may fail, too.
+        read: returns the rule of one of them.
 
     Raises:
-        DataError: of the first mistakes, at most `MAX_MISTAKES`.
+        DataError: lists the first mistakes, at most `MAX_MISTAKES`.
     """
     wrong: list[DataError] = []
     try:
@@ -75,30 +75,30 @@ def read_all(things: Iterable[Thing], read: Callable[[Thing], Read]) -> Iterator
 
 
 def write_atom(atom: Atom, kind: str | None) -> str:
-    """The text that `read_atom` reads."""
+    """Return the text that `read_atom` reads."""
     return atom.name if atom.kind == kind else str(atom)
 
 
 def read_atoms(texts: Iterable[str], kind: str) -> frozenset[Atom]:
-    """The atoms of several texts; "*" stands for none."""
+    """Return the atoms of several texts; "*" stands for no atom."""
     return frozenset(read_atom(text, kind) for text in texts if text.strip() != ANY)
 
 
 def read_argument(text: str, functor: str) -> Atom | None:
-    """The argument of a functor, None for an empty text."""
+    """Return the argument of a functor, None for an empty text."""
     return read_atom(text, ARGUMENT_KINDS.get(functor)) if text.strip() else None
 
 
 def read_interval(lower: float, upper: float | None) -> Interval:
-    """An interval; it reaches up to 1 where no upper bound is given."""
+    """Return an interval; its upper bound is 1 where none is given."""
     return Interval(lower, 1.0 if upper is None else upper)
 
 
 def read_status(text: str) -> Status:
-    """A status.
+    """Return a status.
 
     Raises:
-        ValidationError: there is none of that name.
+        ValidationError: no status has that name.
     """
     if text not in STATUSES:
         raise ValidationError([f'"{text[:60]}" is no status; expected {", ".join(STATUSES)}.'])
@@ -106,10 +106,10 @@ def read_status(text: str) -> Status:
 
 
 def read_moment(text: str) -> datetime:
-    """A time with its zone.
+    """Return a time with its zone.
 
     Raises:
-        ValidationError: it is none.
+        ValidationError: it is no such time.
     """
     try:
         return read_time(text.strip().replace(" ", "T"))
@@ -130,7 +130,7 @@ def make_rule(
     status: str | None,
     time: str | None,
 ) -> Rule:
-    """A rule of what was written; what is not given is as for a rule just told."""
+    """Return a rule; a missing speaker or status is the default one."""
     return Rule(
         features,
         contexts,

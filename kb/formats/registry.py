@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The formats of files, and what each of them can carry."""
+"""The file formats, by name and extension, and what each of them carries."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ PACKED = ".gz"
 
 @dataclass(frozen=True)
 class Format:
-    """One format of files.
+    """A file format.
 
     Attributes:
-        name: as `--format` takes it.
-        suffixes: of files that have it; the first is the usual one.
-        whole: whether it keeps named graphs, and so a whole base.
-        leaves_out: what it cannot carry of a rule or of the base, as half a sentence.
+        name: the value of `--format`.
+        suffixes: the extensions of its files; the first is the usual one.
+        whole: whether it has named graphs, and so holds a whole base.
+        leaves_out: what it cannot hold, as half a sentence.
         most: bytes that are read of it; None where it streams, however long.
         is_xml: whether it is XML, so that document types are refused.
     """
@@ -53,15 +53,15 @@ RULE_FORMATS = frozenset({"sheet", "csv", "graphml"})  # they hold rules as valu
 
 
 def format_of(file: str, given: str | None, default: str) -> Format:
-    """The format of a file.
+    """Return the format of a file.
 
     Args:
         file: its name; ".gz" at its end does not count.
-        given: the name of the format, where a person named one.
-        default: that of standard input and output.
+        given: the name of a format, which decides where it is given.
+        default: the format of standard input and output.
 
     Raises:
-        DataError: there is none of that name or extension.
+        DataError: no format has that name or extension.
     """
     if given is not None:
         return _named(given, file)

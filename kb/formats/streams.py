@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files as streams: packed or not, standard input and output, and what is refused of them.
+"""Files as streams, compressed or not, standard input and output, and limits on their size.
 
-A hostile file must not fill the memory. What unfolds when it is read (document types in XML) is
-refused, what is one huge piece is refused, and what has to be read whole has a largest size.
+A hostile file must not fill the memory. Document types in XML, which expand when they are read, and
+huge single values are refused, and what has to be read whole has a maximum size.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from typing import BinaryIO, cast
 from ...ontology.errors import DataError
 from .registry import PACKED, STREAM
 
-Progress = Callable[[int], None]  # is told how many bytes, rules or statements are done
+Progress = Callable[[int], None]  # is called with how many bytes, rules or statements are done
 
-MAX_SILENT = 64 * 2**20  # bytes that may be read before one statement is complete
+MAX_STATEMENT = 64 * 2**20  # bytes that may be read before one statement is complete
 MAX_LINE = 2**20  # characters of one line of a table
 _GZIP = b"\x1f\x8b"
 _DOCTYPE = b"<!DOCTYPE"
@@ -32,7 +32,7 @@ _CHUNK = 2**20
 
 
 class InputStream(io.RawIOBase):
-    """A stream that is watched while somebody else reads it.
+    """A stream that counts and checks what a parser reads of it.
 
     Attributes:
         name: of the file, for messages.
@@ -48,25 +48,25 @@ class InputStream(io.RawIOBase):
         progress: Progress | None = None,
         position: Callable[[], int] | None = None,
     ) -> None:
-        """Watch a stream.
+        """Wrap a stream.
 
         Args:
             stream: what is read.
             name: of the file, for messages.
             most: bytes after which it is refused.
             is_xml: whether document types are refused.
-            progress: is told how far the file has been read.
-            position: tells that; by default what was read counts.
+            progress: is called with how much of the file has been read.
+            position: returns that; by default the bytes read are counted.
         """
         super().__init__()
         self.name = name
         self._stream, self._most, self._is_xml = stream, most, is_xml
         self._progress, self._position = progress, position
-        self._read = self._silent = 0
+        self._read = self._since_statement = 0
         self._tail = b""
 
     def readable(self) -> bool:
-        """Yes."""
+        """Return True."""
         return True
 
     def seekable(self) -> bool:
@@ -74,17 +74,17 @@ class InputStream(io.RawIOBase):
         return self._stream.seekable()
 
     def seek(self, offset: int, whence: int = 0) -> int:
-        """Go elsewhere; it is counted from there."""
-        self._read = self._silent = 0
+        """Move to another place, and count from there."""
+        self._read = self._since_statement = 0
         self._tail = b""
         return self._stream.seek(offset, whence)
 
     def report_statement(self) -> None:
         """Note that a statement is complete."""
-        self._silent = 0
+        self._since_statement = 0
 
     def read(self, size: int = -1) -> bytes:
-        """The next bytes.
+        """Return the next bytes.
 
         Raises:
             DataError: they cannot be read or are refused.
@@ -105,14 +105,14 @@ class InputStream(io.RawIOBase):
         return len(found)
 
     def everything(self) -> bytes:
-        """All that is left of a text that is read whole."""
+        """Read the rest of the text."""
         return b"".join(iter(self.read, b""))
 
     def lines(self) -> Iterator[str]:
-        """Its lines as text.
+        """Iterate over its lines as text.
 
         Raises:
-            DataError: it is no UTF-8, or one line is too long.
+            DataError: it is no UTF-8, or a line is too long.
         """
         text = io.TextIOWrapper(io.BufferedReader(self), encoding="utf-8-sig", newline="")
         number = 0
@@ -132,14 +132,14 @@ class InputStream(io.RawIOBase):
 
     def _check(self, found: bytes) -> None:
         self._read += len(found)
-        self._silent += len(found)
+        self._since_statement += len(found)
         if self._most is not None and self._read > self._most:
             raise self._refused(
                 f"is larger than {self._most // 2**20} MB, which is too much for this format. "
                 "Take CSV, N-Quads or Turtle."
             )
-        if self._silent > MAX_SILENT:
-            raise self._refused(f"holds no whole statement in {MAX_SILENT // 2**20} MB.")
+        if self._since_statement > MAX_STATEMENT:
+            raise self._refused(f"holds no whole statement in {MAX_STATEMENT // 2**20} MB.")
         if self._is_xml:
             self._refuse_doctype(found)
         if self._progress:

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+
+from .exporter import scan_rules, write_statements
+from .importer import ImportObserver, import_rules, import_statements
+from .reconciliation import ImportSummary, MergeConflict
+from .rule_lines import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from .statements import RuleBlock, StatementGroup, read_groups
+
+__all__ = [
+    "FastRuleReader",
+    "ImportObserver",
+    "ImportSummary",
+    "MergeConflict",
+    "NQuadsWriter",
+    "RuleBlock",
+    "RuleSerializer",
+    "SerializedRule",
+    "StatementGroup",
+    "import_rules",
+    "import_statements",
+    "read_groups",
+    "scan_rules",
+    "write_statements",
+]
