@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The agent: knowledge base, language, inference and body joined into one that can be talked to.
+"""The agent: knowledge base, language, inference and robot joined into one that listens and acts.
 
     with Agent.open("memory:", AgentConfig(scene="objects:knife,mug", seed=7)) as agent:
         agent.hear("A knife is used for cutting")
         agent.hear("pass me something used for cutting").said
 
-The body is made when the first command comes: teaching and asking need no robot.
+The simulated body is made at the first command: teaching and asking need no robot.
 """
 
 from __future__ import annotations
@@ -148,14 +148,14 @@ class Agent:
         heard: float = 1.0,
         keep: bool = True,
     ) -> Reply:
-        """Listen to one utterance, do what follows from it, and answer.
+        """Understand one utterance, act on it, and return the reply.
 
         Args:
             text: what is said.
             speaker: who says it.
-            only: "tell", "do" or "ask" to take statements, commands or questions only.
-            heard: how surely a recogniser heard it, in [0, 1].
-            keep: whether a command goes into the history and leaves an episode.
+            only: "tell", "do" or "ask" to accept statements, commands or questions only.
+            heard: the confidence of the speech recogniser, in [0, 1].
+            keep: whether a command is written to the history and kept as an episode.
         """
         if self._film:
             self._film.begin(text)
@@ -166,21 +166,21 @@ class Agent:
         return reply
 
     def attempt(self, text: str, request: Request) -> tuple[GoalResult, str]:
-        """Carry out a request as it is; what came of it, and what is said about it.
+        """Carry out a request; return its result and the spoken answer.
 
         Args:
-            text: what is said in a film of it.
+            text: the utterance that a film shows.
             request: what to do.
         """
         if self._film:
             self._film.begin(text)
-        came, said = self.dialogue.attempt(request)
+        result, said = self.dialogue.attempt(request)
         if self._film:
             self._film.end(said)
-        return came, said
+        return result, said
 
     def circumstances(self) -> Json | None:
-        """What it takes to make this agent again; None when its eyes or hands are not Hilt's."""
+        """Return what is needed to make this agent again; None with vision or motion not Hilt's."""
         if self._vision or self._motion:
             return None
         return {
@@ -191,7 +191,7 @@ class Agent:
         }
 
     def state(self) -> str:
-        """In what state the world is, in a word; empty when nothing has moved yet."""
+        """Return a hash of the state of the simulation; empty when there is none yet."""
         if "body" not in self.__dict__:
             return ""
         from ..sim.state_hash import fingerprint
@@ -199,14 +199,14 @@ class Agent:
         return fingerprint(self.body)
 
     def visible(self) -> tuple[str, ...]:
-        """The objects that the eyes see; without failing eyes those of the scene, in its order."""
+        """Return the objects in view; without noise those of the scene, in its order."""
         if self._vision is None and self.embodiment.sees_all:
             return tuple(placement.object for placement in self.scene.placements)
         features = [f"object:{name}" for name in self.objects]
         return tuple(percept.object for percept in self.goals.vision.search(features))
 
     def quote(self, utterance: int) -> str:
-        """What was said in an utterance of that number.
+        """Return the text of the utterance with this number.
 
         Raises:
             UnknownNameError: there is none.
@@ -215,7 +215,7 @@ class Agent:
 
     @cached_property
     def body(self) -> Body:
-        """The simulated body, made when it is first needed.
+        """The simulated body, made at its first use.
 
         Raises:
             MissingExtraError: the simulator is not installed.
@@ -224,7 +224,7 @@ class Agent:
 
     @cached_property
     def goals(self) -> GoalManager:
-        """The goal manager over this agent's eyes and hands."""
+        """The goal manager, with the vision and the motion of this agent."""
         body = self.body if self.simulate else None
         return GoalManager(
             self.actions,
@@ -237,7 +237,7 @@ class Agent:
 
     @contextmanager
     def in_scene(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
-        """Another agent for the block: it knows what this one knows, and has a scene of its own.
+        """Another agent for the block: with the same knowledge, in a scene of its own.
 
         Args:
             scene: what is on its table.
@@ -257,7 +257,7 @@ class Agent:
 
     @contextmanager
     def filmed(self, path: Path) -> Generator[None]:
-        """Film what is done in the block.
+        """Record a film of the block.
 
         Args:
             path: the film, complete when the block ends: .mp4, .gif, or .png for a strip.
@@ -275,7 +275,7 @@ class Agent:
                 self._film = None
 
     def reset_body(self) -> None:
-        """Give up the body, whatever it was doing; the next command finds the table as at first."""
+        """Close the simulated body; the next command starts with the initial scene."""
         self._release_body()
         for made in ("body", "goals"):
             self.__dict__.pop(made, None)
@@ -302,7 +302,7 @@ class Agent:
 
 
 def _grips(objects: Mapping[str, ObjectType]) -> dict[str, str]:
-    """Object -> the part that is made for holding it, where there is one."""
+    """Object -> the part that is made for holding it, if there is one."""
     return {
         name: part.name
         for name, kind in objects.items()

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A conversation on the terminal or down a pipe: an utterance a line, and a few slash commands."""
+"""A conversation on a terminal or through a pipe: an utterance per line, and slash commands.
+
+On a terminal `readline` gives a prompt, a history over sessions, and completion of known words.
+"""
 
 from __future__ import annotations
 
@@ -21,62 +24,64 @@ from .presentation import console as shown
 from .presentation.text import printable
 
 QUIT = "/quit"
-LAST_WORDS = {QUIT, "/exit", "quit", "exit"}  # none of the three others is an utterance
+QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
 SPEAKER = "/speaker"
 HISTORY_LENGTH = 1000  # lines
 _DELIMITERS = " \t\n,.;:!?\"'"
 
 
 def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
-    """Talk until the lines end or `/quit` is said.
+    """Converse until the lines end or `/quit` is entered.
 
     Args:
-        agent: who listens.
+        agent: the agent.
         out: where the conversation is shown.
-        source: what is said; prompted for when it is a terminal.
-        speaker: who says it at first.
+        source: the lines; prompted for when it is a terminal.
+        speaker: the first speaker.
     """
-    chat = Chat(agent, out, speaker, talking=source.isatty())
-    if chat.talking:
+    chat = Chat(agent, out, speaker, is_interactive=source.isatty())
+    if chat.is_interactive:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
-    said = read_lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.talking else source
+    said = (
+        read_lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.is_interactive else source
+    )
     for line in (line.removeprefix("\ufeff").strip() for line in said):
-        if line in LAST_WORDS:
+        if line in QUIT_WORDS:
             return
         if line:
-            chat.take(line)
+            chat.handle_line(line)
 
 
 @dataclass
 class Chat:
-    """A conversation on a terminal or down a pipe.
+    """The state of a conversation.
 
     Attributes:
-        agent: who listens.
+        agent: the agent.
         out: where it is shown.
-        speaker: who is speaking now.
-        talking: whether a person sees each answer at once.
+        speaker: the current speaker.
+        is_interactive: whether it takes place on a terminal.
     """
 
     agent: Agent
     out: Console
     speaker: str
-    talking: bool
+    is_interactive: bool
 
-    def take(self, line: str) -> None:
-        """Show what comes of a line: the answer to an utterance, or the result of a command."""
+    def handle_line(self, line: str) -> None:
+        """Show the answer to an utterance, or the result of a slash command."""
         name, _, rest = line.partition(" ")
         if not line.startswith("/"):
             self._converse(line)
         elif name == SPEAKER:
-            self.out.print(self._turn_to(rest.strip()))
+            self.out.print(self._set_speaker(rest.strip()))
         elif line in _COMMANDS:
             self.out.print(_COMMANDS[line](self.agent))
         else:
             self.out.print(Text(f"There is no {line}. {_help()}"))
 
     def completable(self) -> set[str]:
-        """What the Tab key may make of a beginning."""
+        """Return the words that the Tab key can complete."""
         return {*self.agent.dialogue.language.known_words, *_COMMANDS, SPEAKER, QUIT}
 
     def _converse(self, line: str) -> None:
@@ -85,18 +90,18 @@ class Chat:
                 reply = self.agent.hear(line, speaker=self.speaker)
         except KeyboardInterrupt:
             self.agent.reset_body()
-            self.out.print(Text("I stopped. The next command finds the table as it was at first."))
+            self.out.print(Text("Stopped. The next command starts with the initial scene."))
             return
-        except ValidationError as error:  # what is no text ends no conversation
+        except ValidationError as error:  # a text that cannot be stored
             self.out.print(Text(str(error)))
             return
         spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
-        self.out.print(spoken if self.talking else shown.turn(reply))
+        self.out.print(spoken if self.is_interactive else shown.turn(reply))
         if reply.hint:
             self.out.print(Text(f'Try: "{reply.hint}"', "dim"))
 
-    def _turn_to(self, speaker: str) -> Text:
-        """Let somebody else speak from now on."""
+    def _set_speaker(self, speaker: str) -> Text:
+        """Change the speaker; return a message."""
         if not speaker:
             return Text(f"{self.speaker} is speaking. {SPEAKER} NAME lets somebody else speak.")
         try:
@@ -129,11 +134,11 @@ _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
 
 
 def read_lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
-    """What is typed, a line at a time, until the end of input; Ctrl-C drops a line.
+    """Yield the lines that are typed until the end of input; Ctrl-C discards a line.
 
     Args:
-        prompt: gives what stands before the cursor.
-        words: gives the words that can be completed now.
+        prompt: returns the prompt.
+        words: returns the words that can be completed.
     """
     with _editing(user_state_path("hilt") / "history", words):
         while True:
@@ -149,7 +154,7 @@ def read_lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) 
 
 
 def completions(start: str, words: Collection[str]) -> list[str]:
-    """The words that begin so, sorted; an empty beginning is completed by nothing.
+    """Return the words with this prefix, sorted; none for an empty prefix.
 
     >>> completions("spo", {"spoon", "spoons", "mug"})
     ['spoon', 'spoons']

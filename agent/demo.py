@@ -29,25 +29,25 @@ AFTERWARDS = ("pick up the knife", "pass me something used for rolling")
 
 @dataclass(frozen=True)
 class Example:
-    """What came of the running example.
+    """The replies of the running example.
 
     Attributes:
         lessons: the replies to the three sentences.
         commands: the replies to the command and to the two after it.
-        simulated: whether a robot moved.
+        simulate: whether a robot moved.
     """
 
     lessons: tuple[Reply, ...]
     commands: tuple[Reply, ...]
-    simulated: bool
+    simulate: bool
 
     @property
     def is_as_told(self) -> bool:
-        """Whether everything came out as the paper says."""
+        """Whether every result is that of the paper."""
         came = [reply.achievement for reply in self.commands if reply.achievement]
         parts = [each.decision.chosen_part for each in came if each.decision]
         touched = [each.world.touched for each in came]
-        as_decided = not self.simulated or touched == [("blade",), ("handle",), ()]
+        as_decided = not self.simulate or touched == [("blade",), ("handle",), ()]
         endings = [reply.ending for reply in self.commands]
         decided = parts == ["blade", "handle", None]
         return decided and as_decided and endings == ["done", "done", "failed"]
@@ -65,7 +65,7 @@ def run(agent: Agent, progress: Console, folder: Path) -> Example:
     """Run the example and write its pictures.
 
     Args:
-        agent: with an empty or any other knowledge base.
+        agent: the agent; its knowledge base may be empty.
         progress: where the progress is shown.
         folder: where pictures and the animation are written, when there is a simulator.
     """
@@ -77,7 +77,7 @@ def run(agent: Agent, progress: Console, folder: Path) -> Example:
 
 
 def show(example: Example, out: Console, agent: Agent) -> None:
-    """Print the example for a person: dialogue, rules, walks, decisions, and the world."""
+    """Print the dialogue, the rules, the executions and the decisions."""
     out.print(Panel("Teaching", style="cyan", expand=False))
     for reply in example.lessons:
         out.print(shown.turn(reply))
@@ -104,7 +104,7 @@ def _progress(out: Console) -> Generator[_Step]:
 
 
 class _Step:
-    """Says one utterance, and moves the progress bar on."""
+    """Says one utterance, and advances the progress bar."""
 
     def __init__(self, bar: Progress, task: TaskID) -> None:
         self._bar, self._task = bar, task
@@ -122,10 +122,10 @@ class _Step:
 
 @contextmanager
 def _recorded(agent: Agent, folder: Path) -> Generator[list[str]]:
-    """Keep pictures of what is done in the block, and a film of it.
+    """Take pictures of what is done in the block, and a film of it.
 
     Args:
-        agent: who does it.
+        agent: the agent.
         folder: where `before.png`, one picture for each motion, and `animation.gif` go.
 
     Returns:

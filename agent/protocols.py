@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the agent asks of a robot's eyes, hands, and dialogue.
+"""Protocols for other vision systems, motion stacks and language parts.
 
-Anybody's detector, motion stack and language part fit in behind these protocols; the simulated body
-of `hilt.sim` is one that does. Values that pass are small and frozen: a `Percept` for a thing seen,
-a `MotionReport` for an action tried, a `Meaning` for an utterance. A failure is a report with a
-reason, never an exception.
+The simulated body of `hilt.sim` implements `Vision` and `Motion`. What they exchange are frozen
+values: a `Percept` for an object in view, a `MotionReport` for an attempted action, a `Meaning` for
+an utterance. A failure is a report with a reason, never an exception.
 """
 
 from __future__ import annotations
@@ -21,10 +20,10 @@ if TYPE_CHECKING:
 
 
 class Vision(Protocol):
-    """Searches the scene for what it is asked for, and nothing else (top-down attention)."""
+    """Searches the scene for given features, and nothing else (top-down attention)."""
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
-        """The things in view that show one of the features.
+        """Return the objects in view that show one of the features.
 
         Args:
             features: atoms as text: "object:knife", "part:blade", "property:red".
@@ -41,37 +40,37 @@ class Motion(Protocol):
         ...
 
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
-        """Close the hand on a thing, by this part only; None leaves the choice to the hand."""
+        """Grasp an object by this part only; by any part when it is None."""
         ...
 
     def lift(self) -> MotionReport:
-        """Take what is held up from the table, and hold it for a second."""
+        """Lift the held object from the table and hold it for a second."""
         ...
 
     def hand_over(self) -> MotionReport:
-        """Bring what is held to the receiver, its free part first."""
+        """Bring the held object to the receiver, its free part first."""
         ...
 
     def point_at(self, percept: Percept) -> MotionReport:
-        """Point at a thing without touching it."""
+        """Point at an object without touching it."""
         ...
 
     def move_above(self, percept: Percept) -> MotionReport:
-        """Bring what is held above a thing that is to be driven in."""
+        """Move the held tool above an object that is to be driven in."""
         ...
 
     def raise_(self) -> MotionReport:
-        """Bring what is held back above it, ready for a blow."""
+        """Raise the held tool above it, ready for a blow."""
         ...
 
     def lower(self) -> MotionReport:
-        """Strike once; the report says how deep it is in, and whether all the way."""
+        """Strike once; the report has the depth, and whether it is driven in completely."""
         ...
 
 
 @runtime_checkable
 class Skills(Protocol):
-    """Further primitives of a robot's own, beside those of `Motion`; may be left out.
+    """Further primitives of a robot beside those of `Motion`; optional.
 
     Their names are among the `abilities`, and action trees name them in `primitives`.
     """
@@ -82,33 +81,33 @@ class Skills(Protocol):
         arguments: Mapping[str, Percept | str],
         constraint: Constraint | None,
     ) -> MotionReport:
-        """Perform one of them.
+        """Perform one of these primitives.
 
         Args:
             action: its name.
-            arguments: parameter -> the thing seen; a name where nothing of that name is in view.
+            arguments: parameter -> its percept, or its name when no such object is in view.
             constraint: what the rules conclude at this node, if anything.
         """
         ...
 
 
 class Dialogue(Protocol):
-    """Understands what people say, and words what the robot answers."""
+    """Understands utterances and words the answers."""
 
     def understand(self, text: str, *, speaker: str) -> Meaning | None:
-        """What an utterance means; None leaves it to Hilt's own grammar.
+        """Return the meaning of an utterance; None leaves it to Hilt's own grammar.
 
         Args:
-            text: what was said.
+            text: the utterance.
             speaker: who said it.
         """
         ...
 
     def say(self, answer: SpokenAnswer, spoken: str) -> str:
-        """An answer in words.
+        """Return the wording of an answer.
 
         Args:
-            answer: its key, slots, and how the thing asked for ended.
-            spoken: how Hilt would put it.
+            answer: its key, its slots, and how the request ended.
+            spoken: the wording of Hilt.
         """
         ...

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Running an episode again: the same request, under the same circumstances, with the same rules.
+"""Replay of an episode: the same request, under the same circumstances, with the same rules.
 
-What one command moves the next one finds moved, so all that the robot did before in the same
-conversation is done again first. The rules are those that held then, whatever was told since.
-Nothing is written into the base.
+A command starts from the scene that the commands before it left, so these are run again first. The
+rules are those that held then. Nothing is written into the base.
 """
 
 from __future__ import annotations
@@ -42,10 +41,10 @@ class Replay:
     """An episode that was run again.
 
     Attributes:
-        episode: as it is in the base.
-        before: what came of it then, as in the document of the episode.
-        after: what came of it now.
-        achievement: the same, as values.
+        episode: the episode in the base.
+        before: its recorded result, from its document.
+        after: the result of the replay.
+        achievement: the same, as a value.
     """
 
     episode: Episode
@@ -55,7 +54,7 @@ class Replay:
 
     @property
     def differences(self) -> tuple[str, ...]:
-        """What came out otherwise, a line each; none when all is the same bit for bit."""
+        """The differences, a line each; none when both are equal to the last bit."""
         return tuple(_differences("", self.before, self.after))
 
     def as_json(self) -> Json:
@@ -70,7 +69,7 @@ class Replay:
 
 
 def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
-    """The episode of an id, of the only id that begins so, or the last one for "last".
+    """Return the episode with this id, or prefix of an id, or the last one for "last".
 
     Raises:
         UnknownNameError: there is none.
@@ -97,11 +96,11 @@ def replay(
         base: where it was recorded.
         name: its id, or the start of it, or "last".
         gui: whether the simulator shows a window.
-        film: a file to film it into.
+        film: the file for a film of it.
 
     Raises:
         UnknownNameError: there is no such episode.
-        HiltError: it was recorded without what it takes to run it again.
+        HiltError: it was recorded without what is needed to run it again.
     """
     kept = list(base.episodes())
     chain = _chain({each.id: each for each in kept}, find_episode(kept, name))
@@ -116,7 +115,7 @@ def replay(
 
 
 def _chain(episodes: Mapping[str, Episode], last: Episode) -> list[Episode]:
-    """The episodes of one conversation up to this one, the first one first."""
+    """The episodes of one conversation up to this one, in order."""
     chain = [last]
     while after := _again(chain[-1])["after"]:
         if after not in episodes:
@@ -173,7 +172,7 @@ def _run(
 
 @dataclass(frozen=True)
 class Past(RuleView):
-    """Rules that held at some time, as a source that does not change any more."""
+    """The rules that held at some time, as a constant rule source."""
 
     @property
     def sequence(self) -> int:
@@ -182,7 +181,7 @@ class Past(RuleView):
 
 
 def _plain(document: Json) -> Json:
-    """As it is after having been written and read."""
+    """The document after being written and read as JSON."""
     return json.loads(json.dumps(document))
 
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dialogue: believe what is told, carry out what is asked, answer what is wanted.
+"""The dialogue manager: asserts statements, carries out commands, answers questions.
 
-Paper, section 3.2: of an utterance that wants something believed it is checked whether the speaker
-is trusted; if so the rules are asserted, and only when they are stored is that acknowledged. One
-that wants something done becomes a goal. What is not clear or not sure enough is asked back, and
-the "yes" or "no" that follows is understood. Everything that is heard is kept in the history, also
-what is refused or not understood.
+Paper, section 3.2: the rules of a statement are asserted if its speaker is trusted, and are
+acknowledged only when they are stored. A command becomes a goal. What is unclear or uncertain is
+asked back, and the "yes" or "no" that follows is understood. The history keeps every utterance,
+also one that is refused or not understood.
 """
 
 from __future__ import annotations
@@ -45,9 +44,9 @@ class DialogueTurn:
     """One utterance as it was understood.
 
     Attributes:
-        understood: what the language part made of it.
-        heard: how surely it was heard, in [0, 1].
-        keep: whether it goes into the history when it teaches nothing.
+        understood: how it was understood.
+        heard: the confidence of the speech recogniser, in [0, 1].
+        keep: whether it is written to the history when it teaches nothing.
     """
 
     understood: Understanding
@@ -62,12 +61,12 @@ class DialogueTurn:
 
 @dataclass(frozen=True)
 class Pending:
-    """A question of Hilt's own that waits for "yes" or "no".
+    """A question of Hilt that waits for "yes" or "no".
 
     Attributes:
-        asked: who is to answer it, and nobody else.
-        yes: what to do then.
-        no: what to do then; None only acknowledges.
+        asked: the only speaker who can answer it.
+        yes: called after a "yes".
+        no: called after a "no"; None only acknowledges.
     """
 
     asked: str
@@ -122,10 +121,10 @@ class DialogueManager:
         self._topic: tuple[Rule, ...] = ()
         self._just_acted = False  # and no rule was spoken of since
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
-            meaning.Statement: self._believe,
+            meaning.Statement: self._learn,
             meaning.Retraction: self._forget,
-            meaning.Command: self._obey,
-            meaning.ToolCommand: self._obey,
+            meaning.Command: self._carry_out_command,
+            meaning.ToolCommand: self._carry_out_command,
             meaning.Question: self._answer,
             meaning.Acknowledgement: self._acknowledge,
             meaning.AskBack: self._ask_back,
@@ -142,15 +141,15 @@ class DialogueManager:
         keep: bool = True,
         insist: Collection[str] = (),
     ) -> Reply:
-        """Understand one utterance, act on it, and answer.
+        """Understand one utterance, act on it, and return the reply.
 
         Args:
             text: what was said.
             speaker: who said it; capital letters do not matter.
-            only: "tell", "do" or "ask" to listen to statements, commands or questions only.
-            heard: how surely a recogniser heard it, in [0, 1].
-            keep: whether a command goes into the history and leaves an episode.
-            insist: words that are new although they are close to known ones.
+            only: "tell", "do" or "ask" to accept statements, commands or questions only.
+            heard: the confidence of the speech recogniser, in [0, 1].
+            keep: whether a command is written to the history and kept as an episode.
+            insist: words that are new although they resemble known ones.
 
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
@@ -175,9 +174,9 @@ class DialogueManager:
             text, speaker=speaker, discourse=self._discourse, insist=insist, heard=heard
         )
 
-    # --- Being told --------------------------------------------------------------------------
+    # --- Statements and retractions -----------------------------------------------------------
 
-    def _believe(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
+    def _learn(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
         if not self._trusts(turn.speaker):
             return self._answered(
                 turn, SpokenAnswer("not_trusted", {"speaker": turn.speaker}, "refused")
@@ -197,11 +196,11 @@ class DialogueManager:
         )
         self.language = self.language.with_words(turn.understood.new_words)
         told = tuple(self.base.rule(rule.id) for rule in taught.rules)
-        self._turn_to(told)
+        self._set_topic(told)
         return replace(self._reply(turn, spoken), rules=told)
 
     def _echo(self, turn: DialogueTurn, taught: Lesson) -> Iterator[SpokenAnswer]:
-        """Say back what was believed, a sentence a rule and a word."""
+        """The confirmation of what was learned: an answer for each rule and each word."""
         trust = self.base.trust(turn.speaker)
         weight = trust.lower if trust else 0.0
         key = "revised" if taught.supersedes else "learned"
@@ -231,7 +230,7 @@ class DialogueManager:
         return self.language.answers.with_source(what, (support.lower, support.upper), rule.speaker)
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
-        if said.rule is None and self._just_acted:  # "never mind" means the deed
+        if said.rule is None and self._just_acted:  # "never mind" means the action
             return self._answered(turn, SpokenAnswer("forget_what", {}, "failed"))
         rule = self._to_forget(turn, said)
         if rule is not None and rule.speaker != turn.speaker:
@@ -246,14 +245,16 @@ class DialogueManager:
         return replace(self._reply(turn, spoken), rules=(rule,))
 
     def _to_forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Rule | None:
-        """What is taken back: what is named, else the last rule spoken of, else the last told."""
+        """The rule to retract: the one named, else the last one mentioned, else the last taught."""
         if said.rule is None and self._topic:
             return self._topic[-1]
         return rule_to_retract(self.base, said, turn.speaker)
 
-    # --- Being asked to do something -----------------------------------------------------------
+    # --- Commands -----------------------------------------------------------------------------
 
-    def _obey(self, turn: DialogueTurn, said: meaning.Command | meaning.ToolCommand) -> Reply:
+    def _carry_out_command(
+        self, turn: DialogueTurn, said: meaning.Command | meaning.ToolCommand
+    ) -> Reply:
         if not self._trusts(turn.speaker):
             return self._answered(
                 turn, SpokenAnswer("not_obeyed", {"speaker": turn.speaker}, "refused")
@@ -268,36 +269,36 @@ class DialogueManager:
         return self._carry_out(turn, replace(request, contexts=self.contexts))
 
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
-        """Carry out a request; what came of it, and what there is to say about it."""
+        """Carry out a request; return its result and the spoken answer."""
         try:
-            came = self._goals().achieve(request)
+            result = self._goals().achieve(request)
         except UnknownNameError:
             answered = SpokenAnswer("cannot", {"goal": request.action}, "failed")
-            came = GoalResult(answered, None, (), ExecutionResult())
-        return came, " ".join(self._say(each) for each in (*came.setbacks, came.answer))
+            result = GoalResult(answered, None, (), ExecutionResult())
+        return result, " ".join(self._say(each) for each in (*result.setbacks, result.answer))
 
     def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:
-        came, spoken = self.attempt(request)
-        reply = replace(self._reply(turn, spoken), ending=came.answer.ending, achievement=came)
+        result, spoken = self.attempt(request)
+        reply = replace(self._reply(turn, spoken), ending=result.answer.ending, achievement=result)
         self._record(reply, turn)
         self._record_episode(request, reply, turn.keep)
         self.last_done = reply
         self._topic = ()
-        self._turn_to(came.decision.rules if came.decision else ())
+        self._set_topic(result.decision.rules if result.decision else ())
         self._just_acted = True
-        settled = request.confirmed(came)
+        settled = request.confirmed(result)
         if reply.ending == "asked" and settled:
             self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
         return reply
 
-    # --- Being asked, and talking -------------------------------------------------------------
+    # --- Questions, acknowledgements, and what is asked back -----------------------------------
 
     def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
         knowledge = Knowledge(
             self.base, self._in_words, self._weighed, self._visible, self.last_done, self._topic
         )
         found, rules = answer(said, knowledge)
-        self._turn_to(rules)
+        self._set_topic(rules)
         return replace(self._answered(turn, found), rules=rules)
 
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
@@ -318,7 +319,7 @@ class DialogueManager:
         self._record(reply, turn)
         text, speaker = turn.understood.text, turn.speaker
         meant = self._corrected(turn, said)
-        if said.choices == (text,):  # badly heard: a "yes" to it is as good as the words
+        if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
             self._pending = Pending(
                 speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
             )
@@ -332,7 +333,7 @@ class DialogueManager:
         return reply
 
     def _corrected(self, turn: DialogueTurn, said: meaning.AskBack) -> tuple[str, str] | None:
-        """The utterance with the suggested word in place of the unknown one, and that one."""
+        """The utterance with the suggested word in place of the unknown one, and the latter."""
         words = turn.understood.words
         unknown = [word for word in words if word not in self.language.known_words]
         if len(said.choices) != 1 or not unknown:
@@ -346,8 +347,8 @@ class DialogueManager:
 
     # --- Helpers -----------------------------------------------------------------------------
 
-    def _turn_to(self, rules: tuple[Rule, ...]) -> None:
-        """Talk of these rules now: the last is what "no, by the handle" and "forget that" mean."""
+    def _set_topic(self, rules: tuple[Rule, ...]) -> None:
+        """Make these rules the topic; "no, by the handle" and "forget that" mean the last."""
         said = meaning_from_rule(rules[-1]) if rules else None
         if said:
             self._topic, self._just_acted = rules, False
@@ -358,13 +359,13 @@ class DialogueManager:
         return trust is not None and trust.upper > 0
 
     def _answered(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
-        """Put an answer into words, and keep what was heard in the history."""
+        """Return the reply with this answer in words, and write the utterance to the history."""
         reply = replace(self._reply(turn, self._say(answered)), ending=answered.ending)
         self._record(reply, turn)
         return reply
 
     def _say(self, answered: SpokenAnswer) -> str:
-        """An answer in words, filled with those of its slots that the language asks for."""
+        """An answer in words, with the slots that its template has."""
         wanted = self.language.slots(answered.key)
         slots = {name: answered.slots[name] for name in wanted}
         spoken = self.language.say(answered.key, **slots)
@@ -394,7 +395,7 @@ def _use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
 
 
 def _declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
-    """The answer to a command that forbids."""
+    """The answer to a negated command."""
     if isinstance(said, meaning.ToolCommand):
         return SpokenAnswer(
             "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
@@ -404,5 +405,5 @@ def _declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
 
 
 def _person(name: str) -> NewWord:
-    """Somebody known by name, to be asked about: "do you trust kim?"."""
+    """The name of a speaker as a word, for "do you trust kim?"."""
     return NewWord(name.lower(), "person", name)

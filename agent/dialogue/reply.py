@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The answer to one utterance: what was understood, what was learned or done, what is said.
+"""The reply to one utterance: what was understood, what was learned or done, and the answer.
 
-`as_json` writes the document that `hilt tell`, `hilt do` and `hilt ask` print; programs outside
-rely on its keys.
+Its JSON documents are those of `hilt tell`, `hilt do` and `hilt ask`; other programs rely on their
+keys.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from ..execution.outcome import Ending, GoalResult, Json
 
 @dataclass(frozen=True)
 class Reply:
-    """The answer to one utterance.
+    """The reply to one utterance.
 
     Attributes:
-        text: what was said to the robot.
+        text: the utterance.
         speaker: who said it.
-        understanding: what the language part made of it.
+        understanding: how it was understood.
         said: the spoken answer.
-        ending: how the thing asked for ended; "done" for a statement that is believed.
-        rules: what was learned, or what the answer rests on.
-        achievement: what came of a command.
-        seed: of everything random in it.
+        ending: how the request ended; "done" for a statement that is accepted.
+        rules: the rules that were learned, or that the answer rests on.
+        achievement: the result of a command.
+        seed: the seed of everything random in it.
     """
 
     text: str
@@ -46,13 +46,13 @@ class Reply:
 
     @property
     def hint(self) -> str:
-        """What may be said instead of what was not understood; else empty."""
+        """A sentence to say instead of one that was not understood; else empty."""
         meant = self.understanding.meaning
         nearest = meant.nearest if isinstance(meant, Misunderstanding) else ()
         return nearest[0] if nearest else ""
 
     def with_pictures(self, *files: str) -> Reply:
-        """This reply with files in which what was done is seen; nothing to see is nothing."""
+        """Return this reply with pictures of what was done, if anything was."""
         came = self.achievement
         if came is None or not came.world.executed:
             return self

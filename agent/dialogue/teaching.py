@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a statement teaches: its rules, those they take the place of, and its new words.
+"""What a statement teaches: its rules, the rules that they replace, and its new words.
 
-How surely a rule is believed has three sources: the word of confidence in the sentence, how surely
-a recogniser heard it, and how far its speaker is trusted. The first two are in the rule's interval
+The interval of a rule has three sources: the word of confidence in the sentence, the confidence of
+the speech recogniser, and the trust in the speaker. The first two are in the stored interval
 (Shafer's discounting); trust is applied when the rule is used, since it may change.
 """
 
@@ -28,9 +28,9 @@ class Lesson:
     """What one statement teaches.
 
     Attributes:
-        rules: to believe, as they count after hearing.
-        said: their intervals as they were said.
-        supersedes: rules of the same speaker that they take the place of.
+        rules: the rules to assert, discounted by the confidence of the recogniser.
+        said: their intervals before that.
+        supersedes: rules of the same speaker that they replace.
         is_known: whether all of it was known already.
     """
 
@@ -47,14 +47,14 @@ def lesson_from_statement(
     heard: float,
     topic: Sequence[Rule] = (),
 ) -> Lesson:
-    """What a statement teaches to a base.
+    """Return what a statement teaches to a base.
 
     Args:
-        base: where earlier rules are.
+        base: the base with the earlier rules.
         said: the statement.
         speaker: who said it.
-        heard: how surely it was heard, in [0, 1].
-        topic: the rules that were last spoken of.
+        heard: the confidence of the speech recogniser, in [0, 1].
+        topic: the rules that were mentioned last.
     """
     as_said = tuple(rule_from_meaning(each, speaker) for each in said.rules)
     rules = tuple(rule_from_meaning(each, speaker, heard) for each in said.rules)
@@ -73,7 +73,7 @@ def lesson_from_statement(
 
 
 def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
-    """What a correction takes the place of; "no, I meant the knife" is about another thing."""
+    """The rules that a correction replaces; "no, I meant the knife" replaces the last one."""
     same = [old for old in before if can_replace(old, new) and old.id != new.id]
     last = topic[-1] if topic else None
     if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
@@ -83,15 +83,15 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list
 
 
 def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
-    """What a speaker told before that can be the same matter as one of these rules."""
+    """The earlier rules of the speaker that one of these rules could replace."""
     found = {old.id: old for rule in rules for old in base.rules_with_premises_of(rule)}
     return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 
 
 def can_replace(one: Rule, other: Rule) -> bool:
-    """Whether one rule can correct the other: about the same thing, in the same context.
+    """Return whether one rule can correct the other: about the same object, in the same context.
 
-    Two parts for one grasp are the same matter; two uses of one thing are two matters.
+    A rule about another part of the same grasp can; one about another use of the object cannot.
     """
     if (one.features, one.contexts, one.functor) != (other.features, other.contexts, other.functor):
         return False
@@ -99,12 +99,12 @@ def can_replace(one: Rule, other: Rule) -> bool:
 
 
 def rule_to_retract(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
-    """The rule that a speaker takes back: the one that is named, else the last one told.
+    """Return the rule that a speaker retracts: the one that is named, else the last one taught.
 
     Args:
-        base: where it is believed.
-        said: what was meant.
-        speaker: who takes it back, and who must have told it.
+        base: the base with the rule.
+        said: the retraction.
+        speaker: who retracts it, and who must have taught it.
     """
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
     if said.rule is not None:
@@ -116,10 +116,10 @@ def rule_to_retract(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule
 
 
 def word_to_keep(word: NewWord, speaker: str) -> Word:
-    """A new word as the base keeps it."""
+    """Return a new word as the base stores it."""
     return Word(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
 
 
 def word_from_base(word: Word) -> NewWord:
-    """A kept word as the language takes it."""
+    """Return a stored word as the language takes it."""
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Between what language means and what the knowledge base and inference take.
+"""Translation between meanings of utterances and rules, requests and words of the agent.
 
-`nlu` knows no rules and `kb` no sentences; the two meet here and nowhere else.
+`nlu` knows no rules and `kb` no sentences; only this module imports both.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from ..execution.request import Argument, Request
 
 
 def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
-    """The rule that a statement asserts, as far as it was heard.
+    """Return the rule that a statement asserts, discounted by the confidence of the recogniser.
 
     Args:
-        said: what was meant.
+        said: the meaning.
         speaker: who said it.
-        heard: how surely a recogniser heard it, in [0, 1].
+        heard: the confidence of the speech recogniser, in [0, 1].
     """
     interval = Interval(*said.confidence).discounted(heard)
     if isinstance(said, meaning.FunctionalRule):
@@ -43,12 +43,12 @@ def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> R
 
 
 def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
-    """What a speaker would mean by a rule; None where no sentence can say it."""
+    """Return the meaning that asserts a rule; None when no sentence can express it."""
     confidence = (rule.interval.lower, rule.interval.upper)
     kinds = sorted(atom.kind for atom in rule.features if atom.kind != "property")
     others = [atom for atom in rule.contexts if atom.kind != "action"]
     if others or kinds not in ([], ["object"]):
-        return None  # what it says besides would be lost
+        return None  # these atoms have no words
     props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
     name = rule.object or meaning.ANY_OBJECT
     if rule.kind == "functional" and rule.affordance and not rule.contexts:
@@ -63,10 +63,10 @@ def request_from_command(
     speaker: str,
     tool_acts: Mapping[str, str] | None = None,
 ) -> Request:
-    """The goal that a command asks for.
+    """Return the request that a command makes.
 
     Args:
-        command: what was meant.
+        command: the meaning.
         speaker: who said it.
         tool_acts: act -> the use that its tool must have, which a language fills in for a tool
             that nobody named.
@@ -88,7 +88,7 @@ def request_from_command(
 
 
 def action_words(actions: Actions, language: Language) -> list[NewWord]:
-    """The words by which actions are asked for that the language does not have yet.
+    """Return the words that name actions and that the language does not have yet.
 
     An action on a patient is done with a tool: "stir" comes with "used for stirring". Only a name
     that is one lower-case word can be said.

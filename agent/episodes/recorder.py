@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A command and what came of it, as an episode to keep in the graph.
+"""Recorder of episodes: a command and its result, as they are kept in the graph.
 
-The document of an episode says what `hilt do --json` printed, and under "again" what it takes to
-run it once more: the request, the circumstances, and the episode before it, as what one command
-moves the next one finds moved.
+The document of an episode is that of `hilt do --json`, and has under "again" what is needed to run
+it again: the request, the circumstances, and the episode before it, whose changes to the scene it
+starts from.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ AGAIN = "again"  # key of the document
 
 
 class EpisodeRecorder:
-    """Keeps what one agent does, each episode with what it takes to run it again.
+    """Records the episodes of one agent, each with what is needed to run it again.
 
     Args:
         base: where episodes are kept.
-        circumstances: tells what the agent is put into; None when that cannot be had again.
-        state: tells in what state the world is, in a word.
+        circumstances: returns what is needed to make the agent again; None when it cannot be.
+        state: returns a hash of the state of the simulation.
     """
 
     def __init__(
@@ -67,11 +67,11 @@ class EpisodeRecorder:
 
 
 def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
-    """The episode of a command: its facts step by step, and the whole document as JSON.
+    """Return the episode of a command: its steps, and the whole document as JSON.
 
     Args:
-        reply: what came of the command.
-        again: what it takes to run it again; None when it cannot be.
+        reply: the reply to the command.
+        again: what is needed to run it again; None when it cannot be.
     """
     came = reply.achievement
     decision = came.decision if came else None

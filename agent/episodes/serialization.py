@@ -22,7 +22,7 @@ from ..execution.request import Request
 
 
 def request_as_json(request: Request) -> Json:
-    """A request as an episode keeps it."""
+    """Return a request as an episode keeps it."""
     return {
         "action": request.action,
         "arguments": {
@@ -37,7 +37,7 @@ def request_as_json(request: Request) -> Json:
 
 
 def request_from_json(kept: Mapping[str, Any]) -> Request:
-    """The request that was kept."""
+    """Return the request that was kept."""
     return Request(
         kept["action"],
         {
@@ -127,7 +127,7 @@ def _placement(kept: dict[str, Any]) -> Placement:
 
 
 def settings_as_choices(settings: Settings) -> list[str]:
-    """Settings as the choices that make them of any others: "fusion=dempster", ..."""
+    """Return settings as choices for `Settings.with_choices`: "fusion=dempster", ..."""
     chosen = {name: getattr(settings.operators, name) for name in OPERATORS}
     chosen |= {"stage": settings.stage, "detection": settings.detection}
     chosen |= {THRESHOLD: settings.threshold}
@@ -136,7 +136,7 @@ def settings_as_choices(settings: Settings) -> list[str]:
 
 
 def file_as_json(path: Path | None) -> dict[str, str] | None:
-    """A user's own file as an episode keeps it: where it is, and a hash of what it says."""
+    """Return the path of a file and a hash of its content, as an episode keeps them."""
     if path is None:
         return None
     content = path.read_bytes() if path.exists() else b""
@@ -144,10 +144,10 @@ def file_as_json(path: Path | None) -> dict[str, str] | None:
 
 
 def file_from_json(kept: Mapping[str, str] | None) -> Path | None:
-    """The file that was kept.
+    """Return the path that was kept.
 
     Raises:
-        DataError: it is not there any more, or says something else.
+        DataError: the file is gone, or was changed.
     """
     if kept is None:
         return None

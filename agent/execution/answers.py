@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which answer fits what came of a command: the keys and blanks for `nlu.generation`.
+"""Selection of the answer to a command: its key and slots for `nlu.generation`.
 
-Language itself is data (`ontology/english/answers.yaml`); this says only which of its sentences is
-meant. Every way in which a command can end has one.
+The sentences are data (`ontology/english/answers.yaml`). Every way in which a command can end has
+one.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _MOTION = {  # reason of a motion report -> the answer with a part, and without
 
 
 def done(action: str, decision: Decision, speaker: str, recipient: str) -> SpokenAnswer:
-    """The answer to a command that was carried out.
+    """Return the answer to a command that was carried out.
 
     Args:
         action: the goal's tree.
@@ -59,7 +59,7 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Spoke
 
 
 def decided(action: str, decision: Decision) -> SpokenAnswer:
-    """The answer to a command that was decided but not carried out (no robot is there)."""
+    """Return the answer to a command that was decided but not carried out, without a robot."""
     slots = _chosen(action, decision)
     if decision.patient:
         return SpokenAnswer("would_use_tool", slots)
@@ -67,7 +67,7 @@ def decided(action: str, decision: Decision) -> SpokenAnswer:
 
 
 def not_found(target: Target, inference: Inference) -> SpokenAnswer:
-    """The answer when no candidate is sure enough."""
+    """Return the answer when no candidate is accepted."""
     first = inference.candidates[0] if inference.candidates else None
     if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
         return _nothing(target, inference)
@@ -82,7 +82,7 @@ def not_found(target: Target, inference: Inference) -> SpokenAnswer:
 
 
 def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> SpokenAnswer:
-    """The answer when no part is sure enough to take a thing by; it asks about the likeliest."""
+    """Return the question about the likeliest part, when no part is accepted for a grasp."""
     is_guess = any(rule.speaker == INDUCER for rule in likeliest.rules)
     part = likeliest.argument.name if likeliest.argument else "part"
     slots = {"goal": action, "object": object_name, "part": part}
@@ -90,20 +90,20 @@ def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> SpokenA
 
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> SpokenAnswer:
-    """The answer to a motion that did not succeed."""
+    """Return the answer to a motion that failed."""
     with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
     slots = {"object": object_name} | ({"part": part} if part else {})
     return SpokenAnswer(with_part if part else without, slots, "failed", reason)
 
 
 def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:
-    """The answer when the robot's motion cannot perform a step of the tree."""
+    """Return the answer when the motion of the robot cannot perform a step of the tree."""
     key = "not_able_with" if decision.patient else "not_able"
     return SpokenAnswer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
 
 
 def _nothing(target: Target, inference: Inference) -> SpokenAnswer:
-    """Why nothing that is in view will do: believed not to, or not in view, or nothing known."""
+    """The answer when nothing in view is suitable: denied, not in view, or nothing known."""
     if target.not_used_for:
         return _not_found("nothing_not_used_for", affordance=target.not_used_for)
     wanted = _wanted(target)
@@ -125,7 +125,7 @@ def _not_found(key: str, **slots: Slot) -> SpokenAnswer:
 
 
 def _wanted(target: Target) -> str | None:
-    """What a target must afford, in a word; None where it is named."""
+    """What a target must afford; None when it is named."""
     if target.affords:
         return str(target.affords)
     return target.used_for or target.not_used_for
@@ -136,7 +136,7 @@ def _named(target: Target) -> str:
 
 
 def _teacher(decision: Decision) -> str | None:
-    """Who taught the part that was chosen; None when a rule had no say in it."""
+    """Who taught the part that was chosen; None when no rule did."""
     best: Candidate | None = decision.part.best if decision.part else None
     if decision.named_part or best is None or not best.rules:
         return None

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What came of a command: the steps that were taken, the decision, and what happened in the world.
+"""The result of a command: the steps of its execution, the decision, and the state of the world.
 
-These values are what `hilt do --json` prints and what is kept as an episode. Nothing in them is
-prose but the reasons: the sentence that is spoken is made of a failure's or success's `key` and
-`slots` by `nlu.generation`.
+`hilt do --json` prints these values, and episodes keep them. They hold no sentences but the reasons
+of candidates: `nlu.generation` words an answer from its `key` and `slots`.
 """
 
 from __future__ import annotations
@@ -23,13 +22,13 @@ Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
 @dataclass(frozen=True)
 class SpokenAnswer:
-    """What to say, before it is put into words.
+    """An answer before it is put into words.
 
     Attributes:
-        key: the template in the language's answers.
-        slots: its blanks.
-        ending: how the thing asked for ended.
-        cause: of a failure, by the name that the branches of action trees know it by.
+        key: the template among the answers of the language.
+        slots: the values of its slots.
+        ending: how the request ended.
+        cause: the cause of a failure, as the branches of action trees name it.
     """
 
     key: str
@@ -40,7 +39,7 @@ class SpokenAnswer:
 
 @dataclass(frozen=True)
 class Constraint:
-    """What an action is bound to: this thing, this part or other argument."""
+    """The constraint on an action: this object, and this part or other argument."""
 
     object: str
     part: str | None
@@ -61,11 +60,11 @@ class Constraint:
 
 @dataclass(frozen=True)
 class RejectedCandidate:
-    """A thing that was chosen and tried, but did not do.
+    """An object that was chosen and tried without success.
 
     Attributes:
         candidate: why it was chosen.
-        cause: why it did not do.
+        cause: why it failed.
     """
 
     candidate: Candidate
@@ -73,7 +72,7 @@ class RejectedCandidate:
 
     @property
     def reason(self) -> str:
-        """Why it is not the one, in a few words."""
+        """Why it was rejected, in a few words."""
         return f"it was tried first, but: {self.cause.replace('_', ' ')}"
 
     def as_json(self) -> Json:
@@ -83,15 +82,15 @@ class RejectedCandidate:
 
 @dataclass(frozen=True)
 class WalkStep:
-    """One node of the walk and its four operations.
+    """One node of the execution and its four operations.
 
     Attributes:
         node: its path ("pass/graspObject").
         features: what getFeatures returned, as text.
         percepts: what the visual search found: name -> confidence.
         inference: what getAffordance concluded.
-        constraint: what the action was bound to, if anything.
-        action: what the action itself did, in a word: "walked", "executed", "not executed", or the
+        constraint: the constraint on the action, if any.
+        action: the result of the action itself: "walked", "executed", "not executed", or the
             reason of its failure.
     """
 
@@ -118,14 +117,14 @@ class WalkStep:
 
 @dataclass(frozen=True)
 class Decision:
-    """Why this thing, and why this part.
+    """Why this object, and why this part.
 
     Attributes:
         object: the inference at the find node.
-        part: the inference at the grasp node; None where the action does not grasp.
+        part: the inference at the grasp node; None when the action does not grasp.
         named_part: the part that the command itself named, which needs no rule.
         patient: what a tool is used on.
-        rejected: what was tried before it.
+        rejected: the candidates that were tried before it.
     """
 
     object: Inference
@@ -136,7 +135,7 @@ class Decision:
 
     @property
     def chosen_part(self) -> str | None:
-        """The part to act on; None where nobody said one."""
+        """The part to act on; None when none is named or concluded."""
         best = self.part.best if self.part else None
         return self.named_part or (best.argument.name if best and best.argument else None)
 
@@ -148,7 +147,7 @@ class Decision:
         return tuple(dict.fromkeys(rule for candidate in chosen for rule in candidate.rules))
 
     def proofs(self) -> tuple[Proof, ...]:
-        """The proofs of the object and of the part; of the likeliest ones when none is sure."""
+        """The proofs of the object and of the part, or of the likeliest candidates."""
         nodes = [each for each in (self.object, self.part) if each]
         shown = [(*each.candidates, *each.absent)[:1] for each in nodes]
         return tuple(candidate.proof for first in shown for candidate in first)
@@ -203,16 +202,16 @@ class ExecutionResult:
     """What happened in the (simulated) world.
 
     Attributes:
-        executed: whether it was left to the robot to act. What it sees no way to do it does not
-            try: then it has not closed its hand, and `attempts` is 0.
+        executed: whether the robot was asked to act. If its planner found no way, the hand never
+            closed, and `attempts` is 0.
         touched: the parts that the fingers touched when they closed.
-        lifted_m: how high the thing was lifted [m].
-        held_s: how long it was held [s].
+        lifted_m: how high the object was lifted [m].
+        held_s: how long the object was held [s].
         handed_over: whether it was still held at the hand-over pose.
         handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
             when nothing was handed over.
-        attempts: how often the hand had to close.
-        nail_depth_mm: how deep what was pounded stands in [mm]; None when nothing was.
+        attempts: the number of grasps.
+        nail_depth_mm: the depth of the nail in its block [mm]; None when nothing was pounded.
         driven_mm: by how much it was driven in [mm].
         pictures: files that were written.
     """
@@ -263,14 +262,14 @@ class ExecutionResult:
 
 @dataclass(frozen=True)
 class GoalResult:
-    """What came of one goal.
+    """The result of one goal.
 
     Attributes:
         answer: what to say in the end.
-        decision: which thing and part, if the tree looks for any.
-        steps: the nodes as they were walked.
-        world: what happened.
-        setbacks: failures on the way that were mended, to be said before the answer.
+        decision: which object and part, if the tree looks for any.
+        steps: the nodes in the order of execution.
+        world: what happened in the world.
+        setbacks: failures that a branch of the tree handled, to be said before the answer.
     """
 
     answer: SpokenAnswer
@@ -280,7 +279,7 @@ class GoalResult:
     setbacks: tuple[SpokenAnswer, ...] = ()
 
     def as_json(self) -> Json:
-        """The parts of `hilt do --json` that tell what was decided and done."""
+        """The keys of `hilt do --json` on what was decided and done."""
         return {
             "decision": self.decision.as_json() if self.decision else None,
             "steps": [step.as_json() for step in self.steps],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From what vision reports to what inference takes; and perfect vision, to decide bodiless."""
+"""Percepts as evidence for inference, and perfect vision for decisions without a simulator."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from ...sim.vision.percept import PartPercept, Percept
 def percept_as_observation(
     percept: Percept, features: Sequence[Atom], *, point: bool = False
 ) -> Observation:
-    """A percept as evidence: an interval for each feature that was looked for.
+    """Return a percept as evidence: an interval for each feature that was looked for.
 
-    A thing detected with confidence d has each feature it shows with [d, 1]: what is left open is
-    not evidence against (theory of the paper; with rules [p, 1] only the lower bound matters). A
-    property it does not show is denied with [0, 1 - d]; other features it does not show stay out.
+    An object detected with confidence d has each feature it shows with [d, 1]: uncertainty is not
+    evidence against (theory of the paper; with rules [p, 1] only the lower bound matters). A
+    property it does not show is denied with [0, 1 - d]; other missing features are left out.
 
     Args:
-        percept: what was seen.
+        percept: the percept.
         features: what was looked for.
-        point: take d for a probability, [d, d], instead.
+        point: use the probability [d, d] instead.
     """
     sure = percept.confidence
     atoms: dict[Atom, Interval] = {}
@@ -49,12 +49,12 @@ def _shows(percept: Percept, feature: Atom) -> bool:
 
 
 def _unseen(part: str) -> PartPercept:
-    """A part that is known to be there, without a point of its surface."""
+    """A part without any point of its surface."""
     return PartPercept(part, np.zeros((0, 3)), 0)
 
 
 class PerfectVision:
-    """Sees everything in a scene with certainty: for decisions without noise (section 4.1)."""
+    """Vision that reports everything in a scene with certainty (paper, section 4.1)."""
 
     def __init__(self, scene: Scene, objects: Mapping[str, ObjectType]) -> None:
         self._percepts = tuple(
@@ -69,6 +69,6 @@ class PerfectVision:
         )
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
-        """The things of the scene that show one of the features."""
+        """Return the objects of the scene that show one of the features."""
         atoms = [Atom.parse(feature) for feature in features]
         return [p for p in self._percepts if any(_shows(p, atom) for atom in atoms)]

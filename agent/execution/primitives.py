@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the primitives of action trees do with a robot's hands, and what happened in the world.
+"""Execution of the primitives of action trees by the motion of a robot.
 
-Each primitive becomes one call of `Motion`; one that `Motion` has no name for goes to `Skills`,
-where the robot has some of its own. A report that something did not work becomes an answer.
+Each primitive is one call of `Motion`, or of `Skills` for the further primitives of a robot. A
+report of a failure becomes an answer.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class Task:
     Attributes:
         action: its name ("graspObject").
         arguments: those of the node.
-        percept: the thing it is about, if one was found.
+        percept: the object it is about, if one was found.
         part: the part to act on.
         constraint: what was concluded at the node.
-        found: parameter -> the thing that was found for it.
+        found: parameter -> the percept that was found for it.
     """
 
     action: str
@@ -44,13 +44,13 @@ class Task:
 
 
 class PrimitiveExecutor:
-    """The primitives over a motion stack.
+    """Performs primitives with a motion stack, and keeps what happened.
 
     Attributes:
         world: what happened so far.
-        holding: the name of the thing in the hand, if any.
+        holding: the name of the object in the hand, if any.
         sensed: the events that the robot has sensed ("driven").
-        tool, patient: the kinds of what is used, and of what it is used on; for answers.
+        tool, patient: the object types of the tool and of what it is used on; for answers.
     """
 
     def __init__(self, motion: Motion, vision: Vision) -> None:
@@ -73,11 +73,11 @@ class PrimitiveExecutor:
         }
 
     def perform(self, task: Task) -> SpokenAnswer | None:
-        """Perform a primitive; returns the failure, if any."""
+        """Perform a primitive; return the failure, if any."""
         return self._primitives.get(task.action, self._skill)(task)
 
     def not_sensed(self, event: str) -> SpokenAnswer:
-        """The answer when a loop ended without what it was for."""
+        """Return the answer when a loop ended without sensing its event."""
         if event == DRIVEN:
             return self._not_driven("not_driven")
         slots = {"object": self.tool or "thing"}
@@ -128,7 +128,7 @@ class PrimitiveExecutor:
         return self._struck(report)
 
     def _skill(self, task: Task) -> SpokenAnswer | None:
-        """A primitive of the robot's own."""
+        """Perform a further primitive of the robot."""
         motion = self._motion
         if not isinstance(motion, Skills):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
@@ -139,7 +139,7 @@ class PrimitiveExecutor:
         return None if report.ok else self._failed(report.reason, task)
 
     def _meant(self, parameter: str, task: Task) -> Percept | str:
-        """The thing that an argument means, or its name where no such thing is in view."""
+        """The percept of an argument, or its name when no such object is in view."""
         if parameter in task.found:
             return task.found[parameter]
         value = task.arguments[parameter]
@@ -154,11 +154,11 @@ class PrimitiveExecutor:
         )
         if report.driven:
             self.sensed.add(DRIVEN)
-            return None  # it is in: what else went wrong with the last blow does not matter
+            return None  # driven in: another failure of the last blow does not matter
         return None if report.ok else self._not_driven(report.reason)
 
     def _not_driven(self, reason: str) -> SpokenAnswer:
-        """The answer when what was to be driven in is not."""
+        """The answer when the patient was not driven in."""
         tool = self.tool or "thing"
         if reason in LOST:
             return SpokenAnswer("dropped", {"object": tool}, "failed", reason)
