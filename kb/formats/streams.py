@@ -159,7 +159,7 @@ class InputStream(io.RawIOBase):
 
 
 @contextmanager
-def reading(
+def open_input(
     file: str, *, most: int | None = None, is_xml: bool = False, progress: Progress | None = None
 ) -> Generator[InputStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
@@ -168,7 +168,7 @@ def reading(
         file: its name.
         most: bytes after which it is refused.
         is_xml: whether document types are refused.
-        progress: is told how many bytes of the file have been read.
+        progress: is called with how many bytes of the file have been read.
 
     Raises:
         DataError: it cannot be read.
@@ -197,10 +197,10 @@ def reading(
 
 
 @contextmanager
-def writing(file: str) -> Generator[BinaryIO]:
-    """A file to write to, packed where it is called so; "-" is standard output.
+def open_output(file: str) -> Generator[BinaryIO]:
+    """Open a file for writing, compressed where its name ends in .gz; "-" is standard output.
 
-    It is put in its place when all is written, so that it is never half written.
+    The file replaces an existing one when all is written, so that it is never half written.
 
     Raises:
         DataError: it cannot be written.

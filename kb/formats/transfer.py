@@ -37,7 +37,7 @@ from ..staging import findings, stage, stage_rules
 from ..stores.base import Store
 from ..validation import raise_findings
 from .registry import FORMATS, RULE_FORMATS, Format, format_of
-from .streams import InputStream, Progress, reading, writing
+from .streams import InputStream, Progress, open_input, open_output
 
 MAX_STAGED = MAX_SORTED  # statements; a file of more is not checked by SHACL
 
@@ -67,7 +67,7 @@ def export_file(
         DataError: the format is unknown, or the file cannot be written.
     """
     name = format_of(str(file), format, "turtle").name
-    with writing(str(file)) as stream:
+    with open_output(str(file)) as stream:
         return write_base(base, stream, format=name, rules_only=rules_only, progress=progress)
 
 
@@ -204,7 +204,7 @@ def read_statements(source: InputStream, chosen: Format) -> Iterator[Statements]
 
 @contextmanager
 def _opened(file: str | Path, chosen: Format, progress: Progress | None) -> Generator[InputStream]:
-    with reading(str(file), most=chosen.most, is_xml=chosen.is_xml, progress=progress) as source:
+    with open_input(str(file), most=chosen.most, is_xml=chosen.is_xml, progress=progress) as source:
         yield source
 
 
