@@ -22,9 +22,9 @@ def test_own_robot_is_told_what_to_do_and_what_it_cannot():
     out = output("examples/own_robot.py")
 
     assert "arm: grasp knife by the blade\narm: lift\narm: hand over\n" in out
-    assert "sam: scalpel!\nhilt: At your service. Here is the knife. I hold it by the" in out
+    assert "sam: scalpel!\nhilt: At your service. Here is the knife. I'm holding it by the" in out
     assert (
-        "hilt: Alas. I would point to the knife, but my body cannot do that yet: it lacks pointAt"
+        "hilt: Alas. I would point to the knife, but my body can't do that yet: it lacks pointAt"
         in out
     )
 
@@ -47,9 +47,9 @@ def test_kitchen_cuts_with_what_the_general_rules_conclude():
     assert "hilt: I would cut the bread with the spatula." in anywhere
     assert "hilt: I would cut the bread with the knife." in kitchen
     assert "[0.81, 1.00]  modus ponens  knife affords cutWith(object:bread)" in kitchen
-    assert "I was told the contrary of a knife." in kitchen
+    assert "I was told that a knife won't do." in kitchen
     assert "hilt: I would serve the knife by the blade." in anywhere
-    assert "I am not sure enough how to serve a knife. By the blade?" in kitchen
+    assert "I'm not sure enough how to serve a knife. By the blade?" in kitchen
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)

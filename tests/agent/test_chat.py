@@ -115,7 +115,7 @@ def test_several_people_speak_in_one_conversation():
     shown = piped(["/speaker kim", lesson, "/speaker sam", lesson, "/rules"])
 
     assert "kim is speaking now, whom I do not trust yet." in shown
-    assert "I do not take that from Kim" in shown
+    assert "because I have no reason to trust Kim" in shown
     assert "I learned: a mug is used for containing (0.95, from Sam)." in shown
 
 

@@ -160,7 +160,7 @@ def test_eyes_that_miss_everything_find_nothing():
     with Agent.open("memory:", AgentConfig(noise="missed=1", simulate=False)) as mind:
         reply = mind.hear("pass me the knife")
 
-    assert (reply.ending, reply.said) == ("failed", "I do not see a knife.")
+    assert (reply.ending, reply.said) == ("failed", "I don't see a knife.")
 
 
 @pytest.mark.sim

@@ -229,9 +229,9 @@ def test_options_of_the_command_line_replace_those_of_the_file(taught: Hilt, tmp
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["tell", ""], 1, "I heard nothing"),
+        (["tell", ""], 1, "I didn't hear anything"),
         (["tell", "x" * 10_000], 1, "That is too long for me"),
-        (["tell", "To pass a knife grab"], 1, "I understand"),
+        (["tell", "To pass a knife grab"], 1, "I understood"),
         (["do", "--no-sim", "--scene", "objects:kniife", "hi"], 2, 'Did you mean "knife"'),
         (["do", "--no-sim", "--scene", "none.yaml", "hi"], 2, "none.yaml: cannot be read"),
         (["do", "--no-sim"], 2, "Missing argument 'text'"),
@@ -422,7 +422,7 @@ def test_words_of_ones_own_are_spoken_with_the_robot(hilt: Hilt, tmp_path: Path)
     mine.write_text("words: [{says: [cheerio], is: ['ACK : thanks']}]")
     wrong.write_text("words: [{says: [cheerio], is: ['ACK : thankyou']}]")
 
-    assert hilt("tell", "--json", "cheerio").document["said"].startswith("I do not know")
+    assert hilt("tell", "--json", "cheerio").document["said"].startswith("I don't know")
     assert hilt("tell", "cheerio", "--lexicon", str(mine)).code == 0
     assert hilt("ask", "cheerio", "--lexicon", str(mine)).code == 0
     assert hilt("do", "cheerio", "--no-sim", "--lexicon", str(mine)).code == 0

@@ -23,7 +23,7 @@ def test_nothing_is_known_before_it_is_told(agent: Agent):
     """Without the sentences the command fails with the right answer."""
     reply = agent.hear("pass me something used for cutting")
 
-    assert (reply.ending, reply.said) == ("failed", "I see nothing that is used for cutting.")
+    assert (reply.ending, reply.said) == ("failed", "I don't see anything for cutting.")
     assert agent.base.rules() == []
 
 
@@ -100,7 +100,7 @@ def test_same_thing_told_twice_is_one_rule(agent: Agent):
     agent.hear("A knife is used for cutting")
     again = agent.hear("A knife is used for cutting")
 
-    assert again.said.startswith("I know that already from Sam")
+    assert again.said.startswith("I already know that from Sam")
     assert len(agent.base.rules()) == 1
 
 
@@ -146,7 +146,7 @@ def test_forgetting_after_a_deed_takes_back_no_rule(taught: Agent, command: str,
     """It was the deed that was spoken of, not what it rests on."""
     taught.hear(command)
 
-    assert taught.hear(text).said.endswith("Which rule shall I forget?")
+    assert taught.hear(text).said.endswith("Which rule should I forget?")
     assert len(taught.base.rules()) == 3
 
 
@@ -155,7 +155,7 @@ def test_reason_of_a_deed_can_be_taken_back(taught: Agent):
     taught.hear("pass me the knife")
     taught.hear("why?")
 
-    assert taught.hear("forget that").said.startswith("I take it back: to pass a knife")
+    assert taught.hear("forget that").said.startswith("Okay, I no longer believe this: to pass")
 
 
 def test_nobody_takes_back_what_another_told(taught: Agent):
@@ -171,7 +171,7 @@ def test_forgetting_takes_back_the_last_rule_and_keeps_history(taught: Agent):
     """What was forgotten is no reason any more, but can be told."""
     reply = taught.hear("forget that")
 
-    assert reply.said.startswith("I take it back: to pass a knife")
+    assert reply.said.startswith("Okay, I no longer believe this: to pass")
     assert part(taught.hear("pass me the knife")) is None
     assert [u.text for u in taught.base.history()][2] == LESSON_THREE
 
@@ -186,11 +186,11 @@ LESSON_THREE = "To pass a knife grab the knife by the blade"
     ("question", "answer"),
     [
         ("what is a knife used for?", "A knife is used for cutting (0.95, from Sam)."),
-        ("what is used for cutting?", "For cutting I know a knife (0.95, from Sam)."),
+        ("what is used for cutting?", "For cutting, I know of a knife (0.95, from Sam)."),
         ("how do you pass a knife?", "To pass a knife, grab it by the blade (0.95, from Sam)."),
         ("is a knife used for cutting?", "Yes: a knife is used for cutting (0.95, from Sam)."),
-        ("is a mug used for cutting?", "Not that I know: nobody has told me that a mug is used"),
-        ("what is a mug used for?", "I know of nothing that a mug is used for."),
+        ("is a mug used for cutting?", "Not that I know of: nobody has told me that a mug is used"),
+        ("what is a mug used for?", "I don't know what a mug is used for."),
     ],
 )
 def test_questions_are_answered_from_what_was_told(taught: Agent, question: str, answer: str):
@@ -248,7 +248,7 @@ def test_bare_questions_are_about_what_was_last_spoken_of(taught: Agent, questio
     ("question", "answer"),
     [
         ("do you see a mug?", "I see a mug."),
-        ("where is the nail?", "I do not see a nail."),
+        ("where is the nail?", "I don't see a nail."),
     ],
 )
 def test_who_asks_for_one_thing_hears_of_that_one(taught: Agent, question: str, answer: str):
@@ -260,7 +260,7 @@ def test_who_asks_for_one_thing_hears_of_that_one(taught: Agent, question: str, 
     ("command", "question", "reason"),
     [
         ("pass me something used for cutting", "spoon", "nobody has told me that a spoon is used"),
-        ("pass me something used for cutting", "nail", "I do not see one"),
+        ("pass me something used for cutting", "nail", "I don't see one"),
         ("pass me the knife", "spoon", "I was asked for something else"),
     ],
 )
@@ -310,7 +310,7 @@ def test_what_seldom_holds_is_not_said_to_hold_never(agent: Agent):
     ("command", "question"),
     [
         ("pass me the elephant", "What is it, or what is it used for?"),
-        ("pass me something used for flying", "What is used for it?"),
+        ("pass me something used for flying", "What is used for flying?"),
     ],
 )
 def test_what_an_unknown_word_may_be_is_asked_for(agent: Agent, command: str, question: str):
@@ -348,7 +348,7 @@ def test_nobody_is_expected_to_make_a_slip(agent: Agent):
     """That one could go on with "no, sorry" is no help."""
     reply = agent.hear("the mug")
 
-    assert reply.said == 'I do not understand "the mug".'
+    assert reply.said == 'I don\'t understand "the mug".'
     assert reply.hint == "Point to the mug."
     assert agent.hear("hello").hint == ""
 
@@ -422,7 +422,7 @@ def test_what_is_not_sure_enough_is_asked_and_done_on_yes(agent: Agent):
     asked = agent.hear("pass me something used for pounding")
     done = agent.hear("yes")
 
-    assert (asked.ending, asked.said[-16:]) == ("asked", "Shall I take it?")
+    assert (asked.ending, asked.said[-17:]) == ("asked", "Should I take it?")
     assert (done.ending, done.said) == ("done", "I would pass the mug.")
 
 
@@ -453,7 +453,7 @@ def test_recognition_score_discounts_what_is_learned(agent: Agent):
 
     (rule,) = agent.base.rules()
     assert rule.interval.lower == pytest.approx(0.76)
-    assert "0.76: you say 0.95, I heard it to 0.8" in reply.said
+    assert "0.76: you said 0.95, my hearing was 0.8" in reply.said
     assert agent.base.utterance(1).heard == 0.8
 
 
@@ -463,7 +463,7 @@ def test_what_was_badly_heard_is_asked_about_first(agent: Agent):
 
     assert reply.ending == "asked"
     assert not agent.base.rules()
-    assert reply.said == 'I did not hear that well. Did you say "A spoon is used for poking"?'
+    assert reply.said == 'I didn\'t hear that well. Did you say "A spoon is used for poking"?'
     assert agent.base.utterance(1).heard == 0.5
     assert agent.hear("yes").rules[0].interval.lower == pytest.approx(0.95)
 
@@ -506,7 +506,9 @@ def test_robot_that_induces_passes_what_is_like_a_knife_like_a_knife():
         assert part(inducing.hear("pass me the screwdriver")) == "handle"
 
     assert guessed == "shaft"
-    assert why == 'Because it is like what I was told: "To pass a knife grab it by the blade".'
+    assert (
+        why == 'Because it is similar to what I was told: "To pass a knife grab it by the blade".'
+    )
 
 
 def test_part_that_is_not_sure_enough_is_asked_about(agent: Agent):
@@ -517,7 +519,7 @@ def test_part_that_is_not_sure_enough_is_asked_about(agent: Agent):
     reply = agent.hear("pass me the mug")
 
     assert reply.ending == "asked"
-    assert reply.said == "I am not sure enough how to pass a mug. By the barrel?"
+    assert reply.said == "I'm not sure enough how to pass a mug. By the barrel?"
 
 
 @pytest.mark.parametrize(
@@ -558,7 +560,7 @@ def test_what_is_forgotten_is_what_was_last_spoken_of(taught: Agent):
     taught.hear("A hammer is used for pounding")
     taught.hear("how do you pass a knife?")
 
-    assert taught.hear("forget that").said.startswith("I take it back: to pass a knife")
+    assert taught.hear("forget that").said.startswith("Okay, I no longer believe this: to pass")
 
 
 def test_a_speaker_known_to_the_base_may_be_asked_about(tmp_path: Path):

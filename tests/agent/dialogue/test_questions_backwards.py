@@ -24,7 +24,7 @@ def pupil(taught: Agent) -> Agent:
     [
         (
             "What would have to be true of an object for it to be used for cutting?",
-            "To be used for cutting it would have to be one of these: a knife and a sharp thing.",
+            "To be used for cutting, it would have to be one of these: a knife and a sharp thing.",
         ),
         (
             "Which context explains that the knife was passed by the blade?",

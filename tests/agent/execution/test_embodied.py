@@ -49,7 +49,7 @@ def test_robot_does_not_move_for_what_it_was_not_told():
     with Agent.open("memory:", AgentConfig(scene=ALONE, seed=3)) as agent:
         reply = agent.hear("pass me something used for cutting")
 
-    assert (reply.ending, reply.said) == ("failed", "I see nothing that is used for cutting.")
+    assert (reply.ending, reply.said) == ("failed", "I don't see anything for cutting.")
     assert reply.achievement is not None
     assert reply.achievement.world == ExecutionResult()
 
@@ -84,9 +84,9 @@ def test_demo_shows_the_example_and_writes_its_pictures(
     out = capfd.readouterr().out
 
     assert ended.value.code == 0
-    assert "Here is the knife. I hold it by the blade, as you told me." in out
+    assert "Here is the knife. I'm holding it by the blade, as you told me." in out
     assert "I picked up the knife by the handle, as you told me." in out
-    assert "I see nothing that is used for rolling." in out
+    assert "I don't see anything for rolling." in out
     frames = {}
     for path in tmp_path.iterdir():
         with Image.open(path) as picture:

@@ -156,12 +156,12 @@ def tool(reply: Reply) -> str | None:
         ({"shoe": 1.0}, "I pounded the nail with the shoe."),
         (
             {},
-            "I see nothing that is used for pounding. I know of a hammer and a shoe, but I see "
-            "none.",
+            "I don't see anything for pounding. "
+            "I know of a hammer and a shoe, but I don't see any here.",
         ),
         (
             {"shoe": 0.2},
-            "I am not sure enough that a shoe is used for pounding: 0.1. Shall I take it?",
+            "I'm not sure enough that a shoe is used for pounding (0.1). Should I take it?",
         ),
     ],
     ids=["the best", "the next best when it is absent", "tool absent", "not sure enough"],
@@ -186,7 +186,7 @@ def test_tool_that_is_named_and_absent_is_not_replaced():
     with robot(nail=1.0, shoe=1.0) as (agent, arm):
         reply = agent.hear("pound the nail with the hammer")
 
-    assert (reply.said, arm.done) == ("I do not see a hammer.", [])
+    assert (reply.said, arm.done) == ("I don't see a hammer.", [])
 
 
 def test_what_is_known_not_to_do_is_told_from_what_is_not_known():
@@ -198,9 +198,9 @@ def test_what_is_known_not_to_do_is_told_from_what_is_not_known():
             said.append(agent.hear("pass me something used for rolling").said)
 
     assert said == [
-        "I see nothing that is used for rolling. I was told the contrary of a spoon.",
-        "I see nothing that is used for rolling. I know of a mug, but I see none.",
-        "I see nothing that is used for rolling.",
+        "I don't see anything for rolling. I was told that a spoon won't do.",
+        "I don't see anything for rolling. I know of a mug, but I don't see any here.",
+        "I don't see anything for rolling.",
     ]
 
 
@@ -219,9 +219,9 @@ def test_yes_settles_a_tool_that_was_not_sure_enough():
 @pytest.mark.parametrize(
     ("failure", "excuse"),
     [
-        (("grasp", "hammer", "unreachable"), "I cannot reach the handle of the hammer."),
+        (("grasp", "hammer", "unreachable"), "I can't reach the handle of the hammer."),
         (("grasp", "hammer", "too_wide"), "The handle of the hammer is too wide for my hand."),
-        (("raise", "hammer", "unreachable"), "I cannot strike the nail with the hammer as I hold"),
+        (("raise", "hammer", "unreachable"), "I can't strike the nail with the hammer the way"),
     ],
 )
 def test_next_best_tool_is_taken_when_the_best_cannot_be(
@@ -253,7 +253,7 @@ def test_next_best_that_is_not_sure_enough_is_asked_about():
         asked = agent.hear(POUND)
         done = agent.hear("yes")
 
-    assert asked.said.startswith("I cannot reach the handle of the hammer. I am not sure enough")
+    assert asked.said.startswith("I can't reach the handle of the hammer. I'm not sure enough")
     assert (asked.ending, tool(done)) == ("asked", "shoe")
 
 
@@ -264,7 +264,9 @@ def test_last_failure_is_told_when_nothing_is_left():
         reply = agent.hear(POUND)
 
     assert reply.ending == "failed"
-    assert reply.said.startswith("I cannot reach the handle of the hammer. Other things leave no")
+    assert reply.said.startswith(
+        "I can't reach the handle of the hammer. I can't get my fingers around"
+    )
 
 
 def test_what_is_known_not_to_do_is_never_the_next_best():
@@ -281,7 +283,7 @@ def test_nothing_is_picked_up_for_a_nail_that_is_not_there():
     with robot(hammer=1.0) as (agent, arm):
         reply = agent.hear(POUND)
 
-    assert (reply.said, arm.done) == ("I do not see a nail.", [])
+    assert (reply.said, arm.done) == ("I don't see a nail.", [])
 
 
 def test_pounding_ends_when_the_nail_does_not_go_in():
@@ -290,7 +292,7 @@ def test_pounding_ends_when_the_nail_does_not_go_in():
     with robot(arm, nail=1.0, hammer=1.0) as (agent, _):
         reply = agent.hear(POUND)
 
-    assert reply.said == "I pounded the nail with the hammer, but it does not go in."
+    assert reply.said == "I pounded the nail with the hammer, but it didn't go in."
     assert arm.done.count("lower hammer") == 12
 
 
@@ -374,7 +376,7 @@ def test_guess_that_is_not_sure_enough_is_asked_about_first():
         done = agent.hear("yes")
 
     assert asked.said == (
-        "Nobody told me how to pass a screwdriver, but it is like something else. By the shaft?"
+        "Nobody has told me how to pass a screwdriver, but I know something similar. By the shaft?"
     )
     assert (asked.ending, done.said) == ("asked", "I would pass the screwdriver by the shaft.")
 

@@ -76,17 +76,17 @@ def test_what_is_said_of_a_rule_is_understood_as_it(language: Language, rule: Ru
         (
             "passed_by",
             {"object": "knife", "part": "blade"},
-            "Here is the knife. I hold it by the blade.",
+            "Here is the knife. I'm holding it by the blade.",
         ),
-        ("nothing_used_for", {"affordance": "rolling"}, "I see nothing that is used for rolling."),
-        ("will_not", {"goal": "pickUp", "object": "mug"}, "All right, I will not pick up the mug."),
+        ("nothing_used_for", {"affordance": "rolling"}, "I don't see anything for rolling."),
+        ("will_not", {"goal": "pickUp", "object": "mug"}, "All right, I won't pick up the mug."),
         ("see", {"objects": ["knife", "mug", "egg"]}, "I see a knife, a mug and an egg."),
         (
             "done_with_tool",
             {"goal": "pound", "patient": "nail", "tool": "hammer"},
             "I pounded the nail with the hammer.",
         ),
-        ("nothing_about", {"object": "knife"}, "I know nothing about knives yet."),
+        ("nothing_about", {"object": "knife"}, "I don't know anything about knives yet."),
     ],
 )
 def test_answers_are_filled_in(

@@ -109,13 +109,13 @@ def test_a_failure_has_the_longest_span_understood(language: Language) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "I heard nothing."),
-        ("x" * 10_000, "That is too long for me: I listen to at most 2000 characters at a time."),
-        ("the " * 41, "That is too long for me: I listen to at most 40 words at a time."),
-        ("zorp me the knife", 'I do not know the word "zorp".'),
+        ("", "I didn't hear anything."),
+        ("x" * 10_000, "That is too long for me. I can take in at most 2000 characters at a time."),
+        ("the " * 41, "That is too long for me. I can take in at most 40 words at a time."),
+        ("zorp me the knife", 'I don\'t know the word "zorp".'),
         (
             "to pass a knife grab the mug by the handle",
-            "You speak of a knife and a mug at once. Say it of one of them.",
+            "You mention a knife and a mug at once. Which one do you mean?",
         ),
         ("pass me the knife and the mug", "One thing at a time, please."),
     ],
