@@ -194,9 +194,7 @@ class Agent:
         """Return a hash of the state of the simulation; empty when there is none yet."""
         if "body" not in self.__dict__:
             return ""
-        from ..sim.state_hash import fingerprint
-
-        return fingerprint(self.body)
+        return self.body.state_hash()
 
     def visible(self) -> tuple[str, ...]:
         """Return the objects in view; without noise those of the scene, in its order."""

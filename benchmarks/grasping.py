@@ -31,7 +31,7 @@ from hilt.sim.body import Body
 from hilt.sim.manipulation.report import MotionReport
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import Robot
-from hilt.sim.scene.scene import graspable, scene_of
+from hilt.sim.scene.scene import graspable, scene_with
 from hilt.sim.scene.world import World
 from hilt.sim.vision.noise import Noise
 
@@ -105,7 +105,7 @@ def run(
         objects: the types there are.
         bare: whether to measure also what bare stepping costs.
     """
-    scene = scene_of(graspable(objects) if setting.crowd else (name,), seed=seed, objects=objects)
+    scene = scene_with(graspable(objects) if setting.crowd else (name,), seed=seed, objects=objects)
     noise = Noise(depth_m=setting.depth_m, seed=seed)
     started = process_time()
     with (

@@ -18,7 +18,7 @@ import numpy as np
 
 from hilt.ontology.errors import SimulationError
 from hilt.ontology.objects import ObjectType, load_household
-from hilt.sim.scene.scene import Placement, Scene, graspable, scene_of
+from hilt.sim.scene.scene import Placement, Scene, graspable, scene_with
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.classifier import NoveltyDetector, train_classifier
@@ -68,7 +68,7 @@ class TrainingScenes:
         placed = [Placement(name, name, rest=self._rest(name, rng)) for name in shown]
         if rng.random() < LOOSE_NAIL:
             placed.append(Placement("loose nail", "nail", rest="flat"))
-        with_block = scene_of(["nail"], seed=seed, objects=self.objects).placements
+        with_block = scene_with(["nail"], seed=seed, objects=self.objects).placements
         return Scene((*placed, *(with_block if rng.random() < NAIL else ())), seed)
 
     def _rest(self, name: str, rng: np.random.Generator) -> str | None:

@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The body: a robot at a table, in a simulated world.
+"""The simulated robot: a table with objects, cameras, an arm with a hand, and their physics.
 
-scene     which objects are on the table, and where as far as anybody has said
-world     the table, what stands on it, and time
-engine    the physics engine behind names; of what it is made only `simulator` imports PyBullet
-percept   what has been seen of an object, part by part, and how sure that is
-vision    searches for the features it is asked for, in camera images only
-attention draws no more of those images than things, and what may hide them
-grasp     a pose of the hand from which its fingers close on one part, and how well they would hold
-reach     a way of the arm to a grasp that hits nothing
-motion    takes, lifts, carries, gives, puts back, points; nothing is ever fixed to the hand
-striking  brings a face of what is held above something, and down on it
-report    what came of a motion: whether it worked, why not, what was touched, how high
-handling  takes by the part, lifts, gives; what is lost is taken again
-body      eyes, arm and hand together, as the agent uses them
+scene         a description of what is on the table; a placement is one object of it
+world         the table with its objects, and time
+physics       the PyBullet engine, which knows bodies, links and joints by name
+model         an object type or a robot as files for the engine
+percept       an object that vision has found, with a point cloud for each part
+grasp         a pose of the hand from which its fingers close on one part, with a score
+motion        a movement of the arm with what it holds; objects are held by friction only
+report        the outcome of a motion: success, or the reason of a failure, and measurements
+body          vision, robot and motions together, as the agent uses them
 
 The body knows nothing of rules. It is told which object and which part:
 
@@ -31,50 +27,6 @@ A scene needs no simulator yet:
 ('knife', 'mug')
 """
 
-from __future__ import annotations
+import lazy_loader
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .body import Body
-    from .manipulation.report import REASONS, MotionReport
-    from .robot.models import RobotType, find_robot, load_robots
-    from .scene.scene import Placement, Scene, parse_scene
-    from .scene.world import World
-    from .vision.detector import MaskDetector
-    from .vision.percept import PartPercept, Percept
-
-__all__ = [
-    "REASONS",
-    "Body",
-    "MaskDetector",
-    "MotionReport",
-    "PartPercept",
-    "Percept",
-    "Placement",
-    "RobotType",
-    "Scene",
-    "World",
-    "find_robot",
-    "load_robots",
-    "parse_scene",
-]
-
-_HOMES = {
-    "body": ("Body",),
-    "vision.percept": ("PartPercept", "Percept"),
-    "manipulation.report": ("REASONS", "MotionReport"),
-    "robot.models": ("RobotType", "find_robot", "load_robots"),
-    "scene.scene": ("Placement", "Scene", "parse_scene"),
-    "vision.detector": ("MaskDetector",),
-    "scene.world": ("World",),
-}
-
-
-def __getattr__(name: str) -> object:
-    # numpy and the simulator cost time that those who only read a scene need not pay.
-    for module, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f".{module}", __name__), name)
-    raise AttributeError(name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,2 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""media."""
+"""Media: pictures of a scene for people, and recordings of what happens in it.
+
+`pictures` renders, draws grasps and labels, and writes captions; `recording` makes animations.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

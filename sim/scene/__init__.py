@@ -1,2 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scene."""
+"""Scenes: what is on the table, where, and the simulated world made of it.
+
+`scene` reads descriptions of scenes, `placement` finds a free place for each object, `world` is the
+table with its objects and time, and `sleeping` saves the time of computing objects that lie still.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,55 +1,41 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arrangements: where the objects of a scene stand, so that none touches another.
+"""Placement of the objects of a scene on the table, so that none touches another.
 
-An object covers a convex footprint on the table. Places are drawn at random until each footprint
-is clear of the others, the longest objects first; when a table fills up so badly that one finds
-no place, all are drawn again. The same scene and seed always give the same arrangement.
+An object covers a convex footprint on the table. Positions are drawn at random until each footprint
+is clear of the others, the longest objects first; when one object finds no free position, all are
+drawn again. The same scene and seed always give the same placement.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from ...ontology.errors import SimulationError
-from ...ontology.objects import Mount, ObjectType
+from ...ontology.objects import Mount
 from .. import poses
+from ..models.object_models import ObjectModel
 from ..poses import Array
 from .scene import Placement, Scene
 
-DROP = 0.0005  # [m], how far above the table an object is let go
-AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], x and y that the middle of an object may have
-REACH = 0.80  # [m] from the robot at the origin; 1 cm nearer a hand that looks down can still lift
-LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], x and y that every point of it must have
-TRIES = 60
-ROUNDS = 60
-
-
-class Outlined(Protocol):
-    """What is known of an object before it is placed; a `ObjectModel` is one."""
-
-    @property
-    def kind(self) -> ObjectType:
-        """Its type."""
-        ...
-
-    @property
-    def points(self) -> Array:
-        """Corners of its hull (n, 3), in its own frame [m]."""
-        ...
+DROP = 0.0005  # [m], height above the table from which an object is dropped
+AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], range of x and y of the middle of an object
+REACH = 0.80  # [m] from the robot at the origin; a hand that points down can lift 1 cm nearer
+LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], range of x and y of all its points
+MAX_TRIES = 60  # positions of one object
+MAX_ROUNDS = 60  # times that all are drawn again
 
 
 @dataclass(frozen=True)
 class Spot:
-    """Where one object of a scene is let go.
+    """The pose at which one object of a scene is dropped.
 
     Attributes:
-        placement: the object; all that was open is now filled in.
+        placement: the object, with all that the scene left open filled in.
         world_from_object: its pose (4, 4).
-        footprint: corners of what it covers (k, 2), counter-clockwise [m].
+        footprint: corners of the area that it covers (k, 2), counter-clockwise [m].
     """
 
     placement: Placement
@@ -57,19 +43,19 @@ class Spot:
     footprint: Array
 
 
-def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
-    """Find a place for every object of a scene, in the order of the scene.
+def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Spot, ...]:
+    """Return a spot for every object of a scene, in the order of the scene.
 
     Args:
-        scene: what is to stand on the table.
-        models: type -> its outline.
+        scene: what goes on the table.
+        models: type -> its model.
 
     Raises:
-        SimulationError: there is no room for all, or two fixed places overlap.
+        SimulationError: there is no room for all, or two given positions overlap.
     """
     rng = np.random.default_rng(scene.seed)
     loose = [placement for placement in scene.placements if placement.within is None]
-    spots = {spot.placement.name: spot for spot in _arrange_loose(loose, models, scene.gap, rng)}
+    spots = {spot.placement.name: spot for spot in _place_loose(loose, models, scene.gap, rng)}
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:
@@ -77,15 +63,15 @@ def arrange(scene: Scene, models: Mapping[str, Outlined]) -> tuple[Spot, ...]:
     return tuple(spots[placement.name] for placement in scene.placements)
 
 
-def _arrange_loose(
+def _place_loose(
     placements: Sequence[Placement],
-    models: Mapping[str, Outlined],
+    models: Mapping[str, ObjectModel],
     gap: float,
     rng: np.random.Generator,
 ) -> tuple[Spot, ...]:
     pieces = [_lay(placement, models[placement.object], rng) for placement in placements]
-    order = sorted(range(len(pieces)), key=lambda i: _urgency(pieces[i]))
-    for _ in range(ROUNDS):
+    order = sorted(range(len(pieces)), key=lambda i: _sort_key(pieces[i]))
+    for _ in range(MAX_ROUNDS):
         spots: dict[int, Spot] = {}
         for i in order:
             spot = _find_spot(pieces[i], list(spots.values()), gap, rng)
@@ -98,7 +84,7 @@ def _arrange_loose(
 
 
 def _mount(placement: Placement, mount: Mount, support: Spot) -> Spot:
-    """The spot of what stands in something that has its place."""
+    """Return the spot of an object that stands in another one."""
     x, y, z = mount.at
     support_from_object = poses.translation(x, y, z - mount.depth)
     at, yaw = support.placement.at, support.placement.yaw
@@ -108,7 +94,7 @@ def _mount(placement: Placement, mount: Mount, support: Spot) -> Spot:
 
 @dataclass(frozen=True)
 class _Laid:
-    """An object in the way it lies or stands, not yet turned nor put anywhere."""
+    """An object in its resting orientation, before its turn and position are chosen."""
 
     placement: Placement
     rotation: Array  # (3, 3)
@@ -116,9 +102,9 @@ class _Laid:
     footprint: Array  # (k, 2) round its frame [m]
 
 
-def _lay(placement: Placement, model: Outlined, rng: np.random.Generator) -> _Laid:
+def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> _Laid:
     usual = [rest.name for rest in model.kind.rests if rest.usual]
-    drawn = usual[int(rng.integers(len(usual)))]  # drawn in any case: it keeps the others' draws
+    drawn = usual[int(rng.integers(len(usual)))]  # always drawn, to keep the other draws the same
     rest = model.kind.rest(placement.rest or drawn)
     rotation = poses.rotation_from_rpy(*rest.turn)
     points = model.points @ rotation.T
@@ -126,14 +112,14 @@ def _lay(placement: Placement, model: Outlined, rng: np.random.Generator) -> _La
     return _Laid(filled, rotation, DROP - float(points[:, 2].min()), outline(points[:, :2]))
 
 
-def _urgency(laid: _Laid) -> tuple[bool, float]:
-    """Sorts fixed places first, then long objects."""
+def _sort_key(laid: _Laid) -> tuple[bool, float]:
+    """Return a sort key: given positions first, then long objects."""
     return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.footprint, axis=0)))
 
 
 def _find_spot(laid: _Laid, taken: list[Spot], gap: float, rng: np.random.Generator) -> Spot | None:
     fixed = laid.placement.at is not None
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         spot = _draw_spot(laid, rng)
         within = fixed or _is_within(spot.footprint)
         if within and all(_are_clear(spot.footprint, other.footprint, gap) for other in taken):
@@ -161,7 +147,7 @@ def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
 
 
 def _are_clear(first: Array, second: Array, gap: float) -> bool:
-    """Whether two footprints are far enough apart."""
+    """Return whether two footprints are far enough apart."""
     gaps = np.maximum(
         first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
     )
@@ -175,8 +161,8 @@ def _is_within(footprint: Array) -> bool:
 
 
 def outline(points: Array) -> Array:
-    """The convex hull of points (n, 2) in the plane, counter-clockwise (Andrew 1979)."""
-    # Points that differ by rounding only would be corners with no side between them.
+    """Return the convex hull of points (n, 2), counter-clockwise (Andrew 1979)."""
+    # Points that differ by rounding only would be corners without a side between them.
     ordered = np.unique(np.round(points, 9), axis=0)
     return np.array(_half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1])
 
@@ -195,14 +181,14 @@ def _turn(a: Array, b: Array, c: Array) -> float:
 
 
 def distance(first: Array, second: Array) -> float:
-    """The distance of two convex polygons (n, 2) and (m, 2) [m]; 0 where they overlap."""
+    """Return the distance of two convex polygons (n, 2) and (m, 2) [m]; 0 if they overlap."""
     if not (_separated(first, second) or _separated(second, first)):
         return 0.0
     return min(_corner_distance(first, second), _corner_distance(second, first))
 
 
 def _separated(first: Array, second: Array) -> bool:
-    """Whether a side of the first polygon has all of the second on its outer side."""
+    """Return whether a side of the first polygon has all of the second on its outer side."""
     ahead = np.roll(first, -1, axis=0) - first
     offsets = second[None] - first[:, None]  # (sides, corners, 2)
     aside = ahead[:, None, 0] * offsets[..., 1] - ahead[:, None, 1] * offsets[..., 0]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes: which objects are on the table, and where as far as anybody has said.
+"""Descriptions of scenes: which objects are on the table, and where, as far as it is given.
 
 A scene is what `--scene` names: a YAML file, `objects:knife,mug`, `random:SEED` (with a number of
-objects: `random:SEED:5`) or `all`. What it leaves open (place, turn, way to lie) is drawn later
-from its seed, by `arrange`. A file reads:
+objects: `random:SEED:5`) or `all`. What it leaves open (position, turn, rest) is drawn later
+from its seed, by `placement`. A file reads:
 
     seed: 7
     clutter: medium
@@ -11,7 +11,7 @@ from its seed, by `arrange`. A file reads:
       - knife
       - {object: mug, name: my mug, at: [0.5, 0.1], yaw_deg: 30, rest: upright}
 
-Clutter adds other objects drawn from the seed; the more of them, the nearer they stand.
+Clutter adds other objects drawn from the seed; the more of them, the closer they stand.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from ...ontology.yaml_reader import Field, read_yaml
 if TYPE_CHECKING:
     import numpy as np
 
-ROOM = ("floor", "table")  # what every scene has anyway
-RESERVED = (*ROOM, "robot")  # names that no thing can have
+ROOM = ("floor", "table")  # in every scene
+RESERVED = (*ROOM, "robot")  # names that no object can have
 MAX_OBJECTS = 40
 MAX_SEED = 2**31 - 1
-TABLE_REACH = 1.0  # [m], how far from the robot's base something can be put on the table
+TABLE_REACH = 1.0  # [m], limit of x and y of a given position
 GAP = 0.02  # [m], smallest distance between two objects
-MAX_COUNT = 12  # objects of a random scene: more find no room
+MAX_COUNT = 12  # objects of a random scene: there is no room for more
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Clutter:
     """How full a table is.
 
     Attributes:
-        more: how many objects are added to those that were named.
+        more: number of objects added to those that were named.
         gap: smallest distance between two objects [m].
     """
 
@@ -61,7 +61,7 @@ class Placement:
     """One object of a scene.
 
     Attributes:
-        name: of this very object: "knife", "knife 2", ...
+        name: of this object: "knife", "knife 2", ...
         object: name of its type.
         at: x, y of its frame on the table [m]; None where the seed decides.
         yaw: its turn about the vertical [rad]; None where the seed decides.
@@ -79,11 +79,11 @@ class Placement:
 
 @dataclass(frozen=True)
 class Scene:
-    """What is on the table.
+    """A description of what is on the table.
 
     Attributes:
         placements: the objects, each with its own name.
-        seed: from which all that is open is drawn.
+        seed: from which everything left open is drawn.
         gap: smallest distance between two objects [m].
     """
 
@@ -98,12 +98,12 @@ class Scene:
 
 
 def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    """Read what `--scene` says.
+    """Return the scene that `--scene` names.
 
     Args:
         spec: a YAML file, `objects:knife,mug`, `random:SEED[:COUNT]` or `all`.
-        seed: for all that `spec` leaves open.
-        objects: the types there are.
+        seed: for everything that `spec` leaves open.
+        objects: the object types.
 
     Raises:
         UnknownNameError: an object that is not known.
@@ -113,46 +113,46 @@ def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> S
         raise DataError(f"expected 0 to {MAX_SEED}, found {seed}.", source="--seed")
     kind, colon, rest = spec.partition(":")
     if spec == "all":
-        return scene_of(graspable(objects), seed=seed, objects=objects)
+        return scene_with(graspable(objects), seed=seed, objects=objects)
     if kind == "objects" and colon:
         names = [name.strip().replace("_", " ") for name in rest.split(",")]
-        return scene_of(names, seed=seed, objects=objects)
+        return scene_with(names, seed=seed, objects=objects)
     if kind == "random" and colon:
         return _random_scene(rest, objects)
     return _read_scene(spec, seed, objects)
 
 
 def graspable(objects: Mapping[str, ObjectType]) -> tuple[str, ...]:
-    """The types that can be taken up, in the order of their file."""
+    """Return the types that can be taken up, in the order of their file."""
     return tuple(name for name, kind in objects.items() if kind.graspable)
 
 
-def scene_of(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    """A scene of these types; a type named twice is there twice.
+def scene_with(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
+    """Return a scene of these types; a type named twice is there twice.
 
     Raises:
         UnknownNameError: a type that is not known.
     """
     for name in names:
-        _refuse_unknown(name, objects)
+        _check_known(name, objects)
     plain = [Placement(name, name) for name in names]
-    return Scene(_mounted(_with_own_names(plain), objects), seed)
+    return Scene(_mounted(_with_unique_names(plain), objects), seed)
 
 
 def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:
-    import numpy as np  # here: the other scenes do without its 0.2 s
+    import numpy as np  # here: other scenes save its import time
 
     word, colon, number = text.partition(":")
-    seed = _whole(word, low=0, high=MAX_SEED, after="random:")
+    seed = _read_number(word, low=0, high=MAX_SEED, after="random:")
     rng = np.random.default_rng(seed)
     known = graspable(objects)
     count = int(rng.integers(1, len(known) + 1))
     if colon:
-        count = _whole(number, low=1, high=MAX_COUNT, after=f"random:{word}:")
-    return scene_of(_drawn(known, count, rng), seed=seed, objects=objects)
+        count = _read_number(number, low=1, high=MAX_COUNT, after=f"random:{word}:")
+    return scene_with(_drawn(known, count, rng), seed=seed, objects=objects)
 
 
-def _whole(text: str, *, low: int, high: int, after: str) -> int:
+def _read_number(text: str, *, low: int, high: int, after: str) -> int:
     if not (text.isascii() and text.isdecimal()) or not low <= int(text) <= high:
         raise DataError(
             f'expected a whole number from {low} to {high} after "{after}", found "{text}".',
@@ -162,7 +162,7 @@ def _whole(text: str, *, low: int, high: int, after: str) -> int:
 
 
 def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[str]:
-    """So many names, each once before any comes again, in the order given."""
+    """Return `count` names, each once before any is repeated, in the order given."""
     drawn: Counter[str] = Counter()
     while drawn.total() < count:
         share = min(count - drawn.total(), len(names))
@@ -184,19 +184,19 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     placements = [_read_placement(item, objects) for item in items]
     if "seed" in keys:
         seed = keys["seed"].integer(low=0, high=MAX_SEED)
-    _refuse_double_names(placements, items)
+    _check_names(placements, items)
     gap = GAP
     if "clutter" in keys:
         clutter = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
-        placements += _strewn(placements, clutter.more, seed, objects)
+        placements += _clutter(placements, clutter.more, seed, objects)
         gap = clutter.gap
-    return Scene(_mounted(_with_own_names(placements), objects), seed, gap)
+    return Scene(_mounted(_with_unique_names(placements), objects), seed, gap)
 
 
-def _strewn(
+def _clutter(
     placements: Sequence[Placement], count: int, seed: int, objects: Mapping[str, ObjectType]
 ) -> list[Placement]:
-    """Further objects, of other types than those that are there as long as there are any."""
+    """Return further objects, of types that are not there yet as long as there are any."""
     import numpy as np
 
     there = {placement.object for placement in placements}
@@ -225,7 +225,7 @@ def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement
     )
 
 
-def _refuse_double_names(placements: Sequence[Placement], items: Sequence[Field]) -> None:
+def _check_names(placements: Sequence[Placement], items: Sequence[Field]) -> None:
     seen: set[str] = set()
     for placement, item in zip(placements, items, strict=True):
         if placement.name in {*seen, *RESERVED} and placement.name != placement.object:
@@ -233,8 +233,8 @@ def _refuse_double_names(placements: Sequence[Placement], items: Sequence[Field]
         seen.add(placement.name)
 
 
-def _with_own_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
-    """The placements with a number after names that occur again."""
+def _with_unique_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
+    """Return the placements with a number after repeated names."""
     taken: Counter[str] = Counter(RESERVED)
     result: list[Placement] = []
     for placement in placements:
@@ -248,10 +248,10 @@ def _with_own_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
 def _mounted(
     placements: Sequence[Placement], objects: Mapping[str, ObjectType]
 ) -> tuple[Placement, ...]:
-    """The placements with what stands in something put there, in its own support.
+    """Return the placements with each object that stands in another one assigned to a support.
 
-    A support that the scene does not name is added, at the place that was given for what stands in
-    it. What is said to rest in some way lies loose.
+    A support that the scene does not name is added, at the position given for the object in it.
+    An object whose rest is given lies loose.
     """
     result = list(placements)
     for placement in placements:
@@ -265,7 +265,7 @@ def _mounted(
             result.append(support)
         elif placement.at is not None or placement.yaw is not None:
             raise DataError(
-                f'"{placement.name}" stands in "{support.name}". Give the place of that.',
+                f'"{placement.name}" stands in "{support.name}". Give the position of that.',
                 source="--scene",
             )
         index = result.index(placement)
@@ -285,7 +285,7 @@ def _free_name(word: str, placements: Sequence[Placement]) -> str:
     return next(name for name in chain([word], numbered) if name not in taken)
 
 
-def _refuse_unknown(name: str, objects: Mapping[str, ObjectType]) -> None:
+def _check_known(name: str, objects: Mapping[str, ObjectType]) -> None:
     known = set(objects) - set(ROOM)
     if name not in known:
         raise UnknownNameError("object", name, known)

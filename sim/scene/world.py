@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The world: a table, what stands on it, and time.
+"""The simulated world: a table, the objects of a scene, and time.
 
-A `World` fills an engine with the room and the objects of a scene and lets them settle. The
-robot is not part of it: it is loaded into the same engine by `robot`. Other parts let time pass
-through `World.step`, so that whoever watches (a recorder) sees every moment.
+A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot
+is not part of it: `robot` loads it into the same engine. Everything steps through `World.step`, so
+that a watcher (a recorder) is called at every step.
 """
 
 from __future__ import annotations
@@ -21,21 +21,23 @@ from ..models.object_models import ObjectModel, object_model
 from ..models.urdf import SOCKET_JOINT
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
-from .placement import Spot, arrange
+from .placement import Spot, place_objects
 from .scene import Scene
 
 FLOOR, TABLE = "floor", "table"
-FLOOR_HEIGHT = -0.72  # [m], where the legs of the table end
+FLOOR_HEIGHT = -0.72  # [m], lower end of the legs of the table
 TABLE_CENTRE = (0.40, 0.0, 0.0)  # [m], so that the robot stands on the table near its edge
 SPINNING_FRICTION = 0.002  # [m]; a contact patch of a few millimetres resists turning
-# [m]; lets round things come to rest. The table has it, and not the things, which then would also
-# resist rolling between the fingers: there it helps nothing and keeps contacts from being solved.
+# [m]; lets round objects come to rest. The table has it, not the objects, which would otherwise
+# resist rolling between the fingers too, where it does not help and slows the solver down.
 ROLLING_FRICTION = 0.0003
 
-MOUNT_FORCE = 20_000.0  # [N], what holds the socket of a nail in its block: more than any blow
+MOUNT_FORCE = 20_000.0  # [N], holds the socket of a nail in its block: more than any blow
 
 SETTLE_LIMIT = 3.0  # [s]
-STILL_STEPS = 24  # over so many steps the poses are compared; speeds of light things only jitter
+STILL_STEPS = (
+    24  # between compared poses; speeds are no criterion, as those of light objects jitter
+)
 STILL_SHIFT = 1e-4  # [m]
 STILL_TURN = 0.004  # [rad]
 
@@ -47,12 +49,12 @@ class World:
     Use it in a `with` block, or `close` it.
 
     Attributes:
-        scene: what was asked for.
-        engine: the simulator it lives in.
-        objects: the types there are, by name.
+        scene: the description of it.
+        engine: the simulator.
+        objects: all object types, by name.
         kinds: name of each object on the table -> its type.
         models: type -> its model.
-        watcher: called after every step while it is not None.
+        watcher: called after every step when it is not None.
     """
 
     scene: Scene
@@ -65,18 +67,18 @@ class World:
 
     @classmethod
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
-        """Put a scene on the table and let it settle.
+        """Return a world with a scene on the table, after it has settled.
 
         Args:
-            scene: what is to stand there.
-            objects: the types there are, room included.
+            scene: what goes on the table.
+            objects: all object types, those of the room included.
             gui: whether to show a window.
 
         Raises:
             SimulationError: there is no room for all.
         """
         models = {name: object_model(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
-        spots = arrange(scene, models)
+        spots = place_objects(scene, models)
         world = cls(
             scene,
             PhysicsEngine(gui=gui),
@@ -109,10 +111,10 @@ class World:
         self.engine.contacts.set_surface(name, spinning=SPINNING_FRICTION)
 
     def _mount(self, name: str, mount: Mount, support: str) -> None:
-        """Let an object stand in another one, which holds it by friction."""
+        """Mount an object in another one, which holds it by friction."""
         self.engine.contacts.enable(name, support, enabled=False)
         self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
-        # A motor that wants to stand still, and can do no more than this, is dry friction.
+        # A motor with target speed 0 and limited force acts as dry friction.
         self.engine.joints.drive_at(name, SOCKET_JOINT, 0.0, force=mount.resistance)
         self._supports[name] = support
 
@@ -136,11 +138,11 @@ class World:
 
     @property
     def time(self) -> float:
-        """How much time has passed in the world [s]."""
+        """The time that has passed in the world [s]."""
         return self.engine.steps * TIME_STEP
 
     def step(self, count: int = 1) -> None:
-        """Let `count` steps pass, and let whoever watches see each of them."""
+        """Simulate `count` steps, and call the watcher after each."""
         if self.watcher is None:
             self.engine.step(count)
             return
@@ -149,14 +151,7 @@ class World:
             self.watcher()
 
     def settle(self, limit: float = SETTLE_LIMIT) -> bool:
-        """Let time pass until all objects are still.
-
-        Args:
-            limit: most time to wait [s].
-
-        Returns:
-            Whether all are still.
-        """
+        """Step until all objects are still, for at most `limit` [s]; return whether they are."""
         before = self._poses()
         for _ in range(round(limit / TIME_STEP / STILL_STEPS)):
             self.step(STILL_STEPS)
@@ -175,18 +170,18 @@ class World:
         return self.engine.bodies.pose(name, next(iter(self.kinds[name].parts)))
 
     def depth(self, name: str) -> float:
-        """How deep an object stands in another one [m]: a nail in its block.
+        """Return how deep an object stands in another one [m], as a nail in its block.
 
         Raises:
             UnknownNameError: it does not stand in anything.
         """
         mount = self.kinds[name].mount if name in self._supports else None
         if mount is None:
-            raise UnknownNameError("thing that stands in another", name, self._supports)
+            raise UnknownNameError("object that stands in another", name, self._supports)
         return mount.depth + float(self.engine.joints.positions(name, [SOCKET_JOINT])[0])
 
     def support(self, name: str) -> str | None:
-        """The name of what an object stands in; None for what lies loose."""
+        """Return the name of the object that an object stands in; None when it is loose."""
         return self._supports.get(name)
 
     @property
@@ -196,22 +191,22 @@ class World:
         return tuple(name for name in self.kinds if name not in taken)
 
     def points(self, name: str) -> Array:
-        """Corners of an object's hull where it is now (n, 3), in the world [m]."""
+        """Return the corners of an object's hull where it is now (n, 3), in the world [m]."""
         return poses.transform(self.pose(name), self.models[self.kinds[name].name].points)
 
     def top(self, name: str) -> Array:
-        """The place above the middle of an object, as high as its highest point (3,) [m]."""
+        """Return the point above the middle of an object at the height of its top (3,) [m]."""
         points = self.points(name)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         return np.array([middle[0], middle[1], points[:, 2].max()])
 
     def clearance(self, name: str) -> float:
-        """How high the lowest point of an object is above the table [m]."""
+        """Return the height of an object's lowest point above the table [m]."""
         return float(self.points(name)[:, 2].min())
 
 
 def _are_close(before: Array, after: Array) -> bool:
-    """Whether no pose of (n, 4, 4) has moved or turned from one moment to the other."""
+    """Return whether no pose (n, 4, 4) has moved or turned between two moments."""
     shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
     turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])
     return bool((shifts < STILL_SHIFT).all() and (turns < STILL_TURN).all())

@@ -28,7 +28,7 @@ from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
 from ....ontology.objects import Household, read_household
 from ....ontology.yaml_reader import Field, read_yaml
-from ....sim.scene.scene import graspable, scene_of
+from ....sim.scene.scene import graspable, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
@@ -81,7 +81,7 @@ class CustomExperiment(DecisionExperiment):
     def new_agent(self) -> Agent:
         """Return an untaught agent that knows the objects of the file."""
         kinds, actions = self._spec.kinds, load_actions()
-        empty = scene_of((), seed=self.seed, objects=kinds.objects)
+        empty = scene_with((), seed=self.seed, objects=kinds.objects)
         base = open_base("memory:", kinds, actions)
         return Agent(base, load_language(kinds), actions, Embodiment(empty, kinds, simulate=False))
 

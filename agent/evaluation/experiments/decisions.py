@@ -17,7 +17,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import cast
 
-from ....sim.scene.scene import Scene, scene_of
+from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
@@ -113,7 +113,7 @@ class DecisionExperiment(Experiment):
             return agent.hear(command(spec["action"], spec["affordance"]), only="do", keep=False)
 
     def _scene(self, objects: Sequence[str], seed: int, taught: Agent) -> Scene:
-        return replace(scene_of(objects, seed=seed, objects=taught.objects), gap=self.gap)
+        return replace(scene_with(objects, seed=seed, objects=taught.objects), gap=self.gap)
 
     def new_agent(self) -> Agent:
         """Return an agent without a body, with an empty knowledge base in memory."""

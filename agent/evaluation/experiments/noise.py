@@ -19,7 +19,7 @@ from random import Random
 from typing import ClassVar, Literal, cast
 
 from ....ontology.errors import HiltError, UnknownNameError
-from ....sim.scene.scene import scene_of
+from ....sim.scene.scene import scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
@@ -130,7 +130,7 @@ class _Trial:
         for affordance in self._scenario.affordances:
             for action in ACTIONS:
                 objects = rng.sample(sorted(self._scenario.grasps), rng.randint(1, 8))
-                scene = scene_of(objects, seed=rng.randrange(2**31), objects=taught.objects)
+                scene = scene_with(objects, seed=rng.randrange(2**31), objects=taught.objects)
                 with taught.in_scene(scene, simulate=self.sim) as agent:
                     said = self._recognised(command(action, affordance), rng.random())
                     reply = agent.hear(said, only="do", keep=False)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim.models.object_models import object_model
-from hilt.sim.scene.placement import LIMITS, REACH, Spot, arrange, distance, outline
+from hilt.sim.scene.placement import LIMITS, REACH, Spot, distance, outline, place_objects
 from hilt.sim.scene.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 
 OBJECTS = load_objects()
@@ -22,7 +22,7 @@ clouds = st.lists(st.tuples(coordinates, coordinates), min_size=5, max_size=12, 
 
 def arranged(scene: Scene) -> tuple[Spot, ...]:
     """Where the objects of a scene are put."""
-    return arrange(scene, {name: object_model(OBJECTS[name]) for name in scene.types})
+    return place_objects(scene, {name: object_model(OBJECTS[name]) for name in scene.types})
 
 
 def write_scene(folder: Path, text: str) -> str:
@@ -228,7 +228,7 @@ def test_nail_and_block_cannot_both_have_places(tmp_path: Path):
     """A place for a nail whose block has one of its own is refused."""
     spec = write_scene(tmp_path, "objects:\n- block\n- {object: nail, at: [0.5, 0.1]}")
 
-    with pytest.raises(DataError, match=r'"nail" stands in "block"\. Give the place of that'):
+    with pytest.raises(DataError, match=r'"nail" stands in "block"\. Give the position of that'):
         parse_scene(spec, seed=0, objects=OBJECTS)
 
 

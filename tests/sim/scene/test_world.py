@@ -143,5 +143,5 @@ def test_depth_of_what_stands_in_nothing_is_refused(carpentry: World):
     """Only what stands in another thing has a depth."""
     assert carpentry.support("nail") == "block"
     assert carpentry.support("hammer") is None
-    with pytest.raises(UnknownNameError, match=r'thing that stands in another "hammer".*nail'):
+    with pytest.raises(UnknownNameError, match=r'object that stands in another "hammer".*nail'):
         carpentry.depth("hammer")

@@ -12,7 +12,7 @@ from hilt.agent.evaluation.scenarios import load_scenarios
 from hilt.agent.execution.perception import PerfectVision
 from hilt.ontology.objects import load_objects
 from hilt.sim.manipulation.report import MotionReport
-from hilt.sim.scene.scene import scene_of
+from hilt.sim.scene.scene import scene_with
 from hilt.sim.vision.percept import Percept
 
 A = load_scenarios()[0]
@@ -68,7 +68,7 @@ def hand() -> Hand:
 def agent(hand: Hand) -> Iterator[Agent]:
     """An agent with that hand, which was taught Scenario A and sees three things."""
     objects = load_objects()
-    eyes = PerfectVision(scene_of(SCENE, seed=0, objects=objects), objects)
+    eyes = PerfectVision(scene_with(SCENE, seed=0, objects=objects), objects)
     with Agent.open("memory:", vision=eyes, motion=hand) as taught:
         for sentence in A.sentences():
             taught.hear(sentence)

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+from .body import Body
+from .manipulation.report import REASONS, MotionReport
+from .robot.models import RobotType, find_robot, load_robots
+from .scene.scene import Placement, Scene, parse_scene
+from .scene.world import World
+from .vision.percept import PartPercept, Percept
+
+__all__ = [
+    "REASONS",
+    "Body",
+    "MotionReport",
+    "PartPercept",
+    "Percept",
+    "Placement",
+    "RobotType",
+    "Scene",
+    "World",
+    "find_robot",
+    "load_robots",
+    "parse_scene",
+]

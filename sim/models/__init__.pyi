@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
+from .object_models import ObjectModel, object_model
+from .urdf import Attachment, robot_file
+
+__all__ = [
+    "Attachment",
+    "ObjectModel",
+    "object_model",
+    "robot_file",
+]
