@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Solid forms that a part of an object is made of, as they stand in `objects.yaml`.
+"""Geometric forms that the parts of objects are made of, read from `objects.yaml`.
 
 A part is a list of placed solids. Each solid is one form (box, cylinder, lathe, extrusion, sweep
 or mesh file), and where it stands in the object's frame. Only numbers are here;
@@ -90,7 +90,7 @@ class Sweep:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A surface in a file (OBJ, STL, PLY); each connected piece is felt as its convex hull."""
+    """A surface in a file (OBJ, STL, PLY); each connected piece collides as its convex hull."""
 
     path: Path
     scale: float
@@ -121,7 +121,7 @@ class Solid:
 
 
 def read_solid(field: Field) -> Solid:
-    """Read one placed solid: a form, and optionally at, turn_deg, colour and only.
+    """Return one placed solid: a form, and optionally at, turn_deg, colour and only.
 
     Raises:
         DataError: something is missing, unknown or out of range.
@@ -142,13 +142,13 @@ def read_solid(field: Field) -> Solid:
 
 
 def read_turn(field: Field) -> Point3:
-    """Read roll, pitch and yaw in degrees, as [rad]."""
+    """Return roll, pitch and yaw [rad] from degrees."""
     roll, pitch, yaw = field.numbers(count=3, low=-360, high=360)
     return radians(roll), radians(pitch), radians(yaw)
 
 
 def read_colour(field: Field) -> Colour:
-    """Read a colour written as "#rrggbb"."""
+    """Return a colour from "#rrggbb"."""
     text = field.text()
     digits = text.removeprefix("#")
     if len(text) != 7 or len(digits) != 6 or any(d not in "0123456789abcdefABCDEF" for d in digits):

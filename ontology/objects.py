@@ -129,7 +129,7 @@ class ObjectType:
         return sum(part.mass for part in self.parts.values())
 
     def part(self, name: str) -> PartType:
-        """One of its parts.
+        """Return one of its parts.
 
         Raises:
             UnknownNameError: it has no such part.
@@ -139,7 +139,7 @@ class ObjectType:
         return self.parts[name]
 
     def rest(self, name: str) -> Rest:
-        """One of its ways to lie or stand.
+        """Return one of its ways to lie or stand.
 
         Raises:
             UnknownNameError: it has no such rest.
@@ -152,7 +152,7 @@ class ObjectType:
 
 @dataclass(frozen=True)
 class Household:
-    """All that `objects.yaml` says.
+    """The contents of a file of objects.
 
     Attributes:
         objects: by name.
@@ -170,7 +170,7 @@ class Household:
 
 
 def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
-    """The object types of a file; of Hilt's own when `path` is None.
+    """Return the object types of a file; Hilt's own when `path` is None.
 
     Raises:
         DataError: the file is wrong; says where and what was expected.
@@ -179,12 +179,12 @@ def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
 
 
 def load_household(path: Path | None = None, *, added_to: Household | None = None) -> Household:
-    """All that a file of objects says: types, classes, roles and properties.
+    """Return the contents of a file of objects: types, classes, roles and properties.
 
     Args:
         path: the file; Hilt's own when None.
-        added_to: what there is already: the file may use its words, and need only name its own
-            objects. Together they are the result.
+        added_to: the file may use its words, and need only define further objects; the result
+            contains both.
 
     Raises:
         DataError: the file is wrong; says where and what was expected.
@@ -193,7 +193,7 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
 
 
 def read_household(spec: Field, *, added_to: Household | None = None) -> Household:
-    """The same from a part of a file; as `load_household` otherwise."""
+    """Return the same as `load_household`, from a part of a file."""
     words = {"classes", "roles", "properties", "materials"}
     known = added_to or Household({}, {}, {}, {}, {})
     top = spec.entries(required={"objects"} if added_to else {"objects", *words}, optional=words)
@@ -212,7 +212,7 @@ def read_household(spec: Field, *, added_to: Household | None = None) -> Househo
     objects = {name: reader.object(name, spec, fields) for name, spec in fields.items()}
     objects = {**known.objects, **objects}
     above = reader.classes | {name: kind.is_a for name, kind in objects.items()}
-    _refuse_circles(above, {**given["classes"], **fields})
+    _check_acyclic(above, {**given["classes"], **fields})
     return Household(objects, reader.classes, reader.roles, reader.properties, reader.materials)
 
 
@@ -229,7 +229,7 @@ class _Reader:
     def object(self, name: str, spec: Field, fields: Mapping[str, Field]) -> ObjectType:
         if name in self.objects:
             raise spec.fail(f'there already is an object "{name}".')
-        _refuse_no_word(name, spec)
+        _check_name(name, spec)
         keys = spec.entries(
             required={"is_a", "parts", "rests"}, optional={"properties", "graspable", "mount"}
         )
@@ -248,7 +248,7 @@ class _Reader:
         )
 
     def _part(self, name: str, spec: Field) -> PartType:
-        _refuse_no_word(name, spec)
+        _check_name(name, spec)
         keys = spec.entries(
             required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
         )
@@ -273,7 +273,7 @@ class _Reader:
         return frozenset(keys["properties"].texts(choices=self.properties))
 
 
-def _refuse_no_word(name: str, spec: Field) -> None:
+def _check_name(name: str, spec: Field) -> None:
     if not _WORDS.fullmatch(name) or name != name.lower():
         raise spec.fail(f'"{name}" is no name; expected lower-case words with single spaces.')
 
@@ -323,7 +323,7 @@ def _read_mount(spec: Field, supports: set[str]) -> Mount:
     )
 
 
-def _refuse_circles(above: Mapping[str, str | None], fields: Mapping[str, Field]) -> None:
+def _check_acyclic(above: Mapping[str, str | None], fields: Mapping[str, Field]) -> None:
     for name, spec in fields.items():
         seen, word = {name}, above[name]
         while word is not None:
