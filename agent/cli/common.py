@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What commands have in common: opening things, reading what is said, printing what came of it."""
+"""Shared parts of the commands: opening bases, reading input, printing results and errors."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ if TYPE_CHECKING:
     from ..execution.outcome import Json
 
 FAILED = 1  # exit code
-STDIN = "-"  # in place of a text
-MOST_MISTAKES = 20  # that are told one by one
+STDIN = "-"  # instead of a text
+MOST_MISTAKES = 20  # that are reported one by one
 
 
 def open_base(kb: str | None) -> KnowledgeBase:
-    """Open a knowledge base; None is the user's own."""
+    """Open a knowledge base; None for the user's own."""
     from .. import config
 
     return config.open_base(kb)
 
 
 def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
-    """Open a knowledge base that is only read; nobody has to wait for that, nor is one made.
+    """Open a knowledge base for reading; this neither waits for writers nor creates a base.
 
     Args:
-        kb: None is the user's own.
-        must_exist: whether a folder without one is an error; else it is read as an empty base.
+        kb: its location; None for the user's own.
+        must_exist: whether a missing base is an error; otherwise an empty one is returned.
     """
     from ...kb.knowledge_base import KnowledgeBase
     from .. import config
@@ -53,7 +53,9 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
         return KnowledgeBase.open(location, read_only=True)
     except StoreError:
         if _holds_something(Path(location).expanduser()):
-            return config.open_base(location)  # of an older format, perhaps; or it says what it is
+            return config.open_base(
+                location
+            )  # perhaps of an older format; else it reports what is wrong
         if must_exist or ":" in location:
             raise
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
@@ -65,14 +67,14 @@ def _holds_something(folder: Path) -> bool:
 
 
 def terminal(*, stderr: bool = False) -> Console:
-    """Where a person reads; colour and width are found out."""
+    """Return the console of the terminal; rich detects its colours and width."""
     from rich.console import Console
 
     return Console(stderr=stderr, highlight=False)
 
 
 def spinner(doing: str) -> AbstractContextManager[object]:
-    """A turning sign on stderr while something is done; nothing where nobody watches."""
+    """Return a context that shows a spinner on stderr, if that is a terminal."""
     if not sys.stderr.isatty():
         return nullcontext()
     from rich.text import Text
@@ -86,7 +88,7 @@ def converse(
     hear: Callable[[str], Reply],
     as_json: Callable[[Reply], Json] | None,
 ) -> bool:
-    """Say each utterance and print each reply as soon as it is there; whether all was done."""
+    """Say each utterance and print its reply at once; return whether all were done."""
     done = True
     for said in utterances(text):
         with spinner(said):
@@ -98,12 +100,12 @@ def converse(
             report_error(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
         else:
             _show_reply(agent, reply)
-            _tell_of_trust(agent, reply)
+            _hint_at_trust(agent, reply)
     return done
 
 
-def _tell_of_trust(agent: Agent, reply: Reply) -> None:
-    """How somebody who was refused can be heard."""
+def _hint_at_trust(agent: Agent, reply: Reply) -> None:
+    """Tell a refused speaker how to become trusted."""
     if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
         name = shlex.quote(reply.speaker)
         typer.echo(
@@ -121,7 +123,7 @@ def _show_reply(agent: Agent, reply: Reply) -> None:
 
 
 def utterances(text: str) -> Iterator[str]:
-    """The text itself, or for "-" the lines of stdin that hold something."""
+    """Yield the text itself, or for "-" the non-empty lines of stdin."""
     if text != STDIN:
         yield text
         return
@@ -137,7 +139,7 @@ def _lines(stream: Iterable[bytes]) -> Iterator[str]:
 
 
 def read_sparql(text_or_file: str) -> str:
-    """The content of a file of SPARQL, what stdin holds for "-", else the text itself."""
+    """Return the content of a SPARQL file, that of stdin for "-", or the text itself."""
     if text_or_file == STDIN:
         return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
     looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
@@ -158,10 +160,10 @@ def print_json(document: object) -> None:
 
 
 def write_svg(path: Path, svg: str) -> None:
-    """Keep a picture in a file, which must be called one.
+    """Write a picture to a file.
 
     Raises:
-        DataError: it is called something else, or cannot be written.
+        DataError: its name does not end in .svg, or it cannot be written.
     """
     if path.suffix.lower() != ".svg":
         raise DataError("expected a file ending in .svg.", source=str(path))
@@ -172,13 +174,13 @@ def write_svg(path: Path, svg: str) -> None:
 
 
 def exit_with(done: bool) -> None:
-    """End the command: with exit code 1 unless what was asked for is done."""
+    """Exit with code 1 unless the command succeeded."""
     if not done:
         raise typer.Exit(FAILED)
 
 
 def report_error(error: HiltError | str) -> None:
-    """A line on stderr for each mistake; on a terminal also the line of the file, with a caret."""
+    """Print a line on stderr for each mistake; on a terminal also the text, with a caret."""
     several = _mistakes(error)
     for one in several[:MOST_MISTAKES]:
         typer.echo(f"hilt: {printable(str(one))}", err=True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees on the terminal: dialogue, rules, the walk, the decision, the world.
+"""Tables and trees for the terminal: dialogue, rules, executions, decisions, query results.
 
-Each function turns one of the agent's values into something that rich can print; colour and width
-are rich's to decide, so a pipe gets plain text. Nothing here prints.
+Each function turns a value of the agent into something that rich can print; rich chooses colours
+and width, so a pipe gets plain text. Nothing here prints.
 """
 
 from __future__ import annotations
@@ -35,19 +35,19 @@ from ..execution.outcome import Decision, ExecutionResult, GoalResult, WalkStep
 from .text import counted, printable
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
-SHOWN_DIGITS = 8  # of a rule's id; any 4 that are unlike those of other rules name it
-MOST_ROWS = 1000  # of what a query found; laying out more takes longer than asking
+SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are unique
+MOST_ROWS = 1000  # of a query result; the layout of more takes longer than the query
 
 
 def wrap_cells(table: Table) -> Table:
-    """The table with cells that wrap where they do not fit, so that nothing is cut."""
+    """Return the table with cells that wrap, so that nothing is cut off."""
     for column in table.columns:
         column.overflow = "fold"
     return table
 
 
 def turn(reply: Reply) -> RenderableType:
-    """One turn of a dialogue: what was said, its predicate form, and the answer."""
+    """Return one turn of a dialogue: the utterance, its predicate form, and the answer."""
     grid = Table.grid(padding=(0, 2))
     grid.add_row(Text(reply.speaker.capitalize(), "bold cyan"), Text(printable(reply.text)))
     if reply.understanding.pragmatics:
@@ -87,7 +87,7 @@ def rule_text(rule: Rule) -> str:
 
 
 def walk(steps: Sequence[WalkStep]) -> Tree:
-    """The action tree as it was walked, with the four operations at each node."""
+    """Return the executed action tree, with the four operations at each node."""
     tree = Tree("Action tree, in preorder")
     branches: dict[str, Tree] = {}
     for step in steps:
@@ -146,7 +146,7 @@ def _source(rule: Rule) -> str:
 
 
 def execution_result(happened: ExecutionResult) -> Table:
-    """What happened in the world, a line each."""
+    """Return what happened in the world, a line each."""
     table = Table(show_header=False, title="In the world", title_justify="left")
     if not happened.executed:
         table.add_row("executed", "no")
@@ -160,7 +160,7 @@ def execution_result(happened: ExecutionResult) -> Table:
 
 
 def goal_result(came: GoalResult, quote: Quote) -> RenderableType:
-    """All that came of a command: the walk, the decision, the world."""
+    """Return the whole result of a command: the execution, the decision, the world."""
     parts: list[RenderableType] = [walk(came.steps)]
     if came.decision and came.decision.object.candidates:
         parts.append(decision(came.decision, quote))
@@ -205,7 +205,7 @@ def _told(rule: Rule) -> str:
 
 
 def induced(found: Sequence[InducedRule]) -> RenderableType:
-    """Rules that follow by likeness, with their reasons."""
+    """Return rules that follow by similarity, with their reasons."""
     table = Table(
         "rule", "interval", "from", "alike", "both have", caption=counted(len(found), "rule")
     )
@@ -222,7 +222,7 @@ def induced(found: Sequence[InducedRule]) -> RenderableType:
 
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
-    """What would bring a conclusion about, the likeliest first."""
+    """Return hypotheses that explain a conclusion, the likeliest first."""
     caption = counted(len(found), "hypothesis", "hypotheses")
     table = Table("if it were", "while", "then", "told by", caption=caption)
     for each in found:
@@ -246,7 +246,7 @@ def words(found: Sequence[Word]) -> Table:
 
 
 def results(found: Solutions | Truth) -> RenderableType:
-    """What a query found: a table of rows, or yes or no."""
+    """Return a query result: a table of rows, or yes or no."""
     if isinstance(found, Truth):
         return Text("yes" if found.value else "no")
     table = Table(*found.variables)
@@ -259,14 +259,14 @@ def results(found: Solutions | Truth) -> RenderableType:
 
 
 def short_term(term: Term | None) -> str:
-    """A term for a table: an IRI with its prefix, a literal as its value, nothing as nothing."""
+    """Return a term for a table: an IRI with its prefix, a literal as its value."""
     if isinstance(term, Iri):
         return prefixed(term)
     return "" if term is None else str(term)
 
 
 def questions(named: Iterable[NamedQuery]) -> Table:
-    """The questions that have a name, with what they ask for."""
+    """Return a table of the named queries, with their parameters."""
     table = Table("name", "question", "--arg", box=None, pad_edge=False)
     for one in named:
         asked = "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values())

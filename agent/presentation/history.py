@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees of the history: utterances, changes, differences, merges, episodes.
+"""Tables for the history: utterances, changes, differences, merges, episodes.
 
 As in `console`, each function turns a value into something that rich can print.
 """
@@ -49,13 +49,13 @@ def change(found: RuleChange) -> RenderableType:
 
 
 def difference(found: BaseDifference) -> RenderableType:
-    """How one base differs from another, as the lines of a patch."""
+    """Return the difference of two bases, as the lines of a patch."""
     lines = list(_lines(found))
     return Group(*lines) if lines else Text("They believe the same.")
 
 
 def episodes(found: Sequence[Episode]) -> Table:
-    """What was done about commands, a row each."""
+    """Return a table of episodes, a row each."""
     table = Table(
         "id", "when", "who", "said", "came", "chosen", caption=counted(len(found), "episode")
     )
@@ -67,7 +67,7 @@ def episodes(found: Sequence[Episode]) -> Table:
 
 
 def replay_result(came: Replay, quote: Quote) -> RenderableType:
-    """An episode as it was run again, and whether it came out as it did then."""
+    """Return the result of a replay, and whether it equals the recorded one."""
     lines: list[RenderableType] = [Text(came.episode.text, "bold"), Text(str(came.after["said"]))]
     if came.achievement.steps:
         lines.append(goal_result(came.achievement, quote))
@@ -78,7 +78,7 @@ def replay_result(came: Replay, quote: Quote) -> RenderableType:
 
 
 def merge_result(report: MergeReport) -> RenderableType:
-    """What came of a merge: numbers, contradictions, and what the two do not agree on."""
+    """Return the result of a merge: numbers, conflicts, and rules of different status."""
     came = report.summary
     done = "Would take over" if report.dry_run else "Took over"
     lines: list[RenderableType] = [

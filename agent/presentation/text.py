@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small things that are written everywhere: a number with its noun, a text without controls."""
+"""Plain text: a number with its noun, and a text without control characters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # but tab and new line
 
 
 def counted(number: int, one: str, several: str = "") -> str:
-    """A number with its noun.
+    """Return a number with its noun.
 
     Args:
         number: how many.
@@ -23,7 +23,7 @@ def counted(number: int, one: str, several: str = "") -> str:
 
 
 def printable(text: str) -> str:
-    r"""A text of somebody else's, without what would command the terminal that shows it.
+    r"""Return a text without control characters, which could command the terminal.
 
     >>> printable("hello\x1b[2J")
     'hello�[2J'

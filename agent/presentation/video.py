@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Films of what the robot does, with what it thinks written below.
+"""Films of the robot with its decisions as captions.
 
-Every picture says what was asked, at which node of the action tree the robot is, and to what it is
-bound there, how surely. The part it must act on is tinted; before the hand goes there, the grasps
-that were thought of are drawn: those that are possible, those that were ruled out, and the one
-that is taken.
+Every picture shows the utterance, the node of the action tree, and the constraint there with its
+interval. The part to act on is tinted; before the hand moves, the planned grasps are drawn: the
+possible ones, those ruled out, and the chosen one.
 """
 
 from __future__ import annotations
