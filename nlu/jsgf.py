@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be said, as a grammar for a speech recogniser (JSpeech Grammar Format, W3C 2000).
+"""Grammar of a language for speech recognisers, in the JSpeech Grammar Format (W3C 2000).
 
 It has the sentences that Hilt itself would use, with every name in every place where it may stand,
 so whatever a recogniser hears by it is understood. Hilt understands much more than that.
@@ -55,7 +55,7 @@ _ACTS: Mapping[str, str] = {"give": "<giving>", "patient": "<tool_act>"}
 
 
 def grammar_of(language: Language) -> str:
-    """The grammar of a language, with the words that it knows now."""
+    """Return the grammar of a language with the words that it knows now."""
     sections = language.realizer.sentences
     kinds = ("rule", "command", "question", "reply")
     lines = [HEADER, f"public <utterance> = {_either(f'<{kind}>' for kind in kinds)};"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meanings as sentences: the way back, such that understanding the sentence gives the meaning.
+"""Surface realisation: sentences for meanings, which give the same meaning when parsed.
 
 The sentences are data (`sentences.yaml`), one for each shape of meaning: what is asked, and which
 parts of it are filled. Articles, plurals and verbs come from the inflection and the lexicon.
@@ -38,7 +38,7 @@ _SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 
 @dataclass(frozen=True)
 class Realizer:
-    """How one language puts meanings into sentences.
+    """The sentences of one language for meanings.
 
     Attributes:
         sentences: by section, and by the shape of the meaning.
@@ -55,7 +55,7 @@ class Realizer:
     giving: str = "pass"
 
     def realize(self, meaning: Meaning) -> str:
-        """A sentence that means it; without a capital, and without a full stop at its end.
+        """Return a sentence with this meaning, without capital letter and full stop.
 
         Raises:
             UnknownNameError: the language has no sentence of this shape.
@@ -154,7 +154,7 @@ class Realizer:
 def load_realizer(
     path: Path, answers: AnswerTemplates, words: Mapping[Confidence, str], uses: Mapping[str, str]
 ) -> Realizer:
-    """Read the sentences of a language.
+    """Load the sentences of a language.
 
     Args:
         path: the YAML file.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Hilt says: templates that are data, filled with names in the form that fits.
+"""Spoken answers: templates from `answers.yaml`, filled with names in the form that fits.
 
-`answers.yaml` of a language lists every answer with its slots; a slot may ask for a form, as in
+The file lists every answer with its slots; a slot may ask for a form, as in
 `{object:a}` for "a red mug". The forms come from the inflection of the language, and how an act is
 called from its verbs.
 """
@@ -32,7 +32,7 @@ _SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _
 
 @dataclass(frozen=True)
 class AnswerTemplate:
-    """One thing Hilt may say.
+    """The template of one answer.
 
     Attributes:
         slots: the names that it is filled with.
@@ -45,7 +45,7 @@ class AnswerTemplate:
 
 @dataclass(frozen=True)
 class Phrases:
-    """How rules are put into words, and small words needed everywhere.
+    """The templates of rules, and small words that all answers share.
 
     Attributes:
         functional: a functional rule, from `object`, `level` and `affordance`.
@@ -74,7 +74,7 @@ class Phrases:
 
 @dataclass(frozen=True)
 class AnswerTemplates:
-    """The voice of one language.
+    """The answers of one language, and the words for rules, things and acts.
 
     Attributes:
         answers: by key.
@@ -91,7 +91,7 @@ class AnswerTemplates:
     tool_acts: Mapping[str, str]
 
     def say(self, key: str, **slots: Slot) -> str:
-        """An answer, filled in; its first letter is a capital.
+        """Return an answer with its slots filled; its first letter is a capital.
 
         Raises:
             UnknownNameError: there is no such answer, or a slot is missing or one too many.
@@ -113,7 +113,7 @@ class AnswerTemplates:
         return self.answers[key].slots
 
     def rule_phrase(self, rule: Rule) -> str:
-        """A rule in words: "to pass a knife, grab it by the blade"."""
+        """Return a rule in words: "to pass a knife, grab it by the blade"."""
         said, thing = self.phrases, self.noun_phrase(rule.object, rule.props)
         at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
         if isinstance(rule, FunctionalRule):
@@ -124,12 +124,12 @@ class AnswerTemplates:
         return self.fill(text, {"object": thing, "act": act, "part": rule.part})
 
     def with_source(self, what: str, confidence: tuple[float, float], speaker: str) -> str:
-        """Some words with how sure they are, and from whom: "cutting (0.95, from Sam)"."""
+        """Return some words with their confidence and source: "cutting (0.95, from Sam)"."""
         slots: dict[str, Slot] = {"what": what, "confidence": confidence, "speaker": speaker}
         return self.fill(self.phrases.weighed, slots)
 
     def noun_phrase(self, name: str, props: Sequence[str] = ()) -> str:
-        """A kind of object with its properties, with the indefinite article."""
+        """Return a kind of object with its properties and the indefinite article."""
         if name != ANY_OBJECT:
             return self.inflection.with_article(" ".join([*props, name]))
         if not props:
@@ -137,17 +137,17 @@ class AnswerTemplates:
         return self.phrases.any_with.replace("{props}", " ".join(props))
 
     def act(self, name: str) -> str:
-        """What an act is called: "pick up" for `pickUp`."""
+        """Return the verb of an act: "pick up" for `pickUp`."""
         return self.acts.get(name, name)
 
     def join(self, items: Sequence[str]) -> str:
-        """Several items: "a knife, a mug and a shoe"."""
+        """Join several items: "a knife, a mug and a shoe"."""
         if len(items) < 2:
             return "".join(items)
         return f"{', '.join(items[:-1])} {self.phrases.joined} {items[-1]}"
 
     def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
-        """A template with its slots filled."""
+        """Fill the slots of a template."""
         return _SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
 
     def _form(self, value: Slot, form: str | None) -> str:
@@ -174,7 +174,7 @@ class AnswerTemplates:
 def load_answers(
     path: Path, inflection: Inflection, acts: Mapping[str, str], tool_acts: Mapping[str, str]
 ) -> AnswerTemplates:
-    """Read the answers of a language.
+    """Load the answers of a language.
 
     Raises:
         DataError: the file is not as expected, or a text uses a slot that it does not list.

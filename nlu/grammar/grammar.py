@@ -18,9 +18,9 @@ from ...ontology.yaml_reader import Field, read_yaml
 from .categories import AtomicCategory, Category, Functor, type_of
 from .constructions import Gap
 from .notation import read_entry, read_type, read_unary
-from .patterns import spelt, steps_of
+from .patterns import compile_pattern, expand
 from .terms import Term, Value, evaluate
-from .types import Basic, FunctionType, Signature, Type, TypeMismatchError, check
+from .types import Basic, FunctionType, Signature, Type, TypeMismatchError, check_type
 
 SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "REPLY")
 
@@ -91,7 +91,7 @@ class Grammar:
         signature = {**self.signature, **extra} if extra else self.signature
         expected = _type_of(category, self.types, field)
         try:
-            check(term, expected, signature)
+            check_type(term, expected, signature)
         except TypeMismatchError as error:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
@@ -113,7 +113,7 @@ class Grammar:
 
 def _shortened(words: str) -> str:
     """The words of a construction, of many spellings the first."""
-    spellings = map(" ".join, spelt(steps_of(words.strip('"'))))
+    spellings = map(" ".join, expand(compile_pattern(words.strip('"'))))
     return f'"{next(filter(None, spellings))}"'
 
 
@@ -170,7 +170,7 @@ def _unary(field: Field, grammar: Grammar) -> Unary:
         _type_of(source, grammar.types, field), _type_of(target, grammar.types, field)
     )
     try:
-        check(term, expected, grammar.signature)
+        check_type(term, expected, grammar.signature)
     except TypeMismatchError as error:
         raise field.fail(f"{term} does not turn {source} into {target}: {error}.") from error
     return Unary(source, target, term, evaluate(term))

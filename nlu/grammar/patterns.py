@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Spellings written short: `when (you|we) [want to]` for four of them.
+"""Patterns of words: `when (you|we) [want to]` stands for four spellings.
 
 A choice stands in round brackets, what may be left out in square ones, as in the paper's Table 3
 and the JSpeech Grammar Format. A pattern becomes a graph that is walked word by word (an automaton
@@ -44,7 +44,7 @@ def words_of(text: str) -> list[str]:
     return _WORD.findall(text)
 
 
-def steps_of(text: str, end: int = 0) -> Steps:
+def compile_pattern(text: str, end: int = 0) -> Steps:
     """The graph of a pattern.
 
     Args:
@@ -80,17 +80,17 @@ def _either(choices: Sequence[Steps]) -> Steps:
     return tuple(chain.from_iterable(reversed(choices)))
 
 
-def spelt(steps: Steps) -> Iterator[tuple[str, ...]]:
+def expand(steps: Steps) -> Iterator[tuple[str, ...]]:
     """All spellings of a graph, in the order of the choices; some of them may be the same."""
     for step in steps:
         if isinstance(step, int):
             yield ()
         else:
-            for rest in spelt(step[1]):
+            for rest in expand(step[1]):
                 yield step[0], *rest
 
 
-def matches(steps: Steps, words: Sequence[str], start: int) -> Iterator[tuple[int, int]]:
+def match_pattern(steps: Steps, words: Sequence[str], start: int) -> Iterator[tuple[int, int]]:
     """Where a pattern that begins at a place may end: the number of the end, and its place.
 
     `*` in a pattern is any one word, but none that denies.
@@ -99,7 +99,7 @@ def matches(steps: Steps, words: Sequence[str], start: int) -> Iterator[tuple[in
         if isinstance(step, int):
             yield step, start
         elif start < len(words) and _fits(step[0], words[start]):
-            yield from matches(step[1], words, start + 1)
+            yield from match_pattern(step[1], words, start + 1)
 
 
 def _fits(wanted: str, word: str) -> bool:
@@ -108,7 +108,7 @@ def _fits(wanted: str, word: str) -> bool:
 
 def may_be_left_out(text: str) -> bool:
     """Whether nothing at all is one of the spellings of a pattern."""
-    return text[:1] in _CLOSING and 0 in steps_of(text)
+    return text[:1] in _CLOSING and 0 in compile_pattern(text)
 
 
 def spellings(field: Field) -> list[tuple[str, ...]]:
@@ -118,23 +118,23 @@ def spellings(field: Field) -> list[tuple[str, ...]]:
         DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
     """
     found: dict[tuple[str, ...], None] = {}
-    for words in spelt(checked(field)):
+    for words in expand(read_pattern(field)):
         found[words] = None
         if len(found) > MAX_SPELLINGS:
             raise field.fail(_TOO_MANY)
     return list(found)
 
 
-def checked(field: Field) -> Steps:
+def read_pattern(field: Field) -> Steps:
     """The graph of a pattern in a file.
 
     Raises:
         DataError: a bracket is missing, or all of it may be left out.
     """
-    return steps_of(words_in(field))
+    return compile_pattern(read_words(field))
 
 
-def words_in(field: Field) -> str:
+def read_words(field: Field) -> str:
     """The text of a pattern without gaps.
 
     Raises:
@@ -144,7 +144,7 @@ def words_in(field: Field) -> str:
     # Most are some words and nothing else.
     if _BRACKET.search(text):
         try:
-            steps = steps_of(text)
+            steps = compile_pattern(text)
         except PatternError as error:
             raise field.fail(str(error)) from error
         if 0 in steps:

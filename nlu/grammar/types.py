@@ -47,7 +47,9 @@ class TypeMismatchError(TypeError):
     """A term does not have the type that is expected of it; the message is one clause."""
 
 
-def check(term: Term, expected: Type, signature: Signature, context: tuple[Type, ...] = ()) -> None:
+def check_type(
+    term: Term, expected: Type, signature: Signature, context: tuple[Type, ...] = ()
+) -> None:
     """Check that a term has a type.
 
     Args:
@@ -62,7 +64,7 @@ def check(term: Term, expected: Type, signature: Signature, context: tuple[Type,
     if isinstance(term, Lambda):
         if not isinstance(expected, FunctionType):
             raise TypeMismatchError(f"expected {expected}, found the function {show(term)}")
-        check(term.body, expected.target, signature, (expected.source, *context))
+        check_type(term.body, expected.target, signature, (expected.source, *context))
         return
     head, arguments = spine(term)
     failures: list[TypeMismatchError] = []
@@ -101,7 +103,7 @@ def _type_of_call(
     for argument in arguments:
         if not isinstance(found, FunctionType):
             raise TypeMismatchError(f"{_shown(head)} takes fewer arguments than it is given")
-        check(argument, found.source, signature, context)
+        check_type(argument, found.source, signature, context)
         found = found.target
     return found
 

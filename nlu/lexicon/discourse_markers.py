@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said by the way: words that add nothing, tags, and words of confidence out of place.
+"""Discourse markers: phrases that add no meaning, tag questions, and adverbs out of place.
 
 "Knives are, you know, really for cutting, aren't they?" is "knives are for cutting?". Only phrases
-that the language data lists as asides are ever set aside, and only when the utterance is no whole
+that the language data lists are ever removed, and only when the utterance is no whole
 with them; so a word that nobody has declared to be empty is never lost.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...ontology.yaml_reader import Field
-from ..grammar.patterns import Steps, checked, matches, spellings
+from ..grammar.patterns import Steps, match_pattern, read_pattern, spellings
 from .tokenizer import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]
@@ -21,7 +21,7 @@ Phrase = tuple[str, ...]
 
 @dataclass(frozen=True)
 class DiscourseMarkers:
-    """The phrases that may be set aside.
+    """The phrases that may be removed from an utterance.
 
     Attributes:
         anywhere: they add nothing wherever they stand.
@@ -49,13 +49,15 @@ class DiscourseMarkers:
     stand_ins: frozenset[Phrase] = frozenset()
 
     def with_phrases(self, kind: str, field: Field) -> DiscourseMarkers:
-        """These asides, and further ones of a kind.
+        """Return these phrases and further ones of a kind.
 
         Raises:
             DataError: there is no such kind, or a pattern is not as expected.
         """
         if kind in {"clauses", "reasons"}:
-            return replace(self, **{kind: (*getattr(self, kind), *map(checked, field.items()))})
+            return replace(
+                self, **{kind: (*getattr(self, kind), *map(read_pattern, field.items()))}
+            )
         if kind not in _PHRASES:
             expected = sorted({*_PHRASES, "clauses", "reasons"})
             raise field.fail(f'expected one of {expected}, found "{kind}".')
@@ -63,7 +65,7 @@ class DiscourseMarkers:
         return replace(self, **{kind: getattr(self, kind) | phrases})
 
     def mark_boundaries(self, tokens: Tokens) -> Tokens:
-        """The utterance with a mark after what is a sentence of its own where a pause follows."""
+        """Mark the end of a sentence after phrases that are one where a pause follows."""
         words = tokens.words
         ends = {p for p in tokens.pauses if any(words[:p][-len(e) :] == e for e in self.ending)}
         items: list[Token] = []
@@ -77,23 +79,25 @@ class DiscourseMarkers:
         return replace(tokens, items=tuple(items), pauses=tuple(pauses)) if ends else tokens
 
     def remove_tag(self, tokens: Tokens) -> Tokens:
-        """The utterance without the tag at its end: "..., isn't it?", "..., okay?"."""
+        """Remove the tag at the end: "..., isn't it?", "..., okay?"."""
         place = self._tag(tokens, self.asking | self.telling)
         if place is None:
             return tokens
         return replace(tokens.part(0, place), asks=tokens.words[place:] in self.asking)
 
     def after_reason(self, tokens: Tokens) -> Tokens | None:
-        """What a reason at the beginning leads to: "..., so pass me the mug"; None without one."""
+        """Return what follows a reason ("..., so pass me the mug"), None without one."""
         words = tokens.words
-        for end in sorted({end for steps in self.reasons for _, end in matches(steps, words, 0)}):
+        for end in sorted(
+            {end for steps in self.reasons for _, end in match_pattern(steps, words, 0)}
+        ):
             reason, rest = words[:end], words[end:]
             if rest and not _any_of(self.doubts, reason) and not _any_of(self.stand_ins, rest):
                 return tokens.part(end, len(words))
         return None
 
     def request_before_tag(self, tokens: Tokens) -> Tokens | None:
-        """The utterance without a tag that may only urge: "..., will you?"; None without one."""
+        """Return the request before a tag that only urges: "..., will you?"; None without one."""
         place = self._tag(tokens, self.telling)
         if place is None:
             return None
@@ -107,11 +111,11 @@ class DiscourseMarkers:
         return next((place for place in places if tokens.words[place:] in tags), None)
 
     def remove_markers(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
-        """The utterance without all that adds nothing.
+        """Remove all phrases that add nothing.
 
         Args:
             tokens: the utterance.
-            kept_whole: phrases in which nothing is an aside, as "ever" in "hardly ever".
+            kept_whole: phrases of which nothing is removed, as "ever" in "hardly ever".
         """
         tokens = _begun_once(tokens)
         words = tokens.words
@@ -141,7 +145,7 @@ class DiscourseMarkers:
     def _clause_ends(self, words: Phrase, start: int) -> Iterator[int]:
         if words[start] in self._beginnings:
             for steps in self.clauses:
-                yield from (end for _, end in matches(steps, words, start))
+                yield from (end for _, end in match_pattern(steps, words, start))
 
     @cached_property
     def _beginnings(self) -> frozenset[str]:
@@ -183,7 +187,7 @@ def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
 
 
 def move_to_front(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
-    """The utterance with its one phrase of a kind at its beginning; None when it is there already.
+    """Move the one phrase of a kind to the beginning; None when it is there already.
 
     English lets an adverb stand almost anywhere: "a shoe you can sometimes pound with".
     """

@@ -16,7 +16,7 @@ from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
 from ..grammar.combinators import Combinator, Sign
-from ..grammar.patterns import Steps, steps_of, words_of
+from ..grammar.patterns import Steps, compile_pattern, words_of
 from ..grammar.terms import Term, Value
 
 
@@ -164,7 +164,7 @@ class Lexicon:
         """
         known = self._said.get(sense.says)
         if known is None:
-            self._places += steps_of(sense.says, len(self._numbers))
+            self._places += compile_pattern(sense.says, len(self._numbers))
             known = self._said[sense.says] = []
             self._numbers.append(known)
         known.append(sense)

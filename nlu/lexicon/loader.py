@@ -20,7 +20,7 @@ from ..grammar.combinators import Combinator
 from ..grammar.constructions import Construction, Run, pieces_of, runs
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
-from ..grammar.patterns import variants, words_in
+from ..grammar.patterns import read_words, variants
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
@@ -280,7 +280,7 @@ class LexiconBuilder:
             lines += self._template_named(name.text(), name).forms["base"]
         entries = [self._entry(line.category, line.term, line.cost, "") for line in lines]
         for says in parts["says"].items():
-            text = words_in(says)
+            text = read_words(says)
             for entry in entries:
                 self._add(self.lexicon, entry._replace(says=text))
 

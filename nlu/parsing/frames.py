@@ -22,7 +22,14 @@ from ..grammar.categories import Category
 from ..grammar.constructions import Gap, pieces_of
 from ..grammar.grammar import Grammar
 from ..grammar.notation import read_category, read_entry
-from ..grammar.patterns import Steps, matches, spellings, steps_of, words_in, words_of
+from ..grammar.patterns import (
+    Steps,
+    compile_pattern,
+    match_pattern,
+    read_words,
+    spellings,
+    words_of,
+)
 from ..grammar.terms import Value, bind, evaluate
 from ..lexicon.tokenizer import Tokens
 
@@ -61,7 +68,7 @@ class Fillers:
     def match(self, words: Sequence[str], place: int) -> frozenset[FillerMatch]:
         """Return all phrases that match from a position on."""
         steps = (*self.steps.get(words[place], ()), *self.steps.get("*", ()))
-        found = matches(steps, words, place)
+        found = match_pattern(steps, words, place)
         return frozenset(FillerMatch(self.kinds[kind], end) for kind, end in found)
 
 
@@ -209,9 +216,9 @@ def _fillers(kinds: Mapping[str, Field]) -> Fillers:
     words: set[str] = set()
     for number, phrases in enumerate(kinds.values()):
         for says in phrases.items():
-            text = words_in(says)
+            text = read_words(says)
             words.update(words_of(text))
-            for step in steps_of(text, number):
+            for step in compile_pattern(text, number):
                 if not isinstance(step, int):
                     steps[step[0]] = (*steps.get(step[0], ()), step)
     return Fillers(tuple(kinds), MappingProxyType(steps), frozenset(words))

@@ -21,7 +21,7 @@ from hilt.nlu.grammar.terms import (
     replace_constants,
     show,
 )
-from hilt.nlu.grammar.types import Basic, FunctionType, Type, check
+from hilt.nlu.grammar.types import Basic, FunctionType, Type, check_type
 
 E = Basic("e")
 TYPES = st.recursive(st.just(E), lambda inner: st.builds(FunctionType, inner, inner), max_leaves=4)
@@ -110,7 +110,7 @@ def test_normal_form_is_final(term: Term) -> None:
 @given(typed_terms())
 def test_normal_form_keeps_the_type(term: Term) -> None:
     """Reduction does not change what a term is."""
-    check(term if not isinstance(term, Apply) else normal_form(term), E, SIGNATURE)
+    check_type(term if not isinstance(term, Apply) else normal_form(term), E, SIGNATURE)
 
 
 @given(

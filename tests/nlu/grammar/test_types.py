@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu.grammar.notation import parse_term, read_type
-from hilt.nlu.grammar.types import Type, TypeMismatchError, check
+from hilt.nlu.grammar.types import Type, TypeMismatchError, check_type
 from hilt.ontology.yaml_reader import Field
 
 
@@ -35,7 +35,7 @@ SIGNATURE = {
 )
 def test_a_term_of_the_right_type_passes(term: str, wanted: str) -> None:
     """Constants may have several types; the one that fits is meant."""
-    check(parse_term(term), type_of(wanted), SIGNATURE)
+    check_type(parse_term(term), type_of(wanted), SIGNATURE)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_a_term_of_the_right_type_passes(term: str, wanted: str) -> None:
 def test_a_term_of_the_wrong_type_is_refused(term: str, wanted: str, message: str) -> None:
     """The message says what was expected and what was found."""
     with pytest.raises(TypeMismatchError, match=message.replace("(", r"\(")):
-        check(parse_term(term), type_of(wanted), SIGNATURE)
+        check_type(parse_term(term), type_of(wanted), SIGNATURE)
 
 
 @pytest.mark.parametrize("text", ["e", "e -> t", "(e -> t) -> t", "e -> (e -> t) -> d -> t"])
