@@ -30,7 +30,7 @@ RUN = """
 import json, resource, sys, time
 from hilt.kb.formats.transfer import import_file, read_file
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.staging import findings
+from hilt.kb.validation import findings
 doing, file = sys.argv[1:]
 told, start, cpu = [], time.perf_counter(), time.process_time()
 if doing == "shapes":

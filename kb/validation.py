@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Validation of a graph: the invariants of rules and utterances, and the SHACL shapes.
+"""Staging of statements before they reach a base, and validation of a graph.
 
-Two checks, which find the same faults where both look. `check_invariants` reads every rule and
+`stage` puts the statements of a file into a store of their own, each into the graph where it
+belongs; each rule gets the id that its content makes. `check_invariants` reads every rule and
 utterance back as a value and compares what it would have written: fast, and strict about statements
 that belong to nothing. `check_shapes` runs SHACL over `shapes.ttl`: slower, and its messages are
-those that a person wrote for each constraint.
+those that a person wrote for each constraint. `findings` does both.
 """
 
 from __future__ import annotations
@@ -12,24 +13,50 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import ATOM_KINDS, SHAPES_FILE, Iri, shortened, split, term
+from ..ontology.errors import DataError, ValidationError
+from ..ontology.vocabulary import (
+    ATOM_KINDS,
+    GRAPH_NAMES,
+    SHAPES_FILE,
+    Iri,
+    iri,
+    shortened,
+    split,
+    term,
+)
+from .episodes import EPISODES
 from .history import HISTORY, read_utterance, utterance_quads
+from .learned_words import LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, TYPE
 from .rdf.terms import STRING, Quad, Term, lexical
-from .reader import TRUST_LOWER, TRUST_UPPER
-from .stores.base import Store
+from .reader import BASE_GRAPH, TRUST_LOWER, TRUST_UPPER
+from .rule import Rule
+from .stores.base import MEMORY, Store
+from .stores.opening import open_store
 from .writer import speaker_quads
 
 if TYPE_CHECKING:
     from rdflib import Graph
 
 RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule"))
+MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
+_WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
 PORTION = 1000  # nodes that SHACL checks at a time
 Progress = Callable[[int, int], None]  # is told how many are done, and of how many
+
+# Where a node of a class belongs when a format has no graphs.
+_GRAPHS = {
+    "Utterance": HISTORY,
+    "Episode": EPISODES,
+    "Step": EPISODES,
+    "Word": LEXICON,
+    "Base": BASE_GRAPH,
+}
+BASE_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
 
 _SUBJECT = re.compile(r"\s*(<[^<>\s]+>|[\w-]+:[^\s;,<>]+)\s")  # that of a statement, in Turtle
 _OF_SPEAKERS = frozenset({TYPE, rule_mapping.LABEL, TRUST_LOWER, TRUST_UPPER})
@@ -61,15 +88,64 @@ class Finding:
         return {**where, "problem": self.problem}
 
 
-def raise_findings(findings: Iterable[Finding]) -> None:
-    """Raise when anything was found.
+def stage(quads: Iterable[Quad], *, source: str) -> Store:
+    """Return a store with these statements, each in the graph where it belongs.
 
     Raises:
-        ValidationError: with all findings.
+        DataError: a statement is in a graph that a base has not.
     """
-    found = sorted(set(findings))
-    if found:
-        raise ValidationError([str(finding) for finding in found])
+
+    def checked() -> Iterator[Quad]:
+        for quad in quads:
+            check_graph(quad.graph, source=source)
+            yield quad
+
+    staging = open_store(MEMORY)
+    staging.apply(insert=checked())
+    _sort(staging)
+    _rename(staging)
+    return staging
+
+
+def stage_rules(rules: Iterable[Rule]) -> Store:
+    """Return a store with these rules."""
+    staging = open_store(MEMORY)
+    staging.apply(insert=(quad for rule in rules for quad in rule_mapping.rule_quads(rule)))
+    return staging
+
+
+def check_graph(graph: Iri | None, *, source: str) -> None:
+    """Refuse a graph that a base has not.
+
+    Raises:
+        DataError: it is one.
+    """
+    if graph not in BASE_GRAPHS:
+        raise DataError(
+            f"the graph {shortened(str(graph))} is none of a base's; expected "
+            f"{', '.join(sorted(map(shortened, BASE_GRAPHS)))}.",
+            source=source,
+        )
+
+
+def findings(staging: Store, *, progress: Progress | None = None) -> list[Finding]:
+    """Everything that is wrong with what was staged; `progress` as for `check_shapes`."""
+    few = sum(1 for _ in islice(staging.quads(), MAX_SHACL + 1)) <= MAX_SHACL
+    found = [*(check_shapes(staging, progress=progress) if few else ()), *check_invariants(staging)]
+    # A rule that a person named could not be given its own name because something else is wrong.
+    more = {finding.node for finding in found if not finding.problem.startswith(_WRONG_NAME)}
+    return [
+        finding
+        for finding in found
+        if finding.node not in more or not finding.problem.startswith(_WRONG_NAME)
+    ]
+
+
+def raise_findings(found: Iterable[Finding]) -> None:
+    """Raise a ValidationError with all findings, when there are any."""
+    problems = [str(finding) for finding in sorted(set(found))]
+    if problems:
+        raise ValidationError(problems)
 
 
 def check_invariants(store: Store) -> Iterator[Finding]:
@@ -106,7 +182,7 @@ def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[
         _, report, _ = pyshacl.validate(
             _as_rdflib(quads), shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
         )
-        yield from _findings(report)
+        yield from _reported(report)
         if progress:
             progress(min(start + PORTION, len(nodes)), len(nodes))
 
@@ -203,7 +279,7 @@ def _as_rdflib(quads: Iterable[Quad]) -> Graph:
     return graph
 
 
-def _findings(report: Any) -> Iterator[Finding]:
+def _reported(report: Any) -> Iterator[Finding]:
     from rdflib import RDF, SH, URIRef
 
     for result in report.subjects(RDF.type, SH.ValidationResult):
@@ -217,3 +293,38 @@ def _findings(report: Any) -> Iterator[Finding]:
 
 def _brief(node: Any) -> str:
     return shortened(str(node)) if ":" in str(node)[:8] else f'"{str(node)[:60]}"'
+
+
+def _sort(staging: Store) -> None:
+    """Move what a format without graphs has put among the beliefs to where it belongs."""
+    places = {
+        typed.subject: graph
+        for name, graph in _GRAPHS.items()
+        for typed in staging.quads(None, TYPE, term(name), BELIEFS)
+    }
+    moved = [q for node in places for q in staging.quads(node, None, None, BELIEFS)]
+    there = [quad._replace(graph=places[quad.subject]) for quad in moved]
+    staging.apply(insert=there, delete=moved)
+
+
+def _rename(staging: Store) -> None:
+    """Give rules that a person named (rule:1) the names that their content makes."""
+    names: dict[Iri, Iri] = {}
+    for node in rule_nodes(staging):
+        try:
+            rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
+        except ValidationError:
+            continue  # validation will say it
+        if rule_mapping.rule_iri(rule.id) != node:
+            names[node] = rule_mapping.rule_iri(rule.id)
+    if names:
+        old = [q for q in staging.quads() if q.subject in names or q.object in names]
+        staging.apply(insert=[_renamed(quad, names) for quad in old], delete=old)
+
+
+def _renamed(quad: Quad, names: dict[Iri, Iri]) -> Quad:
+    value = quad.object
+    return quad._replace(
+        subject=names.get(quad.subject, quad.subject),
+        object=names.get(value, value) if isinstance(value, Iri) else value,
+    )

@@ -155,8 +155,7 @@ def _as_json(error: DataError) -> dict[str, object]:
 
 def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
     from ...kb.formats.transfer import read_file
-    from ...kb.staging import findings
-    from ...kb.validation import locate_findings
+    from ...kb.validation import findings, locate_findings
 
     staged = read_file(file, format=file_format)
     try:
@@ -168,7 +167,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
 
 
 def _findings_in_base(kb: str | None) -> list[Finding]:
-    from ...kb.staging import findings
+    from ...kb.validation import findings
 
     with open_for_reading(kb) as base, _checking() as progress:
         return sorted(set(findings(base.store, progress=progress)))

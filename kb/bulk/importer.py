@@ -32,9 +32,8 @@ from ..rdf.rule_mapping import BELIEFS, LABEL, RULE, STATUS, TYPE
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule, Status
-from ..staging import check_graph, findings, stage
 from ..stores.base import Store
-from ..validation import Finding, raise_findings
+from ..validation import Finding, check_graph, findings, raise_findings, stage
 from ..writer import to_milliseconds
 from .reconciliation import (
     BelievedRules,

@@ -33,9 +33,8 @@ from ..rdf.annotations import Reified, expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import Quad
 from ..rule import Rule
-from ..staging import findings, stage, stage_rules
 from ..stores.base import Store
-from ..validation import raise_findings
+from ..validation import findings, raise_findings, stage, stage_rules
 from .registry import FORMATS, RULE_FORMATS, Format, format_of
 from .streams import InputStream, Progress, open_input, open_output
 
@@ -149,7 +148,7 @@ def import_text(
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa: A002
-    """Read a file into a store of its own, unchecked; `staging.findings` checks it.
+    """Read a file into a store of its own, unchecked; `validation.findings` checks it.
 
     Raises:
         DataError: the file cannot be read or parsed; says where.
