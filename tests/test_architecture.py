@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shape of the code: the tree, the direction of imports, and what the wheel holds."""
+"""The shape of the code: the tree, the direction of imports, names, and what the wheel holds."""
 
 import ast
+import importlib
+import re
 import subprocess
 import sys
 import zipfile
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +24,15 @@ MAY_IMPORT = {
     "sim": {"ontology"},
     "agent": {"inference", "kb", "nlu", "ontology", "sim"},
 }
+IMPORTED_IN = {  # a foreign package that may be exchanged one day, and where alone it is imported
+    "jinja2": "agent.evaluation.reports",
+    "lark": "nlu.grammar",
+    "pybullet": "sim.physics",
+    "pyoxigraph": "kb.stores",
+    "ray": "agent.evaluation.runners",
+    "typer": "agent.cli",
+}
+MOST_MODULES = 15  # in one folder
 TOP_LEVEL = {
     *PACKAGES, *("tests", "benchmarks", "examples", "docs", ".ci", "Makefile", ".gitignore"),
     "pyproject.toml", "requirements.lock", "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md",
@@ -28,7 +40,7 @@ TOP_LEVEL = {
 }  # fmt: skip
 
 
-def modules() -> dict[str, Path]:
+def read_modules() -> dict[str, Path]:
     """Dotted name ("kb.interval") and file of every module."""
     files = (path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
     return {
@@ -37,12 +49,21 @@ def modules() -> dict[str, Path]:
     }
 
 
-def imported(path: Path, *, at_load: bool = False) -> Iterator[str]:
-    """Names that a module imports, relative ones made dotted from the root."""
-    package = path.relative_to(ROOT).parent.parts
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    nodes = tree.body if at_load else list(ast.walk(tree))
-    for node in nodes:
+MODULES = read_modules()
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+SUBPACKAGES = sorted(name for name, path in MODULES.items() if path.name == "__init__.py")
+
+
+def imported(name: str) -> Iterator[str]:
+    """Names that a module imports anywhere but under TYPE_CHECKING, made dotted from the root."""
+    package = MODULES[name].relative_to(ROOT).parent.parts
+    todo: list[ast.AST] = [TREES[name]]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            todo.extend(node.orelse)
+            continue
+        todo.extend(ast.iter_child_nodes(node))
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -52,13 +73,37 @@ def imported(path: Path, *, at_load: bool = False) -> Iterator[str]:
             yield from (f"{target}.{alias.name}" for alias in node.names)
 
 
-def importers(name: str) -> set[str]:
+IMPORTS = {name: set(imported(name)) for name in MODULES}
+
+
+def importers(foreign: str) -> set[str]:
     """The modules that import a foreign package."""
     return {
-        module
-        for module, path in modules().items()
-        if any(found.split(".")[0] == name for found in imported(path))
+        name
+        for name, found in IMPORTS.items()
+        if any(each.split(".")[0] == foreign for each in found)
     }
+
+
+def read_layers() -> dict[str, list[set[str]]]:
+    """The table of layers in ARCHITECTURE.md: a package, and its layers from the lowest up."""
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([a-z.]+)` \| (`.*`) \|$", text, flags=re.MULTILINE)
+    return {
+        package: [set(re.findall(r"`([a-z_*]+)`", layer)) for layer in layers.split(" < ")]
+        for package, layers in rows
+    }
+
+
+LAYERS = read_layers()
+
+
+def layer_of(name: str, package: str) -> int:
+    """The place of a module among the layers of its package; `*` takes the modules not named."""
+    own = name.removeprefix(f"{package}.").split(".")[0] if name != package else "*"
+    named = [place for place, layer in enumerate(LAYERS[package]) if own in layer]
+    rest = [place for place, layer in enumerate(LAYERS[package]) if "*" in layer]
+    return (named or rest)[0]
 
 
 def test_top_level_holds_what_the_design_lists():
@@ -71,13 +116,37 @@ def test_top_level_holds_what_the_design_lists():
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_imports_point_one_way(package: str):
+def test_packages_import_in_one_direction(package: str):
     """No package imports one that stands above or beside it."""
-    paths = [path for name, path in modules().items() if name.split(".")[0] == package]
+    names = [name for name in MODULES if name.split(".")[0] == package]
 
-    found = {name.split(".")[0] for path in paths for name in imported(path)}
+    found = {each.split(".")[0] for name in names for each in IMPORTS[name]}
 
     assert found & set(PACKAGES) - {package} <= MAY_IMPORT[package]
+
+
+@pytest.mark.parametrize("package", sorted(LAYERS))
+def test_subpackages_import_in_the_order_of_the_table(package: str):
+    """A module imports its own layer and lower ones, as the table in ARCHITECTURE.md lists them."""
+    upward = [
+        f"{name} imports {target}"
+        for name in MODULES
+        for target in IMPORTS[name] & MODULES.keys()
+        if f"{name}.".startswith(f"{package}.") and f"{target}.".startswith(f"{package}.")
+        if target != package and layer_of(target, package) > layer_of(name, package)
+    ]
+
+    assert upward == []
+
+
+def test_every_subpackage_stands_in_the_table():
+    """The table of layers lists every sub-package, and nothing that does not exist."""
+    listed = {
+        f"{package}.{name}" for package, layers in LAYERS.items() for name in set().union(*layers)
+    }
+
+    assert {name for name in SUBPACKAGES if "." in name} <= listed
+    assert {name for name in listed if not name.endswith("*")} <= MODULES.keys()
 
 
 def test_modules_import_each_other_relatively():
@@ -85,35 +154,75 @@ def test_modules_import_each_other_relatively():
     assert importers("hilt") == set()
 
 
-@pytest.mark.parametrize(
-    ("foreign", "package"),
-    [("pybullet", "sim"), ("pyoxigraph", "kb"), ("lark", "nlu")],
-)
-def test_foreign_engine_is_imported_in_one_module(foreign: str, package: str):
-    """What may be exchanged one day is known to one module only."""
-    assert [name.split(".")[0] for name in importers(foreign)] == [package]
+@pytest.mark.parametrize("foreign", sorted(IMPORTED_IN))
+def test_foreign_package_is_imported_in_one_place(foreign: str):
+    """What may be exchanged one day is known to one sub-package only."""
+    places = {
+        name if name in SUBPACKAGES else name.rpartition(".")[0] for name in importers(foreign)
+    }
+
+    assert places == {IMPORTED_IN[foreign]}
+
+
+def test_pybullet_is_imported_in_one_module():
+    """One module owns the physics client."""
+    assert len(importers("pybullet")) == 1
 
 
 def test_no_import_cycles():
-    """Modules form an acyclic graph."""
-    known = modules()
+    """Modules form an acyclic graph, imports inside functions included."""
     graph = nx.DiGraph(
         (name, target)
-        for name, path in known.items()
-        for target in imported(path, at_load=True)
-        if target in known and not f"{name}.".startswith(f"{target}.")
+        for name, found in IMPORTS.items()
+        for target in found & MODULES.keys()
+        if not f"{name}.".startswith(f"{target}.")
     )
 
-    assert list(nx.simple_cycles(graph)) == []
+    assert [group for group in nx.strongly_connected_components(graph) if len(group) > 1] == []
 
 
-@pytest.mark.parametrize("name", sorted(modules()))
-def test_module_opens_with_licence_and_docstring(name: str):
-    """Every module says under which licence it stands and what is in it."""
-    text = modules()[name].read_text(encoding="utf-8")
+def test_folders_hold_few_modules():
+    """No folder is a bag of modules."""
+    held = Counter(path.parent for path in MODULES.values() if path.name != "__init__.py")
 
-    assert text.startswith("# SPDX-License-Identifier: Apache-2.0\n")
-    assert ast.get_docstring(ast.parse(text))
+    assert {str(folder) for folder, count in held.items() if count > MOST_MODULES} == set()
+
+
+def test_public_class_names_are_unique():
+    """One name stands for one class; a protocol may share its name with what implements it."""
+    homes: dict[str, list[str]] = defaultdict(list)
+    for name, tree in TREES.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                homes[node.name].append(name)
+
+    shared = {
+        name: [home for home in found if not home.endswith("protocols")]
+        for name, found in homes.items()
+    }
+    assert {name: found for name, found in shared.items() if len(found) > 1} == {}
+
+
+def test_modules_open_with_licence_and_docstring():
+    """Every module names its licence and says what is in it."""
+    bare = [
+        name
+        for name, path in MODULES.items()
+        if not path.read_text(encoding="utf-8").startswith(
+            "# SPDX-License-Identifier: Apache-2.0\n"
+        )
+        or not ast.get_docstring(TREES[name])
+    ]
+
+    assert bare == []
+
+
+@pytest.mark.parametrize("name", SUBPACKAGES)
+def test_subpackage_exports_what_it_lists(name: str):
+    """Every public name of a package can be imported from it."""
+    package = importlib.import_module(f"hilt.{name}")
+
+    assert [each for each in getattr(package, "__all__", []) if not hasattr(package, each)] == []
 
 
 def test_wheel_holds_only_hilt(tmp_path: Path):
@@ -127,10 +236,7 @@ def test_wheel_holds_only_hilt(tmp_path: Path):
     names = zipfile.ZipFile(next(tmp_path.glob("*.whl"))).namelist()
 
     assert {name.split("/")[0] for name in names} == {"hilt", "hilt-0.1.0.dist-info"}
+    kinds = {".py", ".pyi", ".yaml", ".ttl", ".rq", ".lark", ".typed", ".npz", ".html", ".jinja"}
     for package in PACKAGES:
-        data = (
-            p
-            for p in (ROOT / package).rglob("*")
-            if p.suffix in {".yaml", ".ttl", ".rq", ".lark", ".typed"}
-        )
-        assert {f"hilt/{p.relative_to(ROOT).as_posix()}" for p in data} <= set(names)
+        files = (p for p in (ROOT / package).rglob("*") if p.suffix in kinds)
+        assert {f"hilt/{p.relative_to(ROOT).as_posix()}" for p in files} <= set(names)
