@@ -149,6 +149,24 @@ def test_every_subpackage_stands_in_the_table():
     assert {name for name in listed if not name.endswith("*")} <= MODULES.keys()
 
 
+def test_the_map_lists_every_module():
+    """The tree in ARCHITECTURE.md names each folder with the modules that are in it."""
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    block = re.findall(r"^```text\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)[0]
+    listed: dict[str, set[str]] = {}
+    folder: list[str] = []
+    for line in block.splitlines():
+        if found := re.match(r"( *)([a-z_]+)/", line):
+            folder = [*folder[: len(found[1]) // 2], found[2]]
+            listed[".".join(folder)] = set()
+        else:
+            listed[".".join(folder)] |= set(line.split())
+
+    assert set(SUBPACKAGES) <= listed.keys()
+    modules = {name for name in MODULES if name not in SUBPACKAGES}
+    assert {f"{folder}.{name}" for folder, names in listed.items() for name in names} == modules
+
+
 def test_modules_import_each_other_relatively():
     """No module of Hilt names itself absolutely."""
     assert importers("hilt") == set()
