@@ -4,6 +4,7 @@
 import io
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -285,15 +286,14 @@ def test_reversed_interval_is_refused(taught: Hilt, tmp_path: Path):
     """A rule that says [0.9, 0.1] does not come in."""
     taught("export", str(tmp_path / "rules.ttl"))
     text = (tmp_path / "rules.ttl").read_text()
-    wrong = text.replace("hilt:lower 0.95", "hilt:lower 0.9").replace(
-        "hilt:upper 1", "hilt:upper 0.1"
-    )
+    wrong = re.sub(r"hilt:upper \S+", "hilt:upper 0.1", text)
     (tmp_path / "rules.ttl").write_text(wrong)
 
     result = taught("import", str(tmp_path / "rules.ttl"))
 
     assert result.code in {1, 2}
-    assert result.err.count("\n") == 1
+    assert "[0.95, 0.1] is not an interval" in result.err
+    assert all(line.startswith("hilt: ") for line in result.err.splitlines())
     assert all(rule["lower"] == 0.95 for rule in taught("rules", "--json").document)
 
 
