@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Any
 
 from hilt.sim.grasping import scoring, selection
+from hilt.sim.physics.bodies import Bodies
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import Chain
 from hilt.sim.robot.path_planner import PathPlanner
@@ -17,7 +18,7 @@ from hilt.sim.vision.detector import MaskDetector
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("stepping", PhysicsEngine, "step"),
-    ("loading", PhysicsEngine, "load"),
+    ("loading", Bodies, "load"),
     ("vision", MaskDetector, "capture"),
     ("vision", MaskDetector, "search"),
     ("vision", MaskDetector, "obstacles"),
