@@ -26,8 +26,7 @@ from rdflib import Graph, URIRef
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.kb.interval import Interval
-from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.migration import FORMAT, version_quad
+from hilt.kb.knowledge_base import FORMAT, KnowledgeBase, version_quad
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.reader import BASE_GRAPH, BASE_NODE

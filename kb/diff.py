@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from ..ontology.errors import NotFoundError, ValidationError
@@ -50,7 +50,8 @@ class AlteredRule:
 
     def as_json(self) -> dict[str, object]:
         """Both versions, with their status."""
-        return {"before": _with_status(self.before), "after": _with_status(self.after)}
+        versions = {"before": self.before, "after": self.after}
+        return {key: {**rule.as_json(), "status": rule.status} for key, rule in versions.items()}
 
 
 @dataclass(frozen=True)
@@ -74,22 +75,19 @@ class BaseDifference:
     @property
     def is_empty(self) -> bool:
         """Whether the bases agree."""
-        lists = (self.removed, self.added, self.altered, self.trust)
-        return not any((*lists, self.words_removed, self.words_added))
+        return not any(vars(self).values())
 
     def as_json(self) -> dict[str, object]:
         """The document of `hilt diff --json`."""
-        return {
-            "removed": [rule.as_json() for rule in self.removed],
-            "added": [rule.as_json() for rule in self.added],
-            "altered": [each.as_json() for each in self.altered],
-            "trust": [
-                {"speaker": who, "before": _bounds(before), "after": _bounds(after)}
-                for who, before, after in self.trust
-            ],
-            "words_removed": [word.as_json() for word in self.words_removed],
-            "words_added": [word.as_json() for word in self.words_added],
+        found: dict[str, object] = {
+            name: [each.as_json() for each in getattr(self, name)]
+            for name in ("removed", "added", "altered", "words_removed", "words_added")
         }
+        found["trust"] = [
+            {"speaker": who, "before": _bounds(before), "after": _bounds(after)}
+            for who, before, after in self.trust
+        ]
+        return found
 
 
 def rule_changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
@@ -105,18 +103,15 @@ def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
     active = [(rule_mapping.STATUS, rule_mapping.status_iri("active"))]
     left, right = before.nodes_with(active), after.nodes_with(active)
     removed, added = _read(before, left - right), _read(after, right - left)
-    altered = [*_ended(removed, after), *_revived(added, before)]
+    # Rules that the other base has with another status.
+    altered = [AlteredRule(rule, other) for rule in removed for other in _known(after, rule)]
+    altered += [AlteredRule(other, rule) for rule in added for other in _known(before, rule)]
     altered += _with_other_interval(_without(removed, altered), _without(added, altered))
-    words = [set(base.words()) for base in (before, after)]
-    taught = [{(word.atom, word.speaker) for word in some} for some in words]
-    return BaseDifference(
-        tuple(_without(removed, altered)),
-        tuple(_without(added, altered)),
-        tuple(altered),
-        tuple(_trust(before, after)),
-        tuple(sorted(word for word in words[0] if (word.atom, word.speaker) not in taught[1])),
-        tuple(sorted(word for word in words[1] if (word.atom, word.speaker) not in taught[0])),
-    )
+    words_removed = _words_only_in(before, after)
+    words_added = _words_only_in(after, before)
+    removed, added = _without(removed, altered), _without(added, altered)
+    trust = tuple(_trust(before, after))
+    return BaseDifference(removed, added, tuple(altered), trust, words_removed, words_added)
 
 
 def find_rule(base: RuleReader, name: str) -> Rule:
@@ -144,45 +139,34 @@ def find_rule(base: RuleReader, name: str) -> Rule:
 def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
     """The rules of the last utterance of a speaker that asserted a rule which is still active.
 
-    Raises:
-        UnknownNameError: the speaker has no active rule.
+    An UnknownNameError lists other speakers when this one has no active rule.
     """
     others = set[str]()
     for utterance in base.history(newest_first=True):
         if utterance.kind == IMPORT:  # a file that attributes a rule to the speaker
             continue
         rules = [base.rule(one) for one in utterance.asserts]
-        active = [rule for rule in rules if _is_still_active(rule, utterance)]
+        active = [
+            rule
+            for rule in rules
+            if rule.status == "active" and rule.utterance == utterance.sequence
+        ]
         if found := [rule for rule in active if rule.speaker == speaker]:
             return found
         others |= {rule.speaker for rule in active}
     raise NotFoundError("sentence with a rule that holds by", speaker, others)
 
 
-def _is_still_active(rule: Rule, utterance: Utterance) -> bool:
-    return rule.status == "active" and rule.utterance == utterance.sequence
-
-
 def _read(base: RuleReader, nodes: set[Iri]) -> list[Rule]:
     return sorted(base.read_rules((node, base.properties(node)) for node in nodes), key=_content)
 
 
-def _ended(removed: list[Rule], after: RuleReader) -> list[AlteredRule]:
-    """The removed rules that the second base has with another status."""
-    return [AlteredRule(rule, other) for rule in removed for other in _known(after, rule)]
-
-
-def _revived(added: list[Rule], before: RuleReader) -> list[AlteredRule]:
-    """The added rules that the first base has with another status."""
-    return [AlteredRule(other, rule) for rule in added for other in _known(before, rule)]
-
-
 def _known(base: RuleReader, rule: Rule) -> list[Rule]:
     node = rule_mapping.rule_iri(rule.id)
-    return base.read_rules([(node, star)]) if (star := base.properties(node)) else []
+    return base.read_rules([(node, found)]) if (found := base.properties(node)) else []
 
 
-def _with_other_interval(removed: list[Rule], added: list[Rule]) -> list[AlteredRule]:
+def _with_other_interval(removed: Iterable[Rule], added: Iterable[Rule]) -> list[AlteredRule]:
     """The rules of one speaker with the same premises and conclusion, and another interval."""
     free = {_content(rule): rule for rule in removed}
     pairs = [(free.pop(_content(rule), None), rule) for rule in added]
@@ -194,9 +178,14 @@ def _content(rule: Rule) -> tuple[str, ...]:
     return (*left, rule.functor, str(rule.argument), rule.speaker)
 
 
-def _without(rules: list[Rule], altered: list[AlteredRule]) -> list[Rule]:
+def _without(rules: Iterable[Rule], altered: list[AlteredRule]) -> tuple[Rule, ...]:
     gone = {rule.id for each in altered for rule in (each.before, each.after)}
-    return [rule for rule in rules if rule.id not in gone]
+    return tuple(rule for rule in rules if rule.id not in gone)
+
+
+def _words_only_in(base: RuleReader, other: RuleReader) -> tuple[Word, ...]:
+    known = {(word.atom, word.speaker) for word in other.words()}
+    return tuple(word for word in base.words() if (word.atom, word.speaker) not in known)
 
 
 def _trust(
@@ -206,10 +195,6 @@ def _trust(
         one, other = before.trust(speaker), after.trust(speaker)
         if one != other:
             yield speaker, one, other
-
-
-def _with_status(rule: Rule) -> dict[str, object]:
-    return {**rule.as_json(), "status": rule.status}
 
 
 def _bounds(interval: Interval | None) -> list[float] | None:

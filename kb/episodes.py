@@ -7,18 +7,25 @@ which node); the complete record, as `hilt do --json` prints it, is stored besid
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from numbers import Number
 from typing import cast
 
-from ..ontology.vocabulary import Iri, external, iri, split, term
-from .history import ANSWER, TEXT, utterance_iri
+from ..ontology.vocabulary import Iri, external, iri, term
+from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_iri, utterance_number
 from .interval import Interval
+from .rdf.record_mapping import (
+    Property,
+    PropertyValues,
+    group_properties,
+    local_name,
+    read_fields,
+    record_properties,
+)
 from .rdf.rule_mapping import (
-    ATTRIBUTED_TO,
     FEATURE,
     GENERATED_AT,
     LOWER,
@@ -27,19 +34,14 @@ from .rdf.rule_mapping import (
     UPPER,
     atom_from_iri,
     atom_iri,
-    rule_id,
-    rule_iri,
 )
-from .rdf.terms import Quad, Term
+from .rdf.terms import Quad
 from .rule import Atom
 from .stores.base import Store
 
 EPISODES = iri("graph", "episodes")
 
-GOAL, SEED, OUTCOME, DOCUMENT = (term(n) for n in ("goal", "seed", "outcome", "document"))
-ABOUT, STEP, INDEX, PATH = (term(n) for n in ("about", "step", "index", "path"))
-OBJECT, USED = term("chosenObject"), external("prov:used")
-TOUCHED, LIFTED, HANDED_OVER = (term(n) for n in ("touched", "lifted", "handedOver"))
+STEP, INDEX = term("step"), term("index")
 
 
 @dataclass(frozen=True)
@@ -109,12 +111,20 @@ class Episode:
 def episode_quads(episode: Episode) -> Iterator[Quad]:
     """The statements about a recorded episode and its steps."""
     node = iri("episode", episode.id)
-    for predicate, value in _episode_properties(episode):
+    yield Quad(node, TYPE, term("Episode"), EPISODES)
+    for predicate, value in record_properties(episode, _EPISODE):
         yield Quad(node, predicate, value, EPISODES)
     for index, step in enumerate(episode.steps):
-        yield Quad(node, STEP, _step_iri(episode.id, index), EPISODES)
-        for predicate, value in _step_properties(index, step):
-            yield Quad(_step_iri(episode.id, index), predicate, value, EPISODES)
+        step_node = iri("step", f"{episode.id}.{index}")
+        yield Quad(node, STEP, step_node, EPISODES)
+        yield Quad(step_node, TYPE, term("Step"), EPISODES)
+        yield Quad(step_node, INDEX, index, EPISODES)
+        for predicate, value in record_properties(step, _STEP):
+            yield Quad(step_node, predicate, value, EPISODES)
+        if step.interval is not None:
+            bounds = step.interval.rounded()
+            yield Quad(step_node, LOWER, Decimal(str(bounds.lower)), EPISODES)
+            yield Quad(step_node, UPPER, Decimal(str(bounds.upper)), EPISODES)
 
 
 def read_episodes(store: Store) -> Iterator[Episode]:
@@ -125,113 +135,50 @@ def read_episodes(store: Store) -> Iterator[Episode]:
     )
 
 
-def _episode_properties(episode: Episode) -> Iterator[tuple[Iri, Term]]:
-    yield TYPE, term("Episode")
-    yield GOAL, episode.goal
-    yield TEXT, episode.text
-    yield ATTRIBUTED_TO, iri("speaker", episode.speaker)
-    yield OUTCOME, episode.outcome
-    yield ANSWER, episode.said
-    yield SEED, episode.seed
-    yield DOCUMENT, episode.document
-    yield from _choice_properties(episode.object, episode.part)
-    for one in episode.rules:
-        yield USED, rule_iri(one)
-    yield from _outcome_properties(episode)
-    if episode.utterance is not None:
-        yield ABOUT, utterance_iri(episode.utterance)
-    if episode.time is not None:
-        yield GENERATED_AT, episode.time
-
-
-def _outcome_properties(episode: Episode) -> Iterator[tuple[Iri, Term]]:
-    for part in episode.touched:
-        yield TOUCHED, atom_iri(Atom("part", part))
-    if episode.lifted_m is not None:
-        yield LIFTED, Decimal(str(round(episode.lifted_m, 6)))
-    if episode.handed_over is not None:
-        yield HANDED_OVER, episode.handed_over
-
-
-def _choice_properties(name: str | None, part: str | None) -> Iterator[tuple[Iri, Term]]:
-    if name is not None:
-        yield OBJECT, atom_iri(Atom("object", name))
-    if part is not None:
-        yield PART, atom_iri(Atom("part", part))
-
-
 def _read(store: Store, node: Iri) -> Episode:
-    found = _properties(store, node)
-    steps = [_properties(store, cast(Iri, step)) for step in found[STEP]]
-    return Episode(
-        goal=_text(found[GOAL]),
-        text=_text(found[TEXT]),
-        speaker=_name(found[ATTRIBUTED_TO]) or "",
-        outcome=_text(found[OUTCOME]),
-        said=_text(found[ANSWER]),
-        seed=cast(int, found[SEED][0]),
-        document=_text(found[DOCUMENT]),
-        object=_name(found[OBJECT]),
-        part=_name(found[PART]),
-        rules=_rule_ids(found[USED]),
-        steps=tuple(_read_step(step) for step in sorted(steps, key=_index)),
-        touched=tuple(sorted(split(cast(Iri, part))[1] for part in found[TOUCHED])),
-        lifted_m=float(cast(Decimal, found[LIFTED][0])) if found[LIFTED] else None,
-        handed_over=cast(bool, found[HANDED_OVER][0]) if found[HANDED_OVER] else None,
-        utterance=int(_name(found[ABOUT]) or 0) or None,
-        id=split(node)[1],
-        time=cast(datetime, found[GENERATED_AT][0]),
-    )
+    found = group_properties(store.properties(node, EPISODES))
+    steps = [group_properties(store.properties(cast(Iri, s), EPISODES)) for s in found[STEP]]
+    steps.sort(key=lambda step: cast(int, step[INDEX][0]))
+    fields = read_fields(found, _EPISODE, "An episode")
+    return Episode(**fields, steps=tuple(map(_read_step, steps)), id=local_name(node))
 
 
-def _text(values: list[Term]) -> str:
-    return cast(str, values[0])
-
-
-def _rule_ids(nodes: list[Term]) -> tuple[str, ...]:
-    return tuple(sorted(rule_id(cast(Iri, node)) for node in nodes))
-
-
-def _index(step: dict[Iri, list[Term]]) -> int:
-    return cast(int, step[INDEX][0])
-
-
-def _properties(store: Store, node: Iri) -> dict[Iri, list[Term]]:
-    found: dict[Iri, list[Term]] = defaultdict(list)
-    for predicate, value in store.properties(node, EPISODES):
-        found[predicate].append(value)
-    return found
-
-
-def _step_properties(index: int, step: EpisodeStep) -> Iterator[tuple[Iri, Term]]:
-    yield TYPE, term("Step")
-    yield INDEX, index
-    yield PATH, step.path
-    for feature in step.features:
-        yield FEATURE, atom_iri(feature)
-    yield from _choice_properties(step.object, step.part)
-    if step.interval is not None:
-        yield LOWER, Decimal(str(step.interval.rounded().lower))
-        yield UPPER, Decimal(str(step.interval.rounded().upper))
-    for one in step.rules:
-        yield USED, rule_iri(one)
-
-
-def _read_step(found: dict[Iri, list[Term]]) -> EpisodeStep:
+def _read_step(found: PropertyValues) -> EpisodeStep:
     bounds = [cast(float, found[key][0]) for key in (LOWER, UPPER) if found[key]]
-    return EpisodeStep(
-        _text(found[PATH]),
-        tuple(sorted(atom_from_iri(cast(Iri, node)) for node in found[FEATURE])),
-        _name(found[OBJECT]),
-        _name(found[PART]),
-        Interval(*bounds) if bounds else None,
-        _rule_ids(found[USED]),
-    )
+    interval = Interval(*bounds) if bounds else None
+    return EpisodeStep(**read_fields(found, _STEP, "A step"), interval=interval)
 
 
-def _name(nodes: list[Term]) -> str | None:
-    return split(cast(Iri, nodes[0]))[1] if nodes else None
+def _part_iri(name: str) -> Iri:
+    return atom_iri(Atom("part", name))
 
 
-def _step_iri(episode: str, index: int) -> Iri:
-    return iri("step", f"{episode}.{index}")
+_CHOICE = {
+    "object": Property(
+        term("chosenObject"), Iri, lambda name: atom_iri(Atom("object", name)), local_name, None
+    ),
+    "part": Property(PART, Iri, _part_iri, local_name, None),
+    "rules": rules_property(external("prov:used")),
+}
+_STEP = {
+    "path": Property(term("path"), str),
+    "features": Property(FEATURE, Iri, atom_iri, atom_from_iri, ()),
+    **_CHOICE,
+}
+_EPISODE = {
+    "goal": Property(term("goal"), str),
+    "text": Property(TEXT, str),
+    "speaker": SPEAKER,
+    "outcome": Property(term("outcome"), str),
+    "said": Property(ANSWER, str),
+    "seed": Property(term("seed"), int),
+    "document": Property(term("document"), str),
+    **_CHOICE,
+    "touched": Property(term("touched"), Iri, _part_iri, local_name, ()),
+    "lifted_m": Property(
+        term("lifted"), Number, lambda height: Decimal(str(round(height, 6))), float, None
+    ),
+    "handed_over": Property(term("handedOver"), bool, default=None),
+    "utterance": Property(term("about"), Iri, utterance_iri, utterance_number, None),
+    "time": Property(GENERATED_AT, datetime, default=None),
+}

@@ -9,21 +9,25 @@ rules of any earlier time can be found (`views`).
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from functools import partial
 from pathlib import PurePath
-from typing import TypeVar, cast
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import Iri, iri, shortened, split, term
+from ..ontology.vocabulary import Iri, iri, term
+from .rdf.record_mapping import (
+    Property,
+    group_properties,
+    local_name,
+    read_fields,
+    record_properties,
+)
 from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
-
-T = TypeVar("T", int, str, bool, Iri, datetime, Decimal)
 
 HISTORY = iri("graph", "history")
 IMPORT = "import"  # the kind of an utterance that stands for an imported file
@@ -76,19 +80,13 @@ class Utterance:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt history --json`."""
+        rules = {name: list(getattr(self, name)) for name in ("asserts", "retracts", "supersedes")}
         return {
-            "sequence": self.sequence,
-            "text": self.text,
+            **vars(self),
+            **rules,
             "predicate": self.predicate or None,
-            "speaker": self.speaker,
             "time": lexical(self.time)[0],
-            "kind": self.kind,
-            "accepted": self.accepted,
             "answer": self.answer or None,
-            "asserts": list(self.asserts),
-            "retracts": list(self.retracts),
-            "supersedes": list(self.supersedes),
-            "heard": self.heard,
         }
 
 
@@ -119,71 +117,43 @@ def utterance_iri(sequence: int) -> Iri:
 def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
     """The statements about an utterance."""
     node = utterance_iri(utterance.sequence)
-    for predicate, value in _properties(utterance):
+    yield Quad(node, TYPE, term("Utterance"), HISTORY)
+    for predicate, value in record_properties(utterance, _FIELDS):
         yield Quad(node, predicate, value, HISTORY)
 
 
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
-    """The utterance with a node's properties, as `utterance_quads` writes them.
-
-    Raises:
-        ValidationError: something is missing or malformed.
-    """
-    found: dict[Iri, list[Term]] = defaultdict(list)
-    for predicate, value in properties:
-        found[predicate].append(value)
-    asserts, retracts, supersedes = (
-        tuple(sorted(rule_id(cast(Iri, node)) for node in found[link]))
-        for link in (ASSERTS, RETRACTS, SUPERSEDES)
-    )
-    return Utterance(
-        _one(found, SEQUENCE, int),
-        _one(found, TEXT, str),
-        _one(found, PREDICATE, str, ""),
-        split(_one(found, ATTRIBUTED_TO, Iri))[1],
-        _one(found, GENERATED_AT, datetime),
-        _one(found, KIND, str),
-        _one(found, ACCEPTED, bool),
-        _one(found, ANSWER, str, ""),
-        asserts,
-        retracts,
-        supersedes,
-        heard=float(_one(found, HEARD, Decimal, Decimal(1))),
-    )
+    """The utterance with a node's properties; ValidationError if one is missing or malformed."""
+    return Utterance(**read_fields(group_properties(properties), _FIELDS, "An utterance"))
 
 
-def _one(found: dict[Iri, list[Term]], key: Iri, kind: type[T], default: T | None = None) -> T:
-    values = found[key]
-    if not values and default is not None:
-        return default
-    if len(values) != 1 or not isinstance(values[0], kind):
-        raise ValidationError(
-            [f"An utterance has {len(values)} {shortened(key)}; expected one {kind.__name__}."]
-        )
-    return values[0]
+def utterance_number(node: Iri) -> int:
+    """The number of an utterance, from its node."""
+    return int(local_name(node))
 
 
-def _properties(utterance: Utterance) -> Iterator[tuple[Iri, Term]]:
-    yield TYPE, term("Utterance")
-    yield SEQUENCE, utterance.sequence
-    yield TEXT, utterance.text
-    if utterance.predicate:
-        yield PREDICATE, utterance.predicate
-    yield KIND, utterance.kind
-    yield ACCEPTED, utterance.accepted
-    if utterance.answer:
-        yield ANSWER, utterance.answer
-    if utterance.heard < 1.0:
-        yield HEARD, Decimal(str(round(utterance.heard, 6)))
-    yield ATTRIBUTED_TO, iri("speaker", utterance.speaker)
-    yield GENERATED_AT, utterance.time
-    for link, ids in (
-        (ASSERTS, utterance.asserts),
-        (RETRACTS, utterance.retracts),
-        (SUPERSEDES, utterance.supersedes),
-    ):
-        for one in ids:
-            yield link, rule_iri(one)
+SPEAKER = Property(ATTRIBUTED_TO, Iri, partial(iri, "speaker"), local_name)
+
+
+def rules_property(predicate: Iri) -> Property:
+    """How ids of rules are stored."""
+    return Property(predicate, Iri, rule_iri, rule_id, default=())
+
+
+_FIELDS = {
+    "sequence": Property(SEQUENCE, int),
+    "text": Property(TEXT, str),
+    "predicate": Property(PREDICATE, str, default=""),
+    "kind": Property(KIND, str),
+    "accepted": Property(ACCEPTED, bool),
+    "answer": Property(ANSWER, str, default=""),
+    "heard": Property(HEARD, Decimal, lambda heard: Decimal(str(round(heard, 6))), float, 1.0),
+    "speaker": SPEAKER,
+    "time": Property(GENERATED_AT, datetime),
+    "asserts": rules_property(ASSERTS),
+    "retracts": rules_property(RETRACTS),
+    "supersedes": rules_property(SUPERSEDES),
+}
 
 
 def _check_text(text: str) -> None:
@@ -192,6 +162,5 @@ def _check_text(text: str) -> None:
     except ValueError as error:
         raise ValidationError([f"The text is no Unicode: {text[:60]!r}."]) from error
     if len(text) > MAX_TEXT:
-        raise ValidationError(
-            [f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."]
-        )
+        problem = f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."
+        raise ValidationError([problem])

@@ -1,34 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """The knowledge base: rules, their history, the domain and episodes in one store.
 
-`KnowledgeBase.open` creates or opens one. A base names its format in its graph `base`, so that a
-base of a later version of Hilt is never misread by an earlier one.
+`KnowledgeBase.open` creates or opens one. A base names its format, so that a base of a later
+version of Hilt is never misread by an earlier one. A base of an earlier format is migrated when it
+is opened for writing: each step is one SPARQL update, applied together with the new number, so a
+base is always wholly in one format. At an endpoint that does not apply both at once the number
+comes last, and the step is repeated. Steps are never changed after their release.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import datetime
 from functools import wraps
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar, cast
 
 from ..ontology.errors import QueryError, StoreError
 from ..ontology.vocabulary import HILT, Iri, term
 from .episodes import Episode, episode_quads, read_episodes
 from .interval import CERTAIN
-from .migration import FORMAT, base_format, migrate, version_quad
 from .rdf.rule_mapping import TYPE
-from .rdf.terms import Quad
+from .rdf.terms import Quad, Term
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
 from .sparql.named_queries import named_query
 from .sparql.results import BooleanResult, Limits, QueryResult, Solutions, Statements
 from .sparql.safety import refuse_external_access
-from .sparql.text import Bindings, bind_variables, query_form
+from .sparql.text import Bindings, bind_variables, delete_insert, join_updates, query_form
 from .stores.base import Store
 from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
@@ -37,16 +39,19 @@ if TYPE_CHECKING:
     from ..ontology.actions import Actions
     from ..ontology.objects import ObjectType
 
-
 P = ParamSpec("P")
 R = TypeVar("R")
+
+FORMAT = 1  # raised when earlier versions would misread what is written
+FORMAT_VERSION = term("formatVersion")
+
+# Format -> the update to the next one. Add a step when FORMAT is raised.
+STEPS: Mapping[int, str] = {}
 
 
 def _reads(
     method: Callable[Concatenate[RuleReader, P], R],
 ) -> Callable[Concatenate[KnowledgeBase, P], R]:
-    """The method of a base that calls a method of its reader."""
-
     @wraps(method)
     def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
         return method(base.reader, *args, **kwargs)
@@ -57,8 +62,6 @@ def _reads(
 def _writes(
     method: Callable[Concatenate[RuleWriter, P], R],
 ) -> Callable[Concatenate[KnowledgeBase, P], R]:
-    """The method of a base that calls a method of its writer."""
-
     @wraps(method)
     def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
         return method(base.writer, *args, **kwargs)
@@ -66,7 +69,7 @@ def _writes(
     return call
 
 
-class KnowledgeBase:
+class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     """A knowledge base, in memory or in a folder; close it, or use it in a `with` block.
 
     >>> with KnowledgeBase.open("memory:") as kb:
@@ -98,15 +101,14 @@ class KnowledgeBase:
     forget_word = _writes(RuleWriter.forget_word)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
-        """Use an open store; an empty one becomes a base.
+        """Use an open store, which is closed with the base; an empty one becomes a base.
 
         Args:
-            store: the store, which is closed with the base.
+            store: the store; a base of an earlier format in it is migrated.
             clock: gives the time of an utterance; the system's by default.
 
         Raises:
             StoreError: the store holds other data, or was written by a later version of Hilt.
-                The format of an earlier version is migrated.
         """
         self.store = store
         self.reader = RuleReader(store)
@@ -116,15 +118,12 @@ class KnowledgeBase:
 
     @classmethod
     def open(cls, location: str | Path, *, read_only: bool = False) -> KnowledgeBase:
-        """Open a base, or create one.
+        """Open a base, or create one; StoreError if it cannot be opened, with what to do.
 
         Args:
             location: `memory:`, a folder, or the address of a SPARQL endpoint.
             read_only: refuse to write; the base must exist. A folder that another process
                 has open is read as it is now.
-
-        Raises:
-            StoreError: it cannot be opened; says why and what to do.
         """
         store = open_store(location, read_only=read_only)
         try:
@@ -147,15 +146,7 @@ class KnowledgeBase:
         """Close the store; the base cannot be used any more."""
         self.store.close()
 
-    def __enter__(self) -> KnowledgeBase:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -174,16 +165,14 @@ class KnowledgeBase:
             limits: time and memory after which it is stopped; none by default, for queries
                 that are known to end.
 
-        Returns:
-            The rows, the boolean of an ASK, or the statements of a CONSTRUCT or DESCRIBE.
-
         Raises:
             QueryError: the query is wrong, reads anything else, or was stopped.
         """
         bound = self._prepared(text, bindings)
-        if limits and query_form(bound):
+        form = query_form(bound)
+        if limits and form:
             return self.store.run(bound, limits)
-        match query_form(bound):
+        match form:
             case "SELECT":
                 return self.store.select(bound)
             case "ASK":
@@ -198,15 +187,10 @@ class KnowledgeBase:
         return self.store.select(self._prepared(text, bindings))
 
     def answer(self, name: str, /, *, limits: Limits | None = None, **arguments: str) -> Solutions:
-        """The rows of a named query.
+        """The rows of a named query, whose parameters are given as texts; `limits` as for `query`.
 
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables
         ('affordance', 'object', 'lower', 'upper', 'speaker', 'rule')
-
-        Args:
-            name: the name of the query, as "best-for".
-            limits: as for `query`.
-            arguments: values for its parameters, as texts.
 
         Raises:
             UnknownNameError: there is no such query or parameter.
@@ -218,8 +202,7 @@ class KnowledgeBase:
     def count(self) -> dict[str, int]:
         """The number of individuals of each class, as {"ActionRule": 2, "Utterance": 3}."""
         rows = self.store.select(named_query("counts").text)
-        named = ((cast(Iri, kind).removeprefix(HILT), cast(int, number)) for kind, number in rows)
-        return dict(named)
+        return {cast(Iri, kind).removeprefix(HILT): cast(int, number) for kind, number in rows}
 
     def load_domain(
         self,
@@ -227,15 +210,12 @@ class KnowledgeBase:
         actions: Actions,
         classes: Mapping[str, str | None] | None = None,
     ) -> bool:
-        """Write the household domain, unless it is there already.
+        """Write the household domain and return True, unless it is there already.
 
         Args:
             objects: object types by name.
             actions: the action trees.
             classes: class of objects -> the class above it, or None.
-
-        Returns:
-            Whether anything was written.
         """
         from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
 
@@ -292,3 +272,43 @@ class KnowledgeBase:
                 *trust_quads(DEFAULT_SPEAKER, CERTAIN),
             ]
         )
+
+
+def base_format(store: Store) -> Term | None:
+    """The format in which a store was written; None when it holds no base."""
+    found = store.quads(BASE_NODE, FORMAT_VERSION, None, BASE_GRAPH)
+    return next((quad.object for quad in found), None)
+
+
+def migrate(
+    store: Store, found: Term, *, steps: Mapping[int, str] = STEPS, to: int = FORMAT
+) -> None:
+    """Bring a base to a later format, step by step; the caller holds the write lock.
+
+    Args:
+        store: the store of the base.
+        found: its format.
+        steps: format -> the update to the next one.
+        to: the wanted format.
+
+    Raises:
+        StoreError: there is no step, or the store is read-only.
+    """
+    if not isinstance(found, int) or found > to or any(n not in steps for n in range(found, to)):
+        raise StoreError(
+            f'The knowledge base "{store.location}" has format {found}; this Hilt reads format '
+            f"{to}. Use the Hilt that wrote it to export it."
+        )
+    if found < to and store.read_only:
+        raise StoreError(
+            f'The knowledge base "{store.location}" has format {found}; open it once for writing '
+            f"to bring it to format {to}."
+        )
+    for number in range(found, to):
+        renumber = delete_insert([version_quad(number)], [version_quad(number + 1)])
+        store.update(join_updates(steps[number], renumber))
+
+
+def version_quad(number: int) -> Quad:
+    """The statement that names the format of a base."""
+    return Quad(BASE_NODE, FORMAT_VERSION, number, BASE_GRAPH)

@@ -9,13 +9,13 @@ graph with that status, as a rule does.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import cast
+from dataclasses import dataclass, replace
 
-from ..ontology.vocabulary import Iri, external, iri, split, term
-from .history import utterance_iri
+from ..ontology.vocabulary import Iri, external, iri, term
+from .history import SPEAKER, TEXT, utterance_iri, utterance_number
+from .rdf.record_mapping import Property, group_properties, read_fields, record_properties
 from .rdf.rule_mapping import (
-    ATTRIBUTED_TO,
+    DERIVED_FROM,
     LABEL,
     STATUS,
     TYPE,
@@ -23,12 +23,17 @@ from .rdf.rule_mapping import (
     atom_iri,
     status_iri,
 )
-from .rdf.terms import Quad, Term
+from .rdf.terms import Quad
 from .rule import Atom, Status
 from .stores.base import Store
 
 LEXICON = iri("graph", "lexicon")
-DERIVED_FROM, DENOTES, TEXT = external("prov:wasDerivedFrom"), term("denotes"), term("text")
+_FIELDS = {
+    "atom": Property(term("denotes"), Iri, atom_iri, atom_from_iri),
+    "said": Property(TEXT, str),
+    "speaker": SPEAKER,
+    "utterance": Property(DERIVED_FROM, Iri, utterance_iri, utterance_number),
+}
 
 
 @dataclass(frozen=True, order=True)
@@ -65,32 +70,18 @@ def word_iri(atom: Atom) -> Iri:
 
 def word_quads(word: Word, utterance: int, *, status: Status = "active") -> Iterator[Quad]:
     """The statements about a word learned from an utterance."""
-    properties: list[tuple[Iri, Term]] = [
-        (TYPE, term("Word")),
-        (TYPE, external("ontolex:LexicalEntry")),
-        (LABEL, word.atom.name),
-        (TEXT, word.said),
-        (DENOTES, atom_iri(word.atom)),
-        (STATUS, status_iri(status)),
-        (ATTRIBUTED_TO, iri("speaker", word.speaker)),
-        (DERIVED_FROM, utterance_iri(utterance)),
-    ]
     node = word_iri(word.atom)
-    for predicate, value in properties:
+    for kind in (term("Word"), external("ontolex:LexicalEntry")):
+        yield Quad(node, TYPE, kind, LEXICON)
+    yield Quad(node, LABEL, word.atom.name, LEXICON)
+    yield Quad(node, STATUS, status_iri(status), LEXICON)
+    for predicate, value in record_properties(replace(word, utterance=utterance), _FIELDS):
         yield Quad(node, predicate, value, LEXICON)
 
 
 def read_words(store: Store) -> list[Word]:
     """The active words of a store, sorted by what they denote."""
     nodes = [q.subject for q in store.quads(None, STATUS, status_iri("active"), LEXICON)]
-    return sorted(_read(store, node) for node in nodes)
-
-
-def _read(store: Store, node: Iri) -> Word:
-    found = {q.predicate: q.object for q in store.quads(node, None, None, LEXICON)}
-    return Word(
-        atom_from_iri(cast(Iri, found[DENOTES])),
-        cast(str, found[TEXT]),
-        split(cast(Iri, found[ATTRIBUTED_TO]))[1],
-        int(split(cast(Iri, found[DERIVED_FROM]))[1]),
-    )
+    # As a dict, because a word that was learned again has several utterances.
+    found = (group_properties(dict(store.properties(node, LEXICON)).items()) for node in nodes)
+    return sorted(Word(**read_fields(each, _FIELDS, "A word")) for each in found)

@@ -37,11 +37,7 @@ NodeProperties: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
 
 
 class RuleReader:
-    """Reads the rules and the history of a store.
-
-    Attributes:
-        store: where they are stored.
-    """
+    """Reads the rules and the history of `store`."""
 
     def __init__(self, store: Store) -> None:
         self.store = store
@@ -53,7 +49,12 @@ class RuleReader:
             nodes: keys such as "pass.graspObject", "graspObject", "findObject.cutting".
         """
         if self.store.has_cheap_patterns:
-            found = list(self._attached(nodes))
+            edges = (
+                edge
+                for node in dict.fromkeys(nodes)
+                for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, BELIEFS)
+            )
+            found = [(rule := cast(Iri, edge.object), self.properties(rule)) for edge in edges]
         else:
             query = named_query("rules-of-node").text
             bound = bind_variables(query, {"node": [node_iri(node) for node in nodes]})
@@ -72,19 +73,14 @@ class RuleReader:
     ) -> list[Rule]:
         """The rules that match, in the order in which they were last said.
 
-        Args:
-            object: the object they are about.
-            affordance: the affordance they conclude.
-            context: the action they apply to.
-            part: the part they conclude.
-            speaker: who said them.
-            status: active by default; None for any status.
+        Rules are about an object, apply to the action `context`, and conclude an affordance or a
+        part. A status of None is any status.
         """
         wanted = [  # the most selective property comes first
-            (rule_mapping.FEATURE, _atom_iri("object", object)),
-            (rule_mapping.AFFORDANCE, _atom_iri("affordance", affordance)),
-            (rule_mapping.PART, _atom_iri("part", part)),
-            (rule_mapping.CONTEXT, _atom_iri("action", context)),
+            (rule_mapping.FEATURE, _optional_iri("object", object)),
+            (rule_mapping.AFFORDANCE, _optional_iri("affordance", affordance)),
+            (rule_mapping.PART, _optional_iri("part", part)),
+            (rule_mapping.CONTEXT, _optional_iri("action", context)),
             (rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
             (rule_mapping.STATUS, rule_mapping.status_iri(status) if status else None),
         ]
@@ -100,9 +96,9 @@ class RuleReader:
             found = [one for one in self.rules_at_nodes([rule.node]) if one.speaker == rule.speaker]
         else:
             atom_iri = rule_mapping.atom_iri
-            wanted = [(rule_mapping.FEATURE, atom_iri(atom)) for atom in sorted(rule.features)]
-            wanted += [(rule_mapping.CONTEXT, atom_iri(atom)) for atom in sorted(rule.contexts)]
-            wanted += [
+            wanted = [
+                *((rule_mapping.FEATURE, atom_iri(atom)) for atom in sorted(rule.features)),
+                *((rule_mapping.CONTEXT, atom_iri(atom)) for atom in sorted(rule.contexts)),
                 (rule_mapping.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
                 (rule_mapping.STATUS, rule_mapping.status_iri("active")),
             ]
@@ -112,11 +108,7 @@ class RuleReader:
         return sorted(same, key=lambda one: (one.utterance or 0, one.id))
 
     def rule(self, rule_id: str) -> Rule:
-        """The rule with an id, whatever its status.
-
-        Raises:
-            UnknownNameError: there is none.
-        """
+        """The rule with an id, whatever its status; UnknownNameError if there is none."""
         node = rule_mapping.rule_iri(rule_id)
         found = self.properties(node)
         if not found:
@@ -124,11 +116,7 @@ class RuleReader:
         return self.read_rules([(node, found)])[0]
 
     def utterance(self, sequence: int) -> Utterance:
-        """The utterance with a number.
-
-        Raises:
-            UnknownNameError: there is none.
-        """
+        """The utterance with a number; UnknownNameError if there is none."""
         found = self.store.properties(utterance_iri(sequence), HISTORY)
         if not found:
             last = self.sequence
@@ -164,10 +152,8 @@ class RuleReader:
         """The known speaker whose name matches, whatever the case; else the name as given."""
         if self.trust(speaker) is not None:
             return speaker
-        matching = (
-            name for name in self.trust_by_speaker() if name.casefold() == speaker.casefold()
-        )
-        return next(matching, speaker)
+        known = {name.casefold(): name for name in reversed(self.trust_by_speaker())}
+        return known.get(speaker.casefold(), speaker)
 
     def speakers(self) -> tuple[str, ...]:
         """The speakers with a trust above 0, sorted."""
@@ -178,11 +164,6 @@ class RuleReader:
         nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
         names = sorted(split(node)[1] for node in nodes)
         return {name: trust for name in names if (trust := self.trust(name))}
-
-    def _attached(self, nodes: Sequence[str]) -> Iterator[NodeProperties]:
-        for node in dict.fromkeys(nodes):
-            for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, BELIEFS):
-                yield cast(Iri, edge.object), self.properties(cast(Iri, edge.object))
 
     def properties(self, node: Iri) -> list[tuple[Iri, Term]]:
         """The properties of a rule's node, with their values."""
@@ -199,9 +180,9 @@ class RuleReader:
 
         The time depends on how many rules have the first of them.
         """
-        pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(rule_mapping.STATUS, None)]
         if not self.store.has_cheap_patterns:
             return {node for node, _ in _gathered(self.store.select(_having_query(wanted)))}
+        pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(rule_mapping.STATUS, None)]
         first, *others = pairs
         found = {quad.subject for quad in self.store.quads(None, *first, BELIEFS)}
         for key, value in others:
@@ -229,8 +210,14 @@ class RuleReader:
         return 0.0
 
 
-def _atom_iri(kind: str, name: str | None) -> Iri | None:
-    return rule_mapping.atom_iri(Atom(kind, name)) if name is not None else None
+def atom_named(kind: str, name: str | None) -> Atom | None:
+    """The atom of a name; None for none."""
+    return None if name is None else Atom(kind, name)
+
+
+def _optional_iri(kind: str, name: str | None) -> Iri | None:
+    atom = atom_named(kind, name)
+    return rule_mapping.atom_iri(atom) if atom else None
 
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]]) -> str:

@@ -35,6 +35,7 @@ MAX_NAME = 100  # characters
 
 Status = Literal["active", "retracted", "superseded", "induced"]
 Kind = Literal["functional", "action", "general"]
+_KINDS: Mapping[str, Kind] = {USED_FOR: "functional", GRASP_OBJECT: "action"}
 
 _WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 _FUNCTOR = re.compile(r"[a-z][A-Za-z0-9]*")
@@ -61,16 +62,15 @@ class Atom:
 
     def __post_init__(self) -> None:
         if self.kind not in ATOM_KINDS:
-            raise ValidationError(
-                [f'"{self.kind}" is no kind of atom; expected one of {", ".join(ATOM_KINDS)}.']
+            problem = f'"{self.kind}" is no kind of atom; expected one of {", ".join(ATOM_KINDS)}.'
+            raise ValidationError([problem])
+        is_name = len(self.name) <= MAX_NAME and _WORDS.fullmatch(self.name)
+        if not is_name or (self.kind != "action" and self.name != self.name.lower()):
+            problem = (
+                f'"{self.name[:MAX_NAME]}" is no name of {_article(self.kind)}; expected '
+                f"lower-case words with single spaces, at most {MAX_NAME} characters."
             )
-        if not _is_name(self.name) or (self.kind != "action" and self.name != self.name.lower()):
-            raise ValidationError(
-                [
-                    f'"{self.name[:MAX_NAME]}" is no name of {_article(self.kind)}; expected '
-                    f"lower-case words with single spaces, at most {MAX_NAME} characters."
-                ]
-            )
+            raise ValidationError([problem])
 
     @classmethod
     def parse(cls, text: str) -> Atom:
@@ -127,24 +127,16 @@ class Rule:
             raise ValidationError([f'"{self.functor[:MAX_NAME]}" is no functor, as "graspObject".'])
         wanted = ARGUMENT_KINDS.get(self.functor)
         if wanted and (self.argument is None or self.argument.kind != wanted):
-            raise ValidationError(
-                [
-                    f"{self.functor} needs {_article(wanted)}, as {_EXAMPLES[self.functor]}; "
-                    f"found {self.argument or 'none'}."
-                ]
-            )
+            example, found = _EXAMPLES[self.functor], self.argument or "none"
+            problem = f"{self.functor} needs {_article(wanted)}, as {example}; found {found}."
+            raise ValidationError([problem])
         check_speaker(self.speaker)
         object.__setattr__(self, "interval", self.interval.rounded())
 
     @property
     def kind(self) -> Kind:
         """Functional (usedFor), action (graspObject of a part), or general."""
-        wanted = self.argument.kind if self.argument else ""
-        if (self.functor, wanted) == (USED_FOR, "affordance"):
-            return "functional"
-        if (self.functor, wanted) == (GRASP_OBJECT, "part"):
-            return "action"
-        return "general"
+        return _KINDS.get(self.functor, "general")
 
     @property
     def object(self) -> str | None:
@@ -179,14 +171,9 @@ class Rule:
     @cached_property
     def id(self) -> str:
         """Its identifier, a hash of its content: what one speaker says twice is one rule."""
+        features, contexts = atoms_text(self.features), atoms_text(self.contexts)
         bounds = f"{self.interval.lower:.{DIGITS}f} {self.interval.upper:.{DIGITS}f}"
-        return id_from_content(
-            self.speaker,
-            atoms_text(self.features),
-            atoms_text(self.contexts),
-            self.conclusion,
-            bounds,
-        )
+        return id_from_content(self.speaker, features, contexts, self.conclusion, bounds)
 
     @property
     def conclusion(self) -> str:
@@ -252,14 +239,8 @@ def functional(
         properties: further features of the object ("red").
         speaker: who says it.
     """
-    return Rule(
-        _features(name, properties),
-        frozenset(),
-        USED_FOR,
-        Atom("affordance", affordance),
-        interval,
-        speaker,
-    )
+    features, argument = _features(name, properties), Atom("affordance", affordance)
+    return Rule(features, frozenset(), USED_FOR, argument, interval, speaker)
 
 
 def grasping(
@@ -273,33 +254,21 @@ def grasping(
 ) -> Rule:
     """The rule that an object is grasped by a part, in the context of an action or in any.
 
-    Args:
-        name: the object; "*" for any.
-        part: as "blade".
-        context: the action, as "pass"; None for any.
-        interval: bounds of its probability.
-        properties: further features of the object ("sharp").
-        speaker: who says it.
+    The context is the action, as "pass"; other arguments are as for `functional`.
     """
     contexts = frozenset([Atom("action", context)]) if context else frozenset[Atom]()
-    return Rule(
-        _features(name, properties), contexts, GRASP_OBJECT, Atom("part", part), interval, speaker
-    )
+    features, argument = _features(name, properties), Atom("part", part)
+    return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
 
 
 def check_speaker(name: str) -> None:
-    """Refuse a name that no speaker can have.
-
-    Raises:
-        ValidationError: it is empty, too long, or has other characters than names have.
-    """
+    """Raise a ValidationError for a name that no speaker can have."""
     if not _SPEAKER.fullmatch(name) or len(name) > MAX_NAME:
-        raise ValidationError(
-            [
-                f"{name[:MAX_NAME]!r} is no speaker's name; expected letters, digits, spaces and "
-                f". ' @ + -, at most {MAX_NAME} characters."
-            ]
+        problem = (
+            f"{name[:MAX_NAME]!r} is no speaker's name; expected letters, digits, spaces and "
+            f". ' @ + -, at most {MAX_NAME} characters."
         )
+        raise ValidationError([problem])
 
 
 def _features(name: str, properties: Iterable[str]) -> frozenset[Atom]:
@@ -324,10 +293,6 @@ def atoms_text(atoms: frozenset[Atom]) -> str:
 def _only(atoms: frozenset[Atom], kind: str) -> str | None:
     names = [atom.name for atom in atoms if atom.kind == kind]
     return names[0] if len(names) == 1 else None
-
-
-def _is_name(name: str) -> bool:
-    return len(name) <= MAX_NAME and _WORDS.fullmatch(name) is not None
 
 
 def _article(kind: str) -> str:

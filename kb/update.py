@@ -18,10 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import GRAPH_NAMES, Iri, iri, shortened, split
+from ..ontology.vocabulary import Iri, shortened, split
 from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
-from .knowledge_base import KnowledgeBase
-from .migration import FORMAT, base_format
+from .knowledge_base import FORMAT, KnowledgeBase, base_format
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
@@ -30,7 +29,7 @@ from .sparql.safety import refuse_external_access, refuse_nondeterminism
 from .sparql.text import delete_insert, join_updates, with_prefixes
 from .stores.base import Store
 from .stores.sandbox import REPORT, WorkerProcess
-from .validation import check_invariants, rule_nodes
+from .validation import BASE_GRAPHS, check_invariants, rule_nodes
 from .writer import speaker_quads, to_milliseconds
 
 KIND = "update"  # of the utterance that keeps it in the history
@@ -108,9 +107,7 @@ def update_and_check(store: Store, updates: Iterable[str]) -> bytes:
 
 
 def _findings(store: Store) -> Iterator[str]:
-    known = {iri("graph", name) for name in GRAPH_NAMES}
-    foreign = {quad.graph for quad in store.quads() if quad.graph not in known}
-    for graph in foreign:
+    for graph in {quad.graph for quad in store.quads()} - BASE_GRAPHS:
         name = shortened(graph) if graph else "without a name"
         yield f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."
     if base_format(store) != FORMAT:

@@ -9,19 +9,20 @@ utterances count, and with full trust.
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import cast
 
 from ..ontology.errors import DataError, NotFoundError
-from ..ontology.vocabulary import Iri, split
+from ..ontology.vocabulary import Iri
 from .history import ASSERTS, HISTORY, KIND, RETRACTS, SEQUENCE, SUPERSEDES
 from .interval import CERTAIN, Interval
+from .rdf.record_mapping import PropertyValues, group_properties, local_name
 from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id
-from .reader import RuleReader
-from .rule import DEFAULT_SPEAKER, Atom, Rule
+from .rdf.terms import Term
+from .reader import RuleReader, atom_named
+from .rule import DEFAULT_SPEAKER, Rule
 from .writer import parse_trust
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
@@ -47,15 +48,15 @@ class RuleView:
         speaker: str | None = None,
     ) -> list[Rule]:
         """The rules that match; arguments as for `RuleReader.rules`."""
-        argument = _atom("affordance", affordance) or _atom("part", part)
-        feature, action = _atom("object", object), _atom("action", context)
+        argument = atom_named("affordance", affordance) or atom_named("part", part)
+        feature, action = atom_named("object", object), atom_named("action", context)
         return [
             rule
             for rule in self.all
             if (feature is None or feature in rule.features)
             and (action is None or action in rule.contexts)
-            and (argument is None or argument == rule.argument)
-            and (speaker is None or speaker == rule.speaker)
+            and argument in (None, rule.argument)
+            and speaker in (None, rule.speaker)
         ]
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
@@ -80,10 +81,14 @@ def view(
     events = _events(base)
     _check(base, events, at, according_to)
     counted = [one for one in events if _is_until(one, at)]
-    active = _replayed(base, counted, according_to)
-    for unexplained in _ended_elsewhere(base, events, active):
-        del active[unexplained]
-    found = [base.rule(one) for one in active]
+    active, finally_active = _replayed(base, counted, according_to), _replayed(base, events, None)
+    # A rule that is inactive now although no utterance of this base ended it came with a file or
+    # another base, where it was retracted at an unknown time.
+    found = [
+        rule
+        for rule in map(base.rule, active)
+        if rule.status == "active" or rule.id not in finally_active
+    ]
     names = {rule.speaker for rule in found} if according_to is None else set[str]()
     trust = _trust(base, names, events, counted)
     rules = [
@@ -100,7 +105,7 @@ def view(
 
 
 def parse_moment(text: str) -> datetime | int:
-    """The moment that a text names.
+    """The moment that a text names; DataError if it names none.
 
     >>> parse_moment("12")
     12
@@ -110,9 +115,6 @@ def parse_moment(text: str) -> datetime | int:
     Args:
         text: the number of an utterance, or an ISO date with or without a time. A date alone is
             the end of that day; a time without a zone is local.
-
-    Raises:
-        DataError: it is neither.
     """
     stripped = text.strip()
     if stripped.isdecimal() and len(stripped) < len("20261121"):
@@ -147,36 +149,23 @@ def _events(base: RuleReader) -> list[_Event]:
         _Event(
             cast(int, number),
             cast(datetime, once[GENERATED_AT][node][0]),
-            split(cast(Iri, once[ATTRIBUTED_TO][node][0]))[1],
+            local_name(cast(Iri, once[ATTRIBUTED_TO][node][0])),
             once[KIND][node] == ["trust"],
-            _rules(links[ASSERTS][node]),
-            _rules(links[RETRACTS][node] + links[SUPERSEDES][node]),
+            _rule_ids(links[ASSERTS][node]),
+            _rule_ids(links[RETRACTS][node] + links[SUPERSEDES][node]),
         )
         for node, (number, *_) in _objects(base, SEQUENCE).items()
     ]
     return sorted(found, key=lambda one: (one.time, one.sequence))
 
 
-def _objects(base: RuleReader, key: Iri) -> defaultdict[Iri, list[object]]:
-    found: defaultdict[Iri, list[object]] = defaultdict(list)
-    for quad in base.store.quads(None, key, None, HISTORY):
-        found[quad.subject].append(quad.object)
-    return found
+def _objects(base: RuleReader, key: Iri) -> PropertyValues:
+    quads = base.store.quads(None, key, None, HISTORY)
+    return group_properties((quad.subject, quad.object) for quad in quads)
 
 
-def _rules(nodes: list[object]) -> list[str]:
+def _rule_ids(nodes: list[Term]) -> list[str]:
     return [rule_id(cast(Iri, node)) for node in nodes]
-
-
-def _ended_elsewhere(
-    base: RuleReader, events: list[_Event], active: dict[str, _Event]
-) -> list[str]:
-    """The rules among these that are inactive now although no utterance of this base ended them.
-
-    They came with a file or another base where they were retracted at an unknown time.
-    """
-    finally_active = _replayed(base, events, None)
-    return [one for one in active if one in finally_active and base.rule(one).status != "active"]
 
 
 def _check(
@@ -193,9 +182,7 @@ def _check(
 
 
 def _is_until(one: _Event, at: datetime | int | None) -> bool:
-    if at is None:
-        return True
-    return one.sequence <= at if isinstance(at, int) else one.time <= at
+    return at is None or (one.sequence <= at if isinstance(at, int) else one.time <= at)
 
 
 def _replayed(
@@ -233,7 +220,3 @@ def _trust_settings(base: RuleReader, events: list[_Event]) -> Iterator[tuple[st
     for one in events:
         if one.is_trust and (found := parse_trust(base.utterance(one.sequence))):
             yield found
-
-
-def _atom(kind: str, name: str | None) -> Atom | None:
-    return Atom(kind, name) if name is not None else None

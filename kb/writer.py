@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from decimal import Decimal
+from functools import partial
 
 from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, term
@@ -42,21 +43,11 @@ class _Change:
 
 
 class RuleWriter:
-    """Writes rules and utterances into a store.
-
-    Attributes:
-        clock: gives the time of an utterance.
-    """
+    """Writes rules and utterances into the store of a reader, at the times that `clock` gives."""
 
     def __init__(self, reader: RuleReader, *, clock: Callable[[], datetime] | None = None) -> None:
-        """Write into the store of a reader.
-
-        Args:
-            reader: reads what is there already.
-            clock: gives the time of an utterance; the system's by default.
-        """
         self._reader, self._store = reader, reader.store
-        self.clock = clock or _now
+        self.clock = clock or partial(datetime.now, timezone.utc)
 
     def believe(
         self,
@@ -78,21 +69,9 @@ class RuleWriter:
         The same rule said again by the same speaker stays one rule. The caller decides whether the
         speaker is to be believed (`trust`).
 
-        Args:
-            text: as it was said.
-            predicate: its meaning in predicate form.
-            speaker: who said it; the rules are attributed to this speaker.
-            rules: what it asserts.
-            retracts: ids of rules to retract.
-            supersedes: ids of rules that these replace.
-            words: new words that were learned from it.
-            kind: statement or correction.
-            answer: the answer to it.
-            heard: confidence of the speech recognition, in [0, 1]; already part of the rules.
-            time: when it was said; now by default.
-
-        Returns:
-            The utterance as it stands in the history.
+        The arguments are those of `Utterance`; its time is now by default. The rules are
+        attributed to its speaker, and `words` are new words that were learned from it. `heard` is
+        already part of the intervals of the rules.
 
         Raises:
             UnknownNameError: a rule to retract does not exist.
@@ -106,12 +85,11 @@ class RuleWriter:
             speaker,
             to_milliseconds(time or self.clock()),
             kind,
-            True,
-            answer,
-            tuple(sorted(asserted)),
-            tuple(sorted(set(retracts) - set(asserted))),
-            tuple(sorted(set(supersedes) - set(asserted))),
-            heard,
+            answer=answer,
+            asserts=tuple(sorted(asserted)),
+            retracts=tuple(sorted(set(retracts) - set(asserted))),
+            supersedes=tuple(sorted(set(supersedes) - set(asserted))),
+            heard=heard,
         )
         with self._store.writing():
             change = _Change()
@@ -133,15 +111,7 @@ class RuleWriter:
     ) -> Utterance:
         """Add an utterance that changes no rule: a command, a question, a refused statement.
 
-        Args:
-            text: as it was said.
-            predicate: its meaning in predicate form; empty when it was not understood.
-            speaker: who said it.
-            kind: command, question, statement, ...
-            accepted: whether it was carried out or believed.
-            answer: the answer to it.
-            time: when it was said; now by default.
-            heard: confidence of the speech recognition, in [0, 1].
+        The arguments are those of `Utterance`; its time is now by default.
         """
         moment = to_milliseconds(time or self.clock())
         utterance = Utterance(
@@ -160,14 +130,16 @@ class RuleWriter:
         answer: str = "",
         time: datetime | None = None,
     ) -> Utterance:
-        """Retract a rule because of an utterance; the history keeps the rule.
-
-        Raises:
-            UnknownNameError: there is no such rule.
-        """
-        gone, kind = [rule_id], "correction"
+        """Retract a rule because of an utterance; UnknownNameError if there is no such rule."""
         return self.believe(
-            text, predicate, speaker, [], retracts=gone, kind=kind, answer=answer, time=time
+            text,
+            predicate,
+            speaker,
+            [],
+            retracts=[rule_id],
+            kind="correction",
+            answer=answer,
+            time=time,
         )
 
     def set_trust(
@@ -202,11 +174,7 @@ class RuleWriter:
         return trust
 
     def forget_word(self, name: str, text: str, speaker: str) -> Word:
-        """Retract a learned word because of an utterance; the graph keeps it with that status.
-
-        Raises:
-            UnknownNameError: no word of that name was learned.
-        """
+        """Retract a learned word, whose node stays; UnknownNameError if none has that name."""
         with self._store.writing():
             known = {word.atom.name: word for word in self._reader.words()}
             if name not in known:
@@ -233,16 +201,13 @@ class RuleWriter:
         change.insert += utterance_quads(numbered)
         change.insert += speaker_quads(utterance.speaker, HISTORY)
         for rule in rules:
-            self._assert(change, numbered, rule)
+            asserted = replace(rule, utterance=last + 1, time=utterance.time, status="active")
+            before = self._store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
+            change.replace(before, rule_mapping.rule_quads(asserted))
         self._end(change, numbered.retracts, "retracted", rules)
         self._end(change, numbered.supersedes, "superseded", rules)
         self._store.apply(insert=change.insert, delete=change.delete)
         return numbered
-
-    def _assert(self, change: _Change, utterance: Utterance, rule: Rule) -> None:
-        asserted = replace(rule, utterance=utterance.sequence, time=utterance.time, status="active")
-        before = self._store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
-        change.replace(before, rule_mapping.rule_quads(asserted))
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]
@@ -295,10 +260,6 @@ def speaker_quads(speaker: str, graph: Iri) -> list[Quad]:
         Quad(node, rule_mapping.TYPE, term("Speaker"), graph),
         Quad(node, rule_mapping.LABEL, speaker, graph),
     ]
-
-
-def _now() -> datetime:
-    return datetime.now(timezone.utc)
 
 
 def to_milliseconds(time: datetime) -> datetime:

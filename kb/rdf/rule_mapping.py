@@ -14,7 +14,6 @@ while the rule is active, so the query for the rules of a node need not test the
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from datetime import datetime
 from decimal import Decimal
@@ -25,6 +24,7 @@ from ...ontology.errors import ValidationError
 from ...ontology.vocabulary import ATOM_KINDS, HILT, Iri, external, iri, split, term
 from ..interval import DIGITS, Interval
 from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule, Status
+from .record_mapping import group_properties
 from .terms import Quad, Term
 
 BELIEFS = iri("graph", "beliefs")
@@ -152,11 +152,8 @@ def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
     Raises:
         ValidationError: something is missing or malformed.
     """
-    found: dict[Iri, list[Term]] = defaultdict(list)
-    for predicate, value in properties:
-        found[predicate].append(value)
     try:
-        return _read(found)
+        return _read(group_properties(properties))
     except ValidationError:
         raise
     except KeyError as error:

@@ -10,8 +10,7 @@ import pytest
 
 from hilt.kb.formats.transfer import export_file, import_file
 from hilt.kb.interval import Interval
-from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.migration import FORMAT, STEPS, base_format, migrate, version_quad
+from hilt.kb.knowledge_base import FORMAT, STEPS, KnowledgeBase, base_format, migrate, version_quad
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Atom
 from hilt.kb.stores.oxigraph import OxigraphStore, save_quads
