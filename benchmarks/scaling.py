@@ -2,9 +2,9 @@
 """How much faster an evaluation is with more worker processes.
 
 Runs `hilt evaluate WHAT...` with 1, 2, ... workers, checks that the results are the same bytes, and
-prints for each the time on the clock, the processor time of all processes, and the speed-up on the
-clock and as the processor time has it (what it would be with a core for every worker and nothing
-else running). Say nothing else is running, or believe the second figure:
+prints for each run the wall-clock time, the processor time of all processes, and two speed-ups: by
+wall-clock time, and by processor time (with a core for every worker and nothing else running). If
+other programs are running, only the second one is meaningful:
 
     python benchmarks/scaling.py --workers 1,2 paper --sim
 """
@@ -24,13 +24,13 @@ HILT = (sys.executable, "-c", "from hilt.agent.cli import main; main()", "evalua
 
 @dataclass(frozen=True)
 class Run:
-    """One run.
+    """One run of the command.
 
     Attributes:
-        workers: processes.
-        clock_s: time on the clock [s].
+        workers: number of worker processes.
+        clock_s: wall-clock time [s].
         cpu_s: processor time of the command and its workers [s].
-        results: what it wrote.
+        results: content of the results file.
     """
 
     workers: int
@@ -39,12 +39,12 @@ class Run:
     results: bytes
 
 
-def measured(what: list[str], workers: int) -> Run:
-    """Run the command once, from its start to its end."""
+def measure(what: list[str], workers: int) -> Run:
+    """Run the command once and return its times and results."""
     with tempfile.TemporaryDirectory() as folder:
         command = [*HILT, *what, "--workers", str(workers), "--out", folder, "--json"]
         before, began = _cpu_s(), time.perf_counter()
-        # Exit code 1 says that some case is wrong, which is no matter here.
+        # Exit code 1 means that a case is wrong, which does not matter here.
         subprocess.run(command, check=False)  # noqa: S603
         clock_s, cpu_s = time.perf_counter() - began, _cpu_s() - before
         return Run(workers, clock_s, cpu_s, Path(folder, "results.jsonl").read_bytes())
@@ -64,7 +64,7 @@ def main() -> None:
     parser.add_argument("what", nargs=argparse.REMAINDER, help="evaluation and its options")
     given = parser.parse_args()
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
-    runs = [measured(given.what, int(workers)) for workers in given.workers.split(",")]
+    runs = [measure(given.what, int(workers)) for workers in given.workers.split(",")]
     first = runs[0]
     for run in runs:
         assert run.results == first.results, "the results differ"

@@ -29,11 +29,11 @@ _KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """An antecedent that would entail the conclusion.
+    """An antecedent (features and contexts) that would entail the conclusion.
 
     Attributes:
-        features: the features that would have to be observed.
-        contexts: the contexts that would have to hold.
+        features: what would have to be observed.
+        contexts: what would have to hold.
         interval: the interval of the conclusion in that case.
         rules: the rules it is based on.
     """
@@ -66,9 +66,8 @@ def parse_conclusion(text: str) -> Conclusion:
     functor, bracket, rest = text.partition("(")
     if bracket:
         name = rest.rstrip().removesuffix(")").strip()
-        return Conclusion(
-            functor.strip(), read_atom(name, _KINDS.get(functor, "object")) if name else None
-        )
+        argument = read_atom(name, _KINDS.get(functor, "object")) if name else None
+        return Conclusion(functor.strip(), argument)
     if ":" not in text:
         return Conclusion(text)
     argument = Atom.parse(text)
@@ -83,18 +82,17 @@ def find_hypotheses(
     settings: Settings | None = None,
     taxonomy: Taxonomy = FLAT,
 ) -> list[Hypothesis]:
-    """Return the hypotheses for a conclusion, the most plausible first.
+    """Return the hypotheses under which a conclusion is more plausible than its negation.
+
+    The most plausible one is first. Rules with the same antecedent are fused.
 
     Args:
         rules: the rules to apply backwards.
         conclusion: usedFor(cutting), graspObject(blade), cutWith(bread).
         given: the atoms known to hold; they are left out of the hypotheses, and rules about
             objects other than the given one are ignored.
-        settings: the operators; rules with the same antecedent are fused.
+        settings: the operators.
         taxonomy: the is-a hierarchy: a given bread knife is a knife.
-
-    Returns:
-        Only hypotheses under which the conclusion is more plausible than its negation.
     """
     operators = (settings or Settings()).operators
     known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))
@@ -112,7 +110,12 @@ def find_hypotheses(
         for group in groups.values()
     )
     likely = [each for each in found if relative_plausibility(each.interval) > 0.5]
-    return sorted(likely, key=lambda each: (-relative_plausibility(each.interval), _name(each)))
+
+    def order(each: Hypothesis) -> tuple[float, str]:
+        name = " ".join(sorted(map(str, each.features | each.contexts)))
+        return -relative_plausibility(each.interval), name
+
+    return sorted(likely, key=order)
 
 
 def _concludes(rule: Rule, conclusion: Conclusion) -> bool:
@@ -123,7 +126,3 @@ def _is_compatible(rule: Rule, given: frozenset[Atom]) -> bool:
     objects = {atom for atom in given if atom.kind == "object"}
     wanted = {atom for atom in rule.features if atom.kind == "object"}
     return not objects or wanted <= objects
-
-
-def _name(hypothesis: Hypothesis) -> str:
-    return " ".join(sorted(map(str, hypothesis.features | hypothesis.contexts)))

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import chain
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
@@ -47,21 +48,13 @@ class RuleSource(Protocol):
 
 
 class Affordances:
-    """Inference over the rules of a knowledge base.
+    """Inference over the rules of a source, which are inherited along a taxonomy.
 
     The rules of a node are cached until the sequence number of the source changes.
-
-    Args:
-        source: the source of the rules.
-        settings: operators, stage, detection and thresholds.
-        taxonomy: the is-a hierarchy along which rules are inherited.
     """
 
     def __init__(
-        self,
-        source: RuleSource,
-        settings: Settings | None = None,
-        taxonomy: Taxonomy = FLAT,
+        self, source: RuleSource, settings: Settings | None = None, taxonomy: Taxonomy = FLAT
     ) -> None:
         self.source = source
         self.settings = settings or Settings()
@@ -72,9 +65,7 @@ class Affordances:
     def features(self, node: str, goal: Goal) -> tuple[Atom, ...]:
         """Return the features that vision has to look for at a node (getFeatures), sorted.
 
-        Args:
-            node: path of the node in the action tree ("pass/graspObject").
-            goal: the goal of the action tree.
+        `node` is the path of the node in the action tree of the goal ("pass/graspObject").
         """
         here = self._node_context(node, goal)
         atoms = set(here.named_features)
@@ -85,14 +76,9 @@ class Affordances:
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
         """Infer what the observed objects afford at a node (getAffordance).
 
-        Args:
-            node: path of the node in the action tree.
-            goal: the goal of the action tree.
-            observations: what vision reports, in the order of the scene, which breaks ties.
-
-        Returns:
-            All candidates, best first. At the find node there is one for each observation; at any
-            other node one for each object and each part (or other argument) that a rule names.
+        Observations are in the order of the scene, which breaks ties. The candidates are sorted,
+        best first: at the find node one for each observation, at any other node one for each object
+        and each part (or other argument) that a rule names.
 
         Raises:
             ConflictError: the chosen operators are not defined for the given rules.
@@ -100,12 +86,8 @@ class Affordances:
         here = self._node_context(node, goal)
         decision = DecisionRule(node, here.threshold(self.settings), self.settings.operators)
         if here.action != FIND:
-            found = [
-                each
-                for seen in observations
-                for each in self._argument_candidates(here, seen, decision)
-            ]
-            return decision.ranked(found)
+            groups = (self._argument_candidates(here, seen, decision) for seen in observations)
+            return decision.ranked(list(chain.from_iterable(groups)))
         found = [self._object_candidate(here, seen, decision) for seen in observations]
         if any(each.accepted for each in found):
             return decision.ranked(found)
@@ -150,7 +132,10 @@ class Affordances:
         for key in here.keys:
             applied = nearest_rules(here.rules(key), shown)
             if applied.rules:
-                for argument, group in _by_argument(applied.rules).items():
+                groups: dict[Atom | None, list[Rule]] = defaultdict(list)
+                for rule in applied.rules:
+                    groups[rule.argument].append(rule)
+                for argument, group in groups.items():
                     proof = self._conclude(group, here, seen, shown)
                     yield decision.candidate(seen, argument, [proof], applied)
                 return
@@ -162,22 +147,17 @@ class Affordances:
         shown = [implied_atoms(seen.atoms, self.taxonomy) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
-            for key in here.keys_of(conclusion):
-                for rule in here.rules(key):
-                    in_view = any(rule.features <= each.keys() for each in shown)
-                    fits = conclusion.argument is None or rule.argument in {
-                        None,
-                        conclusion.argument,
-                    }
-                    if rule.asserts and fits and not is_negated and not in_view:
-                        groups[rule.object or "thing"].append(rule)
+            wanted = conclusion.argument
+            for rule in chain.from_iterable(map(here.rules, here.keys_of(conclusion))):
+                in_view = any(rule.features <= each.keys() for each in shown)
+                fits = wanted is None or rule.argument in {None, wanted}
+                if rule.asserts and fits and not is_negated and not in_view:
+                    groups[rule.object or "thing"].append(rule)
             for name, rules in groups.items():
                 nothing = Observation(name, name, {})
                 steps = [self._conclude(rules, here, nothing, {})]
                 applied = ApplicableRules(tuple(rules))
-                yield decision.candidate(
-                    nothing, conclusion.argument, steps, applied, is_absent=True
-                )
+                yield decision.candidate(nothing, wanted, steps, applied, is_absent=True)
 
     def _conclude(
         self, rules: Sequence[Rule], here: NodeContext, seen: Observation, shown: ImpliedAtoms
@@ -212,9 +192,8 @@ def _evidence(atom: Atom, here: NodeContext, seen: Observation, shown: ImpliedAt
     """Return the evidence for an antecedent; an action on the path of the node is certain."""
     if atom in shown:
         origin = shown[atom][1]
-        return Proof(
-            "seen", seen.atoms[origin], f"{origin} seen on {seen.name}{_kind_of(origin, atom)}"
-        )
+        label = f"{origin} seen on {seen.name}{_kind_of(origin, atom)}"
+        return Proof("seen", seen.atoms[origin], label)
     if atom.kind in PERCEIVED:
         where = f" on {seen.name}" if seen.atoms else ""
         return Proof("seen", VACUOUS, f"{atom} not seen{where}")
@@ -228,29 +207,14 @@ def _kind_of(origin: Atom, atom: Atom) -> str:
     return "" if origin == atom else f", which is a kind of {atom.name}"
 
 
-def _by_argument(rules: Sequence[Rule]) -> dict[Atom | None, list[Rule]]:
-    groups: dict[Atom | None, list[Rule]] = defaultdict(list)
-    for rule in rules:
-        groups[rule.argument].append(rule)
-    return groups
-
-
 class NodeContext:
     """The rules that apply at one node for one goal; shared by all objects observed there.
 
-    Args:
-        node: the path of the node.
-        goal: the goal of the action tree.
-        rules_at: returns the rules stored under a key.
-        taxonomy: the is-a hierarchy.
+    `rules_at` returns the rules stored under a key.
     """
 
     def __init__(
-        self,
-        node: str,
-        goal: Goal,
-        rules_at: Callable[[str], Sequence[Rule]],
-        taxonomy: Taxonomy,
+        self, node: str, goal: Goal, rules_at: Callable[[str], Sequence[Rule]], taxonomy: Taxonomy
     ) -> None:
         self.node, self.goal, self.taxonomy = node, goal, taxonomy
         self.action = node.rsplit("/", 1)[-1]
@@ -261,9 +225,8 @@ class NodeContext:
     def contexts(self) -> tuple[Atom, ...]:
         """The actions above the node, nearest first, each with its more general actions."""
         acting = (Atom("action", name) for name in Actions.contexts(self.node))
-        return tuple(
-            dict.fromkeys(above for atom in acting for above, _ in self.taxonomy.above(atom))
-        )
+        kinds = (above for atom in acting for above, _ in self.taxonomy.above(atom))
+        return tuple(dict.fromkeys(kinds))
 
     @cached_property
     def given(self) -> ImpliedAtoms:

@@ -22,24 +22,18 @@ Json = dict[str, object]
 
 @dataclass(frozen=True)
 class Conflict:
-    """Two rules with the same antecedent and conclusion that contradict each other.
-
-    Attributes:
-        first, second: the rules, the earlier one first.
-        weight: the conflicting mass K, in [0, 1].
-    """
+    """Two rules of one antecedent and conclusion, the earlier one first, and their K in [0, 1]."""
 
     first: Rule
     second: Rule
     weight: float
 
     def as_json(self) -> Json:
-        """As `hilt find_conflicts --json` prints it."""
+        """Return the JSON object that `hilt conflicts --json` prints."""
         return {"rules": [self.first.as_json(), self.second.as_json()], "weight": self.weight}
 
 
-def conflict_mass(one: Interval, other: Interval) -> float:
-    """Return K, the mass of the empty set when two intervals are combined, in [0, 1]."""
+def _conflict_mass(one: Interval, other: Interval) -> float:
     return one.lower * (1 - other.upper) + (1 - one.upper) * other.lower
 
 
@@ -52,6 +46,6 @@ def find_conflicts(rules: Iterable[Rule]) -> list[Conflict]:
     for rule in rules:
         groups[rule.features | rule.contexts, rule.functor, rule.argument].append(rule)
     pairs = (pair for group in groups.values() for pair in combinations(group, 2))
-    found = [Conflict(a, b, conflict_mass(a.support, b.support)) for a, b in pairs]
+    found = [Conflict(a, b, _conflict_mass(a.support, b.support)) for a, b in pairs]
     heavy = [each for each in found if each.weight > EPSILON]
     return sorted(heavy, key=lambda each: (-each.weight, each.first.id, each.second.id))

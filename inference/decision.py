@@ -38,13 +38,7 @@ class ApplicableRules:
 
 @dataclass(frozen=True)
 class DecisionRule:
-    """Accepts and ranks the candidates of a node.
-
-    Attributes:
-        node: the path of the node.
-        threshold: the threshold Λ of the node.
-        operators: the operators of the settings.
-    """
+    """Accepts and ranks the candidates of the node at a path, whose threshold is Λ."""
 
     node: str
     threshold: float
@@ -69,26 +63,22 @@ class DecisionRule:
             proof = replace(proof, label=f"{seen.name} affords {of}")
         sure = certainty(proof.interval)
         is_unknown = any(step.step == "unknown" for step in steps)
-        verdict: Verdict = "absent" if is_absent else self.verdict(proof.interval, is_unknown)
+        verdict: Verdict = "absent" if is_absent else self._verdict(proof.interval, is_unknown)
         reason = _REASONS[verdict].format(proof.interval, sure, self.threshold)
         if applied.distance:
-            reason += f"; inherited, {_steps(applied.distance)} up"
+            plural = "s" if applied.distance > 1 else ""
+            reason += f"; inherited, {applied.distance} step{plural} up"
         if applied.overruled:
             reason += "; a nearer rule goes before " + ", ".join(map(repr, applied.overruled))
-        return Candidate(
+        name, kind, distance, overruled = (
             seen.name,
             seen.object,
-            argument,
-            proof,
-            sure,
-            verdict,
-            reason,
             applied.distance,
             applied.overruled,
         )
+        return Candidate(name, kind, argument, proof, sure, verdict, reason, distance, overruled)
 
-    def verdict(self, interval: Interval, is_unknown: bool) -> Verdict:
-        """Return whether a conclusion is accepted, denied or neither."""
+    def _verdict(self, interval: Interval, is_unknown: bool) -> Verdict:
         if is_unknown:
             return "unknown"
         if self.operators.accepts(interval, self.threshold):
@@ -118,7 +108,3 @@ class DecisionRule:
             ordered = [tied[0], *(each for each in ordered if each is not tied[0])]
             ties = tuple(tied) if len(tied) > 1 else ()
         return Inference(self.node, self.threshold, tuple(ordered), ties, tuple(absent))
-
-
-def _steps(distance: int) -> str:
-    return f"{distance} step{'s' if distance > 1 else ''}"

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from ..kb.interval import VACUOUS, Interval
 from ..ontology import evidence
@@ -32,7 +31,6 @@ Acceptance = Callable[[Interval, float], bool]
 
 
 def _bounded(lower: float, upper: float) -> Interval:
-    """Return the interval, with bounds clipped to [0, 1] against rounding errors."""
     return Interval(*evidence.clip(lower, upper))
 
 
@@ -66,12 +64,7 @@ def conjunction_min(intervals: Sequence[Interval]) -> Interval:
 
 def disjunction(intervals: Sequence[Interval]) -> Interval:
     """OR of independent propositions: [1 - Π(1-a), 1 - Π(1-b)], the dual of `conjunction`."""
-    return negation(conjunction([negation(i) for i in intervals]))
-
-
-def negation(interval: Interval) -> Interval:
-    """NOT: [1-b, 1-a]."""
-    return Interval(1 - interval.upper, 1 - interval.lower)
+    return conjunction([i.negated() for i in intervals]).negated()
 
 
 # --- Modus ponens ------------------------------------------------------------------------
@@ -116,11 +109,9 @@ def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
     true, false, either = evidence.commonalities([*map(_pair, intervals)])
     agreement = true + false - either
     if agreement <= 0:
-        shown = ", ".join(str(i) for i in intervals)
-        raise ConflictError(
-            f"The sources {shown} contradict each other fully. Discount one of them, or fuse by "
-            '"yager".'
-        )
+        shown = ", ".join(map(str, intervals))
+        problem = f"The sources {shown} contradict each other fully."
+        raise ConflictError(f'{problem} Discount one of them, or fuse by "yager".')
     return _bounded((true - either) / agreement, true / agreement)
 
 
@@ -179,36 +170,30 @@ def is_certain(interval: Interval, threshold: float) -> bool:
 
 # --- Operators by name ---------------------------------------------------------------------
 
-CONJUNCTIONS: Mapping[str, Conjunction] = MappingProxyType(
-    {"product": conjunction, "frechet": conjunction_frechet, "min": conjunction_min}
-)
-MODUS_PONENS: Mapping[str, ModusPonens] = MappingProxyType(
-    {
-        "conditional": modus_ponens,
-        "published": modus_ponens_published,
-        "material": modus_ponens_material,
-    }
-)
-FUSIONS: Mapping[str, Fusion] = MappingProxyType(
-    {
-        "yager": fuse_yager,
-        "dempster": fuse_dempster,
-        "cautious": fuse_cautious,
-        "mean": fuse_mean,
-        "latest": fuse_latest,
-    }
-)
-RANKINGS: Mapping[str, Ranking] = MappingProxyType(
-    {
-        "plausibility": relative_plausibility,
-        "belief": lambda interval: interval.lower,
-        "pignistic": lambda interval: (interval.lower + interval.upper) / 2,
-        "lambda": certainty,
-    }
-)
-ACCEPTANCES: Mapping[str, Acceptance] = MappingProxyType(
-    {"directed": is_affirmed, "lambda": is_certain}
-)
+CONJUNCTIONS: Mapping[str, Conjunction] = {
+    "product": conjunction,
+    "frechet": conjunction_frechet,
+    "min": conjunction_min,
+}
+MODUS_PONENS: Mapping[str, ModusPonens] = {
+    "conditional": modus_ponens,
+    "published": modus_ponens_published,
+    "material": modus_ponens_material,
+}
+FUSIONS: Mapping[str, Fusion] = {
+    "yager": fuse_yager,
+    "dempster": fuse_dempster,
+    "cautious": fuse_cautious,
+    "mean": fuse_mean,
+    "latest": fuse_latest,
+}
+RANKINGS: Mapping[str, Ranking] = {
+    "plausibility": relative_plausibility,
+    "belief": lambda interval: interval.lower,
+    "pignistic": lambda interval: (interval.lower + interval.upper) / 2,
+    "lambda": certainty,
+}
+ACCEPTANCES: Mapping[str, Acceptance] = {"directed": is_affirmed, "lambda": is_certain}
 
 
 @dataclass(frozen=True)
@@ -226,11 +211,15 @@ class Operators:
     acceptance: str = "directed"
 
     def __post_init__(self) -> None:
-        _known("conjunction", self.conjunction, CONJUNCTIONS)
-        _known("modus ponens", self.modus_ponens, MODUS_PONENS)
-        _known("fusion", self.fusion, FUSIONS)
-        _known("ranking", self.ranking, RANKINGS)
-        _known("acceptance", self.acceptance, ACCEPTANCES)
+        for kind, name, table in (
+            ("conjunction", self.conjunction, CONJUNCTIONS),
+            ("modus ponens", self.modus_ponens, MODUS_PONENS),
+            ("fusion", self.fusion, FUSIONS),
+            ("ranking", self.ranking, RANKINGS),
+            ("acceptance", self.acceptance, ACCEPTANCES),
+        ):
+            if name not in table:
+                raise UnknownNameError(kind, name, table)
 
     def all_of(self, intervals: Sequence[Interval]) -> Interval:
         """Return the conjunction of the intervals; [1, 1] of none."""
@@ -254,9 +243,4 @@ class Operators:
 
     def denies(self, interval: Interval, threshold: float) -> bool:
         """Whether the negation of a conclusion is affirmed."""
-        return is_affirmed(negation(interval), threshold)
-
-
-def _known(kind: str, name: str, table: Mapping[str, object]) -> None:
-    if name not in table:
-        raise UnknownNameError(kind, name, table)
+        return is_affirmed(interval.negated(), threshold)

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..kb.interval import Interval
+from ..kb.interval import CERTAIN, Interval
 from ..ontology.errors import UnknownNameError
 from .decision import DecisionRule
 from .proof import Json, Proof
@@ -24,10 +24,10 @@ SEGMENTS = 64  # of a path that are searched
 
 @dataclass(frozen=True)
 class Counterfactual:
-    """A change of one interval that changes the decision.
+    """A change of the interval of one leaf (`evidence`) that changes the decision.
 
     Attributes:
-        evidence: the leaf of the proof that is changed.
+        evidence: the leaf before the change.
         after: its interval after the change.
         chosen: the object or part chosen after the change; None if there is none.
     """
@@ -96,12 +96,8 @@ def counterfactuals(inference: Inference, settings: Settings) -> list[Counterfac
     is chosen is a linear condition on the bounds of each leaf, so the smallest change
     |Δlower| + |Δupper| lies on one of these four paths.
 
-    Args:
-        inference: the decision.
-        settings: the settings it was made with.
-
-    Returns:
-        For each leaf of the proofs, the smallest change in each direction, if there is one.
+    `settings` are those of the decision. For each leaf of its proofs there is at most one change in
+    each direction.
     """
     search = _CounterfactualSearch(inference, settings)
     leaves = dict.fromkeys(leaf for each in search.candidates for leaf in each.proof.leaves)
@@ -147,9 +143,8 @@ class _CounterfactualSearch:
                 after = middle
         instead = _along(path, after)
         index = self._chosen(leaf, instead, about)
-        return Counterfactual(
-            leaf, instead, None if index is None else _displayed_name(self.candidates[index])
-        )
+        chosen = None if index is None else _displayed_name(self.candidates[index])
+        return Counterfactual(leaf, instead, chosen)
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
         """Return the index of the candidate that is chosen if one leaf is replaced."""
@@ -168,17 +163,10 @@ def _displayed_name(candidate: Candidate) -> str:
 
 def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
     """Return the corners of the two increasing and of the two decreasing paths."""
-    low, high = now.lower, now.upper
-    return (
-        (
-            (now, Interval(high, high), Interval(1.0, 1.0)),
-            (now, Interval(low, 1.0), Interval(1.0, 1.0)),
-        ),
-        (
-            (now, Interval(low, low), Interval(0.0, 0.0)),
-            (now, Interval(0.0, high), Interval(0.0, 0.0)),
-        ),
-    )
+    low, high, false = now.lower, now.upper, Interval(0.0, 0.0)
+    increasing = (now, Interval(high, high), CERTAIN), (now, Interval(low, 1.0), CERTAIN)
+    decreasing = (now, Interval(low, low), false), (now, Interval(0.0, high), false)
+    return increasing, decreasing
 
 
 def _along(path: Sequence[Interval], share: float) -> Interval:

@@ -14,12 +14,14 @@ similarity misleads: a spoon and a knife are both long and of metal, but only on
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from ..kb.rule import Atom, Rule
-from ..ontology.objects import ObjectType, PartType
+from ..ontology.objects import ObjectType
+from .affordance import RuleSource
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -31,20 +33,11 @@ INDUCER = "induction"  # the speaker of induced rules
 Json = dict[str, object]
 
 
-class TaughtRules(Protocol):
+class TaughtRules(RuleSource, Protocol):
     """The rules that induction starts from, such as a knowledge base."""
-
-    @property
-    def sequence(self) -> int:
-        """The number of the last change."""
-        ...
 
     def rules(self) -> Sequence[Rule]:
         """Return all active rules."""
-        ...
-
-    def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
-        """Return the active rules at the given nodes."""
         ...
 
 
@@ -82,14 +75,9 @@ def induce(
 ) -> list[InducedRule]:
     """Return the rules induced from taught rules, in descending order of belief.
 
-    Args:
-        rules: the taught rules.
-        objects: the object types by name.
-        classes: class of objects -> its superclass.
-
-    Returns:
-        At most one rule for each object, context and part or affordance; none where a rule about
-        that object and conclusion (or, for grasps, that object and context) was taught.
+    There is at most one rule for each object, context and part or affordance; none where a rule
+    about that object and conclusion (or, for grasps, that object and context) was taught. `classes`
+    maps a class of objects to its superclass.
     """
     taught = list(rules)
     graph = ontology_graph(objects, classes or {})
@@ -108,13 +96,7 @@ def induce(
 
 
 class InducedRuleSource:
-    """A source of rules that adds induced rules to the taught ones.
-
-    Args:
-        source: the source of the taught rules.
-        objects: the object types by name.
-        classes: class of objects -> its superclass.
-    """
+    """A source of rules that adds the rules of `induce` to the taught ones."""
 
     def __init__(
         self,
@@ -125,7 +107,7 @@ class InducedRuleSource:
         self.source = source
         self._objects, self._classes = objects, classes
         self._sequence = -1
-        self._induced: dict[str, list[Rule]] = {}
+        self._induced: dict[str, list[Rule]] = defaultdict(list)
 
     @property
     def sequence(self) -> int:
@@ -136,9 +118,9 @@ class InducedRuleSource:
         """Return the taught and induced rules at the given nodes."""
         if self.sequence != self._sequence:
             self._sequence = self.sequence
-            self._induced = {}
+            self._induced.clear()
             for each in induce(self.source.rules(), self._objects, classes=self._classes):
-                self._induced.setdefault(each.rule.node, []).append(each.rule)
+                self._induced[each.rule.node].append(each.rule)
         added = [rule for node in dict.fromkeys(nodes) for rule in self._induced.get(node, ())]
         return [*self.source.rules_at_nodes(nodes), *added]
 
@@ -150,16 +132,14 @@ def ontology_graph(
     import networkx as nx  # imported here: it takes half a second to load
 
     graph: nx.DiGraph[str] = nx.DiGraph()
-    for name, above in classes.items():
-        graph.add_node(name)
-        if above:
-            graph.add_edge(name, above)
+    graph.add_nodes_from(classes)
+    graph.add_edges_from((name, above) for name, above in classes.items() if above)
     for name, kind in objects.items():
         graph.add_edges_from((name, f"property:{prop}") for prop in kind.properties)
         if kind.is_a:
             graph.add_edge(name, kind.is_a)
         for part in kind.parts.values():
-            node = _part_node(name, part)
+            node = f"{name}.{part.name}"
             graph.add_edge(node, f"role:{part.role}")
             graph.add_edges_from((node, f"property:{prop}") for prop in part.properties)
     return graph
@@ -172,8 +152,7 @@ def similarity(one: str, other: str, graph: nx.DiGraph[str]) -> tuple[float, tup
     if one not in graph or other not in graph:
         return 0.0, ()
     has_one, has_other = nx.descendants(graph, one), nx.descendants(graph, other)
-    union = has_one | has_other
-    shared = has_one & has_other
+    union, shared = has_one | has_other, has_one & has_other
     return (len(shared) / len(union) if union else 0.0), tuple(sorted(shared))
 
 
@@ -221,24 +200,19 @@ def _corresponding_part(
     if rule.part is None or rule.part not in source.parts:
         return None, 0.0, ()
     pairs: nx.Graph[tuple[str, str]] = nx.Graph()
-    for one in source.parts.values():
-        for other in objects[name].parts.values():
-            nodes = _part_node(source.name, one), _part_node(name, other)
-            alike, _ = similarity(*nodes, graph)
-            pairs.add_edge(("one", one.name), ("other", other.name), weight=alike)
+    for one in source.parts:
+        for other in objects[name].parts:
+            alike, _ = similarity(f"{source.name}.{one}", f"{name}.{other}", graph)
+            pairs.add_edge(("one", one), ("other", other), weight=alike)
     matching = [dict(pair) for pair in nx.max_weight_matching(pairs, maxcardinality=True)]
     best = next((pair["other"] for pair in matching if pair["one"] == rule.part), None)
     if best is None:
         return None, 0.0, ()
-    part, counterpart = source.parts[rule.part], objects[name].parts[best]
-    return best, *similarity(_part_node(source.name, part), _part_node(name, counterpart), graph)
+    nodes = f"{source.name}.{rule.part}", f"{name}.{best}"
+    return best, *similarity(*nodes, graph)
 
 
 def _topic(rule: Rule) -> tuple[object, ...]:
     """Return the topic of a rule: nothing is induced on a topic with a taught rule."""
     topic = (rule.object, rule.contexts, rule.functor)
     return topic if rule.part else (*topic, rule.argument)
-
-
-def _part_node(name: str, part: PartType) -> str:
-    return f"{name}.{part.name}"

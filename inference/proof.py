@@ -15,7 +15,7 @@ from typing import Literal
 
 from ..kb.interval import VACUOUS, Interval
 from ..kb.rule import Rule
-from .evidence import Operators, negation
+from .evidence import Operators
 
 Step = Literal["seen", "given", "told", "unknown", "and", "not", "fuse", "modus ponens"]
 Json = dict[str, object]
@@ -62,11 +62,7 @@ class Proof:
     def evaluate(
         self, operators: Operators, instead: Mapping[Proof, Interval] | None = None
     ) -> Interval:
-        """Evaluate the proof again.
-
-        Args:
-            operators: the operators it was made with.
-            instead: replacements for the intervals of some leaves.
+        """Evaluate the proof again, with other intervals `instead` of those of some leaves.
 
         Raises:
             ConflictError: an operator is not defined for its inputs.
@@ -78,11 +74,8 @@ class Proof:
 
     def as_json(self) -> Json:
         """Return the proof as nested JSON objects."""
-        found: Json = {
-            "step": self.step,
-            "lower": self.interval.lower,
-            "upper": self.interval.upper,
-        }
+        lower, upper = self.interval.lower, self.interval.upper
+        found: Json = {"step": self.step, "lower": lower, "upper": upper}
         if self.about:
             found["about"] = self.about
         if self.rule:
@@ -108,7 +101,7 @@ def apply_operator(step: Step, inputs: Sequence[Interval], operators: Operators)
     if step == "and":
         return operators.all_of(inputs)
     if step == "not":
-        return negation(inputs[0])
+        return inputs[0].negated()
     if step == "fuse":
         return operators.fuse(inputs)
     return operators.conclude(inputs[0], inputs[1])

@@ -54,7 +54,7 @@ class Settings:
 
     @classmethod
     def load(cls, path: Path = SETTINGS_FILE) -> Settings:
-        """Load the settings of a file.
+        """Return the settings of a file.
 
         Raises:
             DataError: the file is invalid; gives the position and what was expected.
@@ -72,9 +72,6 @@ class Settings:
         >>> Settings().with_choices(["fusion=dempster", "threshold.pass=0.9"]).thresholds
         {'pass': 0.9}
 
-        Args:
-            choices: "fusion=dempster", "threshold=0.01", "threshold.pass=0.9".
-
         Raises:
             DataError: a choice does not have that form, or there is no such setting.
         """
@@ -87,11 +84,9 @@ class Settings:
         return chosen
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
-        """Return Λ: that of the nearest action that has one, raised by that of places and roles.
+        """Return Λ: that of the nearest action that has one, raised by those of places and roles.
 
-        Args:
-            actions: the contexts that are actions, nearest first.
-            others: the other contexts: places and roles.
+        `actions` are the contexts that are actions, nearest first; `others` are places and roles.
         """
         own = (self.thresholds[name] for name in actions if name in self.thresholds)
         asked = (self.thresholds[str(a)] for a in others if str(a) in self.thresholds)
@@ -100,8 +95,9 @@ class Settings:
 
 def _chosen(settings: Settings, name: str, value: Field) -> Settings:
     """Return settings with one setting replaced."""
-    if name.partition(".")[0] == THRESHOLD:
-        return _with_threshold(settings, name.partition(".")[2], value.number(low=0, high=1))
+    first, _, context = name.partition(".")
+    if first == THRESHOLD:
+        return _with_threshold(settings, context, value.number(low=0, high=1))
     try:
         if name in OPERATORS:
             operators = replace(settings.operators, **{name: value.text()})
@@ -120,7 +116,10 @@ def _with_thresholds(settings: Settings, spec: Field) -> Settings:
     contexts = keys["contexts"].entries() if "contexts" in keys else {}
     for name, value in contexts.items():
         if ":" in name:
-            _check_atom(name, value)
+            try:
+                Atom.parse(name)
+            except HiltError as error:
+                raise value.fail(str(error)) from error
         settings = _with_threshold(settings, name, value.number(low=0, high=1))
     return settings
 
@@ -129,13 +128,6 @@ def _with_threshold(settings: Settings, context: str, threshold: float) -> Setti
     if not context:
         return replace(settings, threshold=threshold)
     return replace(settings, thresholds={**settings.thresholds, context: threshold})
-
-
-def _check_atom(context: str, value: Field) -> None:
-    try:
-        Atom.parse(context)
-    except HiltError as error:
-        raise value.fail(str(error)) from error
 
 
 def _plain(value: str) -> float | str:

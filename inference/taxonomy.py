@@ -7,6 +7,7 @@ knives: more specific rules take precedence. Distances are numbers of is-a steps
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
 from ..kb.knowledge_base import KnowledgeBase
@@ -19,25 +20,22 @@ _KINDS = ("object", "part", "property", "action", "place", "role")
 
 
 class Taxonomy:
-    """An immutable is-a hierarchy of atoms.
+    """An immutable is-a hierarchy, made of pairs (atom, more general atom).
 
     >>> bread_knife, knife = Atom("object", "bread knife"), Atom("object", "knife")
     >>> [(str(kind), steps) for kind, steps in Taxonomy([(bread_knife, knife)]).above(bread_knife)]
     [('object:bread knife', 0), ('object:knife', 1)]
-
-    Args:
-        pairs: (kind, more general kind).
 
     Raises:
         DataError: the hierarchy has a cycle.
     """
 
     def __init__(self, pairs: Iterable[tuple[Atom, Atom]] = ()) -> None:
-        self._parents: dict[Atom, list[Atom]] = {}
-        self._children: dict[Atom, list[Atom]] = {}
+        self._parents: dict[Atom, list[Atom]] = defaultdict(list)
+        self._children: dict[Atom, list[Atom]] = defaultdict(list)
         for kind, above in pairs:
-            self._parents.setdefault(kind, []).append(above)
-            self._children.setdefault(above, []).append(kind)
+            self._parents[kind].append(above)
+            self._children[above].append(kind)
         for kind in self._parents:
             if any(kind in _reachable(self._parents, above) for above in self._parents[kind]):
                 raise DataError(f'"{kind}" would be a kind of itself.', source="is-a")
@@ -62,10 +60,8 @@ class Taxonomy:
 
 def _reachable(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, int]:
     """Return the atoms reachable along edges, breadth first, with their distance."""
-    found = {start: 0}
-    waiting = [start]
-    while waiting:
-        atom = waiting.pop(0)
+    found, waiting = {start: 0}, [start]
+    for atom in waiting:  # which grows meanwhile
         for further in edges.get(atom, ()):
             if further not in found:
                 found[further] = found[atom] + 1

@@ -23,12 +23,7 @@ Verdict = Literal["accepted", "denied", "unsure", "unknown", "absent"]
 
 @dataclass(frozen=True)
 class Conclusion:
-    """A conclusion about an object: usedFor(cutting), cutWith(bread).
-
-    Attributes:
-        functor: the functor of the rules that conclude it.
-        argument: its argument; None matches any.
-    """
+    """A conclusion about an object: usedFor(cutting), cutWith(bread); None matches any argument."""
 
     functor: str
     argument: Atom | None = None
@@ -61,11 +56,7 @@ class Target:
     def wanted(self) -> tuple[tuple[Conclusion, bool], ...]:
         """The conclusions that must hold for it, each with whether it is negated."""
         uses = ((self.used_for, False), (self.not_used_for, True))
-        named = [
-            (Conclusion(USED_FOR, Atom("affordance", name)), negated)
-            for name, negated in uses
-            if name
-        ]
+        named = [(Conclusion(USED_FOR, Atom("affordance", n)), negated) for n, negated in uses if n]
         return (*named, *([(self.affords, False)] if self.affords else []))
 
 

@@ -194,11 +194,7 @@ def iterate_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
 
 
 def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) -> Actions:
-    """Read and check action trees.
-
-    Args:
-        path: the file.
-        added_to: existing actions, which its trees may use and which are kept.
+    """Read and check the action trees of a file, which may use those of `added_to` and add to them.
 
     Raises:
         DataError: the file is invalid; gives the position and what was expected.
@@ -211,10 +207,9 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
     failures = {*FAILURES, *(top["failures"].texts() if "failures" in top else ())}
     signatures = {**primitives, **{name: each.parameters for name, each in known.trees.items()}}
     signatures |= {name: _parameters(spec) for name, spec in specs.items()}
-    read = {
-        name: _TreeReader(name, spec, signatures, failures).read() for name, spec in specs.items()
-    }
-    trees = {**known.trees, **read}
+    trees = dict(known.trees)
+    for name, spec in specs.items():
+        trees[name] = _TreeReader(name, spec.entries(), signatures, failures).read()
     for name, spec in specs.items():
         _reject_cycles(name, spec, trees)
     return Actions(primitives, trees)
@@ -224,27 +219,21 @@ def _parameters(spec: Field) -> tuple[str, ...]:
     return spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)["parameters"].texts()
 
 
+@dataclass(frozen=True)
 class _TreeReader:
     """Reads one tree, checked against the actions that its steps may name."""
 
-    def __init__(
-        self,
-        name: str,
-        spec: Field,
-        signatures: Mapping[str, tuple[str, ...]],
-        failures: Collection[str],
-    ) -> None:
-        self.name, self.keys = name, spec.entries()
-        self.signatures, self.failures = signatures, failures
-        self.parameters = signatures[name]
+    name: str
+    keys: Mapping[str, Field]
+    signatures: Mapping[str, tuple[str, ...]]
+    failures: Collection[str]
 
     def read(self) -> ActionTree:
-        """Return the tree."""
-        keys = self.keys
-        defaults = keys["defaults"].entries(optional=self.parameters) if "defaults" in keys else {}
+        keys, parameters = self.keys, self.signatures[self.name]
+        defaults = keys["defaults"].entries(optional=parameters) if "defaults" in keys else {}
         return ActionTree(
             self.name,
-            self.parameters,
+            parameters,
             {parameter: self._default(value) for parameter, value in defaults.items()},
             self._steps(keys["steps"]),
             tuple(self._condition(item) for item in _items(keys, "requires")),
@@ -320,8 +309,9 @@ class _TreeReader:
         return word if word.startswith(FIXED) else self._parameter(argument)
 
     def _parameter(self, field: Field) -> str:
-        if field.text() not in self.parameters:
-            raise field.fail(str(UnknownNameError("parameter", field.value, self.parameters)))
+        known = self.signatures[self.name]
+        if field.text() not in known:
+            raise field.fail(str(UnknownNameError("parameter", field.value, known)))
         return field.text()
 
     def _action(self, field: Field) -> str:

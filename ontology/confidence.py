@@ -31,17 +31,16 @@ class Degrees:
 
     def nearest(self, interval: tuple[float, float]) -> str:
         """Return the degree whose interval is closest to the given one."""
-        lower, upper = interval
 
         def distance(degree: str) -> float:
             low, high = self.intervals[degree]
-            return abs(low - lower) + abs(high - upper)
+            return abs(low - interval[0]) + abs(high - interval[1])
 
         return min(self.intervals, key=distance)
 
 
 def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:
-    """Read the degrees from a YAML file.
+    """Return the degrees of a YAML file.
 
     Raises:
         DataError: the file is invalid; gives the position.

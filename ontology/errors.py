@@ -22,8 +22,8 @@ Failures that a robot must expect (nothing seen, not sure, dropped) are results,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from types import TracebackType
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import contextmanager
 
 
 class HiltError(Exception):
@@ -47,13 +47,8 @@ class DataError(HiltError, ValueError):
     def __init__(
         self, problem: str, *, source: str, line: int = 0, column: int = 0, text: str = ""
     ) -> None:
-        self.problem, self.source, self.line, self.column, self.text = (
-            problem,
-            source,
-            line,
-            column,
-            text,
-        )
+        self.problem, self.source, self.text = problem, source, text
+        self.line, self.column = line, column
         where = ":".join(str(part) for part in (source, line, column) if part)
         super().__init__(f"{where}: {problem}")
 
@@ -61,13 +56,8 @@ class DataError(HiltError, ValueError):
     def together(cls, mistakes: Sequence[DataError]) -> DataError:
         """Combine several errors (at least one) into one: the first, with all as `mistakes`."""
         first = mistakes[0]
-        whole = cls(
-            first.problem,
-            source=first.source,
-            line=first.line,
-            column=first.column,
-            text=first.text,
-        )
+        place = {"line": first.line, "column": first.column}
+        whole = cls(first.problem, source=first.source, text=first.text, **place)
         whole.mistakes = tuple(mistakes) if len(mistakes) > 1 else ()
         return whole
 
@@ -124,11 +114,7 @@ class StoreError(HiltError, OSError):
 
 
 class InUseError(StoreError):
-    """Another process has opened the folder of a knowledge base for writing.
-
-    Attributes:
-        location: the folder.
-    """
+    """Another process has opened the folder (`location`) of a knowledge base for writing."""
 
     def __init__(self, location: str) -> None:
         self.location = location
@@ -147,11 +133,7 @@ class StoppedError(QueryError):
 
 
 class ValidationError(HiltError, ValueError):
-    """A graph or rule violates the SHACL shapes.
-
-    Attributes:
-        findings: one sentence for each violation.
-    """
+    """A graph or rule violates the SHACL shapes; `findings` has a sentence for each violation."""
 
     def __init__(self, findings: Sequence[str]) -> None:
         first, *others = self.findings = tuple(findings)
@@ -180,7 +162,8 @@ class WorkersError(HiltError, RuntimeError):
     """Worker processes or cluster nodes cannot be started or reached."""
 
 
-class extra_required:  # noqa: N801 - reads like contextlib's lower-case context managers
+@contextmanager
+def extra_required(extra: str, package: str) -> Generator[None]:
     """Context manager for imports of an optional package.
 
     >>> with extra_required("report", "no_such_package"):
@@ -196,18 +179,7 @@ class extra_required:  # noqa: N801 - reads like contextlib's lower-case context
     Raises:
         MissingExtraError: an import in the block failed.
     """
-
-    def __init__(self, extra: str, package: str) -> None:
-        self._extra, self._package = extra, package
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if isinstance(error, ImportError):
-            raise MissingExtraError(self._extra, self._package) from error
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtraError(extra, package) from error

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Geometric forms that the parts of objects are made of, read from `objects.yaml`.
 
-A part is a list of placed solids. Each solid is one form (box, cylinder, lathe, extrusion, sweep
-or mesh file), and where it stands in the object's frame. Only numbers are here;
-`hilt.sim.models.solids` makes surfaces of them. Lengths are in [m]; angles in the file are in
-degrees and become [rad].
+A part is a list of solids. A solid is one form (box, cylinder, lathe, extrusion, sweep or mesh
+file) placed in the frame of the object. This module contains only numbers, from which
+`hilt.sim.models.solids` makes surfaces. Lengths are in [m], angles in [rad]; in the file, degrees.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from itertools import pairwise
 from math import radians
@@ -25,7 +25,7 @@ MAX_LENGTH = 5.0  # [m]; a table is the largest thing that stands in a scene
 
 @dataclass(frozen=True)
 class Box:
-    """A box round its frame's origin, with edges cut back by `bevel` [m]."""
+    """A box centred at the origin of its frame, with edges cut back by `bevel` [m]."""
 
     size: Point3
     bevel: float
@@ -33,13 +33,13 @@ class Box:
 
 @dataclass(frozen=True)
 class Lathe:
-    """What a profile sweeps when it turns round the z axis.
+    """The solid of revolution of a profile about the z axis.
 
     Attributes:
         profile: (radius, height) of the outer side from bottom to top [m].
         wall: thickness of the wall of a vessel [m]; 0 for a solid body.
-        sides: how many flat sides it has; 0 for a round one.
-        stretch: factors of x and y, which make an oval of the circle.
+        sides: number of flat sides; 0 for a round one.
+        stretch: scale factors of x and y, which turn the circle into an ellipse.
         smooth: whether the profile is a curve through its points.
     """
 
@@ -56,7 +56,7 @@ class Extrusion:
 
     Attributes:
         outline: corners (x, y), counter-clockwise [m].
-        thickness: at each corner, so that a blade may be thin at its edge [m].
+        thickness: at each corner [m]; a blade is thin at its edge.
         bevel: how far the rim is cut back on both faces [m].
         smooth: whether the outline is a curve through its corners.
     """
@@ -69,12 +69,12 @@ class Extrusion:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A section that moves along a path and may grow or shrink on its way.
+    """A section swept along a path; its size may vary along the path.
 
     Attributes:
-        path: points of the middle line [m].
+        path: points of the centre line [m].
         sections: (width, height) of the section at each point [m].
-        side: the direction along which the width is measured, as nearly as the path allows.
+        side: the direction of the width, projected perpendicular to the path.
         power: exponent of the superellipse |2x/w|^p + |2y/h|^p = 1: 2 is oval, 8 almost a box.
         rounded: whether both ends are domes.
         smooth: whether the path is a curve through its points.
@@ -101,15 +101,15 @@ Form = Box | Lathe | Extrusion | Sweep | MeshFile
 
 @dataclass(frozen=True)
 class Solid:
-    """One form at its place in the frame of the object.
+    """One form placed in the frame of the object.
 
     Attributes:
-        form: what it is.
+        form: its form.
         at: origin of its frame [m].
-        turn: roll, pitch, yaw of its frame [rad] (turned about x, then y, then z, all fixed).
+        turn: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order.
         colour: its own colour; None for that of the part.
         visible: whether cameras see it.
-        collides: whether fingers and table touch it.
+        collides: whether it can be touched, by fingers or the table.
     """
 
     form: Form
@@ -121,10 +121,10 @@ class Solid:
 
 
 def read_solid(field: Field) -> Solid:
-    """Return one placed solid: a form, and optionally at, turn_deg, colour and only.
+    """Return a solid, read from a form and optionally at, turn_deg, colour and only.
 
     Raises:
-        DataError: something is missing, unknown or out of range.
+        DataError: a key is missing, unknown or has a value out of range.
     """
     keys = field.entries(optional={*_READERS, "at", "turn_deg", "colour", "only"})
     forms = [key for key in keys if key in _READERS]
@@ -133,7 +133,7 @@ def read_solid(field: Field) -> Solid:
     only = keys["only"].text(choices={"seen", "felt"}) if "only" in keys else None
     return Solid(
         _READERS[forms[0]](keys[forms[0]]),
-        _point3(keys["at"]) if "at" in keys else (0.0, 0.0, 0.0),
+        read_point(keys["at"]) if "at" in keys else (0.0, 0.0, 0.0),
         read_turn(keys["turn_deg"]) if "turn_deg" in keys else (0.0, 0.0, 0.0),
         read_colour(keys["colour"]) if "colour" in keys else None,
         visible=only != "felt",
@@ -149,18 +149,16 @@ def read_turn(field: Field) -> Point3:
 
 def read_colour(field: Field) -> Colour:
     """Return a colour from "#rrggbb"."""
-    text = field.text()
-    digits = text.removeprefix("#")
-    if len(text) != 7 or len(digits) != 6 or any(d not in "0123456789abcdefABCDEF" for d in digits):
-        raise field.fail(f'expected a colour as "#rrggbb", found "{text}".')
-    red, green, blue = (int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4))
+    if not re.fullmatch("#[0-9a-fA-F]{6}", field.text()):
+        raise field.fail(f'expected a colour as "#rrggbb", found "{field.value}".')
+    red, green, blue = (channel / 255 for channel in bytes.fromhex(field.value[1:]))
     return red, green, blue
 
 
 def _read_box(field: Field) -> Box:
     keys = field.entries(required={"size"}, optional={"bevel"})
     size = keys["size"].numbers(count=3, low=1e-4, high=MAX_LENGTH)
-    bevel = _length(keys, "bevel", 0.0)
+    bevel = _length(keys, "bevel")
     if 2 * bevel >= min(size):
         raise keys["bevel"].fail(f"the bevel must be less than half of {min(size):g} m.")
     return Box((size[0], size[1], size[2]), bevel)
@@ -169,16 +167,12 @@ def _read_box(field: Field) -> Box:
 def _read_cylinder(field: Field) -> Lathe:
     keys = field.entries(required={"radius", "length"}, optional={"bevel"})
     radius, length = (keys[k].number(low=1e-4, high=MAX_LENGTH) for k in ("radius", "length"))
-    bevel, half = _length(keys, "bevel", 0.0), length / 2
+    bevel, half = _length(keys, "bevel"), length / 2
     if bevel >= min(radius, half):
         raise keys["bevel"].fail(f"the bevel must be less than {min(radius, half):g} m.")
-    rims = [(radius - bevel, -half), (radius, -half + bevel)]
-    profile = (
-        (*rims, *((r, -z) for r, z in reversed(rims)))
-        if bevel
-        else ((radius, -half), (radius, half))
-    )
-    return Lathe(profile, 0.0, 0, (1.0, 1.0), smooth=False)
+    lower = [(radius - bevel, -half), (radius, -half + bevel)] if bevel else [(radius, -half)]
+    upper = [(r, -z) for r, z in reversed(lower)]
+    return Lathe((*lower, *upper), 0.0, 0, (1.0, 1.0), smooth=False)
 
 
 def _read_lathe(field: Field) -> Lathe:
@@ -189,12 +183,12 @@ def _read_lathe(field: Field) -> Lathe:
             raise item.fail(f"expected a radius of 0 or more, found {radius:g}.")
     if any(high <= low for (_, low), (_, high) in pairwise(profile)):
         raise keys["profile"].fail("expected heights that grow from point to point.")
-    stretch = keys["stretch"].numbers(count=2, low=0.01, high=100) if "stretch" in keys else (1, 1)
+    x, y = keys["stretch"].numbers(count=2, low=0.01, high=100) if "stretch" in keys else (1.0, 1.0)
     return Lathe(
         profile,
-        _length(keys, "wall", 0.0),
+        _length(keys, "wall"),
         keys["sides"].integer(low=3, high=64) if "sides" in keys else 0,
-        (float(stretch[0]), float(stretch[1])),
+        (x, y),
         _flag(keys, "smooth"),
     )
 
@@ -202,38 +196,32 @@ def _read_lathe(field: Field) -> Lathe:
 def _read_extrusion(field: Field) -> Extrusion:
     keys = field.entries(required={"outline", "thickness"}, optional={"bevel", "smooth"})
     outline = _points2(keys["outline"], least=3)
-    twice_area = sum(
-        x0 * y1 - x1 * y0
-        for (x0, y0), (x1, y1) in zip(outline, (*outline[1:], outline[0]), strict=True)
-    )
-    if twice_area <= 0:
+    edges = pairwise((*outline, outline[0]))
+    if sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in edges) <= 0:  # twice the area
         raise keys["outline"].fail("expected the corners in counter-clockwise order.")
-    thick = keys["thickness"]
-    each = isinstance(thick.value, tuple)
-    thickness = (
-        thick.numbers(count=len(outline), low=1e-4, high=MAX_LENGTH)
-        if each
-        else (thick.number(low=1e-4, high=MAX_LENGTH),) * len(outline)
-    )
-    return Extrusion(outline, thickness, _length(keys, "bevel", 0.0), _flag(keys, "smooth"))
+    thick, count = keys["thickness"], len(outline)
+    if isinstance(thick.value, tuple):
+        thickness = thick.numbers(count=count, low=1e-4, high=MAX_LENGTH)
+    else:
+        thickness = (thick.number(low=1e-4, high=MAX_LENGTH),) * count
+    return Extrusion(outline, thickness, _length(keys, "bevel"), _flag(keys, "smooth"))
 
 
 def _read_sweep(field: Field) -> Sweep:
     keys = field.entries(
         required={"path", "sections"}, optional={"side", "power", "rounded", "smooth"}
     )
-    path = tuple(_point3(item) for item in keys["path"].items())
+    path = tuple(read_point(item) for item in keys["path"].items())
     sections = _points2(keys["sections"], least=1, low=1e-4)
     if len(path) < 2:
         raise keys["path"].fail(f"expected at least 2 points, found {len(path)}.")
     if len(sections) not in {1, len(path)}:
-        raise keys["sections"].fail(
-            f"expected 1 section or one for each of {len(path)} points, found {len(sections)}."
-        )
+        expected = f"expected 1 section or one for each of {len(path)} points"
+        raise keys["sections"].fail(f"{expected}, found {len(sections)}.")
     return Sweep(
         path,
         sections if len(sections) > 1 else sections * len(path),
-        _point3(keys["side"]) if "side" in keys else (0.0, 1.0, 0.0),
+        read_point(keys["side"]) if "side" in keys else (0.0, 1.0, 0.0),
         keys["power"].number(low=1, high=20) if "power" in keys else 2.0,
         _flag(keys, "rounded"),
         _flag(keys, "smooth"),
@@ -258,15 +246,16 @@ _READERS = {
 }
 
 
-def _length(keys: dict[str, Field], key: str, default: float) -> float:
-    return keys[key].number(low=0, high=MAX_LENGTH) if key in keys else default
+def _length(keys: dict[str, Field], key: str) -> float:
+    return keys[key].number(low=0, high=MAX_LENGTH) if key in keys else 0.0
 
 
 def _flag(keys: dict[str, Field], key: str) -> bool:
     return keys[key].truth() if key in keys else False
 
 
-def _point3(field: Field) -> Point3:
+def read_point(field: Field) -> Point3:
+    """Return a point (x, y, z) [m]."""
     x, y, z = field.numbers(count=3, low=-MAX_LENGTH, high=MAX_LENGTH)
     return x, y, z
 

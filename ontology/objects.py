@@ -1,22 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The household domain: object types, their parts, and what they are made of.
+"""The household domain: object types, their parts and materials.
 
-`objects.yaml` holds the eight household objects of section 4.1 of the paper and the fixtures they
-are used with (a table, a nail and its block). An object is a tree of two levels: the object and
-its named parts, each of them solids of one material. Nothing here says what an object is for, nor
-where it should be grasped: that is learned.
+`objects.yaml` contains the eight household objects of section 4.1 of the paper and the fixtures
+they are used with (a table, a nail and its block). An object is a tree of two levels: the object
+and its named parts, each made of solids of one material. What an object is for and where to grasp
+it is not defined here: that is learned.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 from .errors import UnknownNameError
-from .geometry import MAX_LENGTH, Colour, Point3, Solid, read_colour, read_solid, read_turn
+from .geometry import (
+    MAX_LENGTH,
+    Colour,
+    Point3,
+    Solid,
+    read_colour,
+    read_point,
+    read_solid,
+    read_turn,
+)
 from .yaml_reader import Field, read_yaml
 
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
@@ -27,12 +36,12 @@ _WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 
 @dataclass(frozen=True)
 class Material:
-    """What a part is made of.
+    """The material of a part.
 
     Attributes:
         name: "steel", "wood", ...
-        friction: lateral friction coefficient; between two bodies the product of both counts.
-        shine: how bright its highlights are, in [0, 1].
+        friction: lateral friction coefficient; that of a contact is the product of both.
+        shine: brightness of its highlights, in [0, 1].
     """
 
     name: str
@@ -46,12 +55,12 @@ class PartType:
 
     Attributes:
         name: "handle", "blade", ...
-        role: what the part is to the object: "grip", "edge", "container", ...
-        properties: what can be perceived of it: "sharp", "long", ...
-        material: what it is made of.
-        colour: of all its solids that have none of their own.
-        mass: [kg].
-        shape: the solids it is made of, in the frame of the object.
+        role: its function in the object: "grip", "edge", "container", ...
+        properties: its perceptible properties: "sharp", "long", ...
+        material: its material.
+        colour: the colour of its solids that have none of their own.
+        mass: its mass [kg].
+        shape: its solids, in the frame of the object.
     """
 
     name: str
@@ -70,7 +79,7 @@ class Rest:
     Attributes:
         name: "upright", "flat", "upside down", ...
         turn: roll, pitch, yaw of the object's frame before any turn about the vertical [rad].
-        usual: whether seeded scenes use it; the others are used only when asked for.
+        usual: whether random scenes use it; the others are used only when requested.
     """
 
     name: str
@@ -80,14 +89,14 @@ class Rest:
 
 @dataclass(frozen=True)
 class Mount:
-    """How an object stands in another one, as a nail stands in its block.
+    """How an object is fixed in another one, as a nail in its block.
 
     Attributes:
-        support: the type in which it stands.
-        at: where it enters, in the frame of the support; it goes in along its own -z axis [m].
-        depth: how deep it is in from the beginning [m].
-        deepest: how deep it can be driven [m].
-        resistance: with which the support holds it, in both directions [N].
+        support: the type of the object in which it is fixed.
+        at: where it enters the support, in the frame of the support [m]; its direction is its -z.
+        depth: its initial depth in the support [m].
+        deepest: the depth to which it can be driven [m].
+        resistance: the force with which the support holds it, in both directions [N].
     """
 
     support: str
@@ -103,12 +112,12 @@ class ObjectType:
 
     Attributes:
         name: "knife", ...
-        is_a: the class above it, itself an object or one of the file's classes; None for a root.
-        properties: what can be perceived of it as a whole.
-        graspable: whether it can be taken up; False for fixtures.
-        parts: by name, in the order of the file.
+        is_a: its superclass, an object or one of the file's classes; None for a root.
+        properties: the perceptible properties of the whole object.
+        graspable: whether it can be picked up; False for fixtures.
+        parts: its parts by name, in the order of the file.
         rests: how it can lie or stand; at least one is usual.
-        mount: how it stands in another object unless it is laid loose; None for most.
+        mount: how it is fixed in another object, if it is not placed loose; None for most.
 
     >>> knife = load_objects()["knife"]
     >>> list(knife.parts), knife.part("blade").role
@@ -125,11 +134,11 @@ class ObjectType:
 
     @cached_property
     def mass(self) -> float:
-        """The mass of all its parts together [kg]."""
+        """The total mass of its parts [kg]."""
         return sum(part.mass for part in self.parts.values())
 
     def part(self, name: str) -> PartType:
-        """Return one of its parts.
+        """Return the part of a name.
 
         Raises:
             UnknownNameError: it has no such part.
@@ -139,7 +148,7 @@ class ObjectType:
         return self.parts[name]
 
     def rest(self, name: str) -> Rest:
-        """Return one of its ways to lie or stand.
+        """Return the rest (the way to lie or stand) of a name.
 
         Raises:
             UnknownNameError: it has no such rest.
@@ -155,11 +164,11 @@ class Household:
     """The contents of a file of objects.
 
     Attributes:
-        objects: by name.
-        classes: class -> the class above it, or None.
-        roles: role of a part -> what it means.
-        properties: property -> what it means.
-        materials: by name.
+        objects: object types by name.
+        classes: class -> its superclass, or None.
+        roles: role of a part -> its meaning.
+        properties: property -> its meaning.
+        materials: materials by name.
     """
 
     objects: Mapping[str, ObjectType]
@@ -170,11 +179,7 @@ class Household:
 
 
 def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
-    """Return the object types of a file; Hilt's own when `path` is None.
-
-    Raises:
-        DataError: the file is wrong; says where and what was expected.
-    """
+    """Return the object types of a file by name; see `load_household`."""
     return dict(load_household(path).objects)
 
 
@@ -182,64 +187,59 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
     """Return the contents of a file of objects: types, classes, roles and properties.
 
     Args:
-        path: the file; Hilt's own when None.
-        added_to: the file may use its words, and need only define further objects; the result
-            contains both.
+        path: the file; the one of Hilt if None.
+        added_to: a household whose words the file may use; the result contains both.
 
     Raises:
-        DataError: the file is wrong; says where and what was expected.
+        DataError: the file is invalid; gives the position and what was expected.
     """
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 
 
 def read_household(spec: Field, *, added_to: Household | None = None) -> Household:
-    """Return the same as `load_household`, from a part of a file."""
+    """Return the household defined in a part of a file, as `load_household` does for a file."""
     words = {"classes", "roles", "properties", "materials"}
     known = added_to or Household({}, {}, {}, {}, {})
     top = spec.entries(required={"objects"} if added_to else {"objects", *words}, optional=words)
     given = {word: top[word].entries() if word in top else {} for word in words}
-    reader = _Reader(
-        objects=known.objects,
-        classes={**known.classes, **_read_classes(given["classes"], known.classes)},
-        roles={**known.roles, **_read_glossary(given["roles"])},
-        properties={**known.properties, **_read_glossary(given["properties"])},
-        materials={
-            **known.materials,
-            **{name: _read_material(name, spec) for name, spec in given["materials"].items()},
-        },
+    materials = {name: _read_material(name, spec) for name, spec in given["materials"].items()}
+    declared = Household(
+        known.objects,
+        {**known.classes, **_read_classes(given["classes"], known.classes)},
+        {**known.roles, **_read_glossary(given["roles"])},
+        {**known.properties, **_read_glossary(given["properties"])},
+        {**known.materials, **materials},
     )
     fields = top["objects"].entries()
-    objects = {name: reader.object(name, spec, fields) for name, spec in fields.items()}
-    objects = {**known.objects, **objects}
-    above = reader.classes | {name: kind.is_a for name, kind in objects.items()}
+    reader = _ObjectReader(declared, fields.keys())
+    objects = {name: reader.object(name, spec) for name, spec in fields.items()}
+    household = replace(declared, objects={**known.objects, **objects})
+    above = {**household.classes, **{name: k.is_a for name, k in household.objects.items()}}
     _check_acyclic(above, {**given["classes"], **fields})
-    return Household(objects, reader.classes, reader.roles, reader.properties, reader.materials)
+    return household
 
 
 @dataclass(frozen=True)
-class _Reader:
-    """Reads objects against the words that are declared."""
+class _ObjectReader:
+    """Reads objects, which may use the declared words and refer to the other objects defined."""
 
-    objects: Mapping[str, ObjectType]
-    classes: dict[str, str | None]
-    roles: Mapping[str, str]
-    properties: Mapping[str, str]
-    materials: Mapping[str, Material]
+    declared: Household
+    defined: Collection[str]
 
-    def object(self, name: str, spec: Field, fields: Mapping[str, Field]) -> ObjectType:
-        if name in self.objects:
+    def object(self, name: str, spec: Field) -> ObjectType:
+        if name in self.declared.objects:
             raise spec.fail(f'there already is an object "{name}".')
         _check_name(name, spec)
         keys = spec.entries(
             required={"is_a", "parts", "rests"}, optional={"properties", "graspable", "mount"}
         )
-        others = {*self.objects, *fields} - {name}
+        others = {*self.declared.objects, *self.defined} - {name}
         parts = keys["parts"].entries()
         if not parts:
             raise keys["parts"].fail("expected at least one part.")
         return ObjectType(
             name,
-            keys["is_a"].text(choices={*self.classes, *others}),
+            keys["is_a"].text(choices={*self.declared.classes, *others}),
             self._words(keys),
             keys["graspable"].truth() if "graspable" in keys else True,
             {part: self._part(part, field) for part, field in parts.items()},
@@ -254,14 +254,13 @@ class _Reader:
         )
         shape = tuple(read_solid(item) for item in keys["shape"].items())
         if not any(solid.collides for solid in shape):
-            raise keys["shape"].fail(
-                "expected at least one solid that can be touched (not `only: seen`)."
-            )
+            problem = "expected at least one solid that can be touched (not `only: seen`)."
+            raise keys["shape"].fail(problem)
         return PartType(
             name,
-            keys["role"].text(choices=self.roles),
+            keys["role"].text(choices=self.declared.roles),
             self._words(keys),
-            self.materials[keys["material"].text(choices=self.materials)],
+            self.declared.materials[keys["material"].text(choices=self.declared.materials)],
             read_colour(keys["colour"]),
             keys["mass"].number(low=1e-4, high=MAX_MASS),
             shape,
@@ -270,7 +269,7 @@ class _Reader:
     def _words(self, keys: Mapping[str, Field]) -> frozenset[str]:
         if "properties" not in keys:
             return frozenset()
-        return frozenset(keys["properties"].texts(choices=self.properties))
+        return frozenset(keys["properties"].texts(choices=self.declared.properties))
 
 
 def _check_name(name: str, spec: Field) -> None:
@@ -292,9 +291,8 @@ def _read_classes(fields: Mapping[str, Field], known: Iterable[str]) -> dict[str
 
 def _read_material(name: str, spec: Field) -> Material:
     keys = spec.entries(required={"friction", "shine"}, optional=())
-    return Material(
-        name, keys["friction"].number(low=0, high=2), keys["shine"].number(low=0, high=1)
-    )
+    friction = keys["friction"].number(low=0, high=2)
+    return Material(name, friction, keys["shine"].number(low=0, high=1))
 
 
 def _read_rests(spec: Field) -> tuple[Rest, ...]:
@@ -312,11 +310,10 @@ def _read_rest(name: str, spec: Field) -> Rest:
 
 def _read_mount(spec: Field, supports: set[str]) -> Mount:
     keys = spec.entries(required={"support", "at", "depth", "deepest", "resistance_N"}, optional=())
-    x, y, z = keys["at"].numbers(count=3, low=-MAX_LENGTH, high=MAX_LENGTH)
     deepest = keys["deepest"].number(low=0, high=MAX_LENGTH)
     return Mount(
         keys["support"].text(choices=supports),
-        (x, y, z),
+        read_point(keys["at"]),
         keys["depth"].number(low=0, high=deepest),
         deepest,
         keys["resistance_N"].number(low=0, high=MAX_FORCE),

@@ -79,7 +79,9 @@ def iri(kind: str, name: str) -> Iri:
     Raises:
         KeyError: there is no such kind.
     """
-    return Iri(PREFIXES[_known(kind)] + _UNSAFE.sub(_escape, name))
+    if kind not in KINDS:
+        raise KeyError(f'there is no kind "{kind}"; known: {", ".join(KINDS)}.')
+    return Iri(PREFIXES[kind] + _UNSAFE.sub(_escape, name))
 
 
 def term(name: str) -> Iri:
@@ -127,12 +129,6 @@ def split(individual: Iri) -> tuple[str, str]:
     if kind not in KINDS or not local:
         return "", str(individual)
     return kind, unquote(local.replace("_", " "))
-
-
-def _known(kind: str) -> str:
-    if kind not in KINDS:
-        raise KeyError(f'there is no kind "{kind}"; known: {", ".join(KINDS)}.')
-    return kind
 
 
 def _escape(match: re.Match[str]) -> str:

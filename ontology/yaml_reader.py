@@ -103,27 +103,21 @@ class Field:
     ) -> dict[str, Field]:
         """Return the entries of a mapping, in the order of the file.
 
-        Args:
-            required: keys that must exist.
-            optional: further keys that may exist; None allows any key.
+        Keys in `required` must exist, those in `optional` may; None allows any other key.
         """
         if not isinstance(self.value, dict):
             raise self.fail(f"expected a mapping, found {self.shown()}.")
         found: dict[str, Field] = self.value
-        if optional is not None:
-            self._reject_unknown(found, {*required, *optional})
+        known = {*required, *(optional or ())}
+        for key, field in found.items() if optional is not None else ():
+            if key not in known:
+                expected = ", ".join(sorted(known))
+                close = _suggestion(key, known)
+                raise field.fail(f'unknown key "{key}"{close}; expected {expected}.')
         for key in required:
             if key not in found:
                 raise self.fail(f'the key "{key}" is missing; found {", ".join(found) or "none"}.')
         return found
-
-    def _reject_unknown(self, found: dict[str, Field], known: Collection[str]) -> None:
-        for key, field in found.items():
-            if key not in known:
-                raise field.fail(
-                    f'unknown key "{key}"{_suggestion(key, known)}; '
-                    f"expected {', '.join(sorted(known))}."
-                )
 
     def plain(self) -> Any:
         """Return this value as plain Python data, without positions."""
@@ -162,9 +156,8 @@ def read_yaml(path: Path) -> Field:
             raise DataError(f"the file is larger than {MAX_BYTES} bytes.", source=str(path))
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise DataError(
-            f"expected UTF-8 text; byte {error.start} is not.", source=str(path)
-        ) from error
+        problem = f"expected UTF-8 text; byte {error.start} is not."
+        raise DataError(problem, source=str(path)) from error
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
     return parse_yaml(text, source=str(path))
@@ -188,13 +181,9 @@ def parse_yaml(text: str, *, source: str = "<text>") -> Field:
 def _syntax_error(error: Any, text: str, source: str) -> DataError:
     mark = error.problem_mark or error.context_mark
     lines = text.splitlines()
-    return DataError(
-        f"is not YAML: {error.problem}.",
-        source=source,
-        line=mark.line + 1,
-        column=mark.column + 1,
-        text=lines[mark.line] if mark.line < len(lines) else "",
-    )
+    shown = lines[mark.line] if mark.line < len(lines) else ""
+    place = {"line": mark.line + 1, "column": mark.column + 1}
+    return DataError(f"is not YAML: {error.problem}.", source=source, text=shown, **place)
 
 
 _TAG = "tag:yaml.org,2002:"
@@ -204,13 +193,7 @@ _END = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 
 class _FieldBuilder:
-    """Builds fields from the parser events of a text in one pass.
-
-    Args:
-        loader: the YAML loader, which yields events and converts scalars.
-        source: the name of the text.
-        lines: the lines of the text.
-    """
+    """Builds fields in one pass from the events of a YAML loader, which also converts scalars."""
 
     def __init__(self, loader: Any, source: str, lines: Sequence[str]) -> None:
         self._loader, self._source, self._lines = loader, source, lines

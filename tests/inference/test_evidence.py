@@ -22,7 +22,6 @@ from hilt.inference.evidence import (
     modus_ponens,
     modus_ponens_material,
     modus_ponens_published,
-    negation,
     relative_plausibility,
 )
 from hilt.kb.interval import VACUOUS, Interval
@@ -66,7 +65,7 @@ def test_conjunction_with_falsehood_is_false(interval: Interval):
 @given(intervals, intervals)
 def test_de_morgan_holds(one: Interval, other: Interval):
     """NOT of an AND is the OR of the NOTs."""
-    assert close(negation(conjunction([one, other])), disjunction([negation(one), negation(other)]))
+    assert close(conjunction([one, other]).negated(), disjunction([one.negated(), other.negated()]))
 
 
 @given(grid_intervals, grid_intervals)
@@ -265,7 +264,7 @@ def test_sixteen_subsets_stand_in_binary_order():
 def test_certainty_is_a_share_and_blind_to_truth(interval: Interval):
     """Lambda lies in [0, 1] and is the same for a statement and its negation."""
     assert 0 <= certainty(interval) <= 1
-    assert certainty(interval) == pytest.approx(certainty(negation(interval)), abs=1e-9)
+    assert certainty(interval) == pytest.approx(certainty(interval.negated()), abs=1e-9)
 
 
 def test_certain_falsehood_is_not_accepted():
