@@ -10,9 +10,9 @@ can help, and what cannot be done is reported without trying it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from hashlib import sha256
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +40,7 @@ RECEIVER = (1.15, 0.0, 0.40)  # [m], the person who receives objects sits across
 MEETING = (0.58, 0.0, 0.40)  # [m], where objects are handed over
 
 
-class Body:
+class Body(AbstractContextManager["Body"]):
     """A robot at a table with the objects of a scene.
 
     Use it in a `with` block, or `close` it.
@@ -92,15 +92,7 @@ class Body:
         """Stop the simulator."""
         self.world.close()
 
-    def __enter__(self) -> Body:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @property

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from ...ontology.errors import DataError, extra_required
 from .. import poses
 from ..physics.engine import PhysicsEngine
-from ..physics.types import Light
+from ..physics.rendering import Light
 from ..poses import Array
 from ..vision.camera import Camera
 

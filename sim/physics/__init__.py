@@ -3,7 +3,7 @@
 
 `engine` is one simulator with its four parts: `bodies` (loading and poses), `joints` (positions and
 motors), `contacts` (touch, friction, sleeping) and `rendering` (camera images). They call PyBullet
-through `client`, the only module that imports it; `types` has the values they return.
+through `client`, the only module that imports it.
 """
 
 import lazy_loader

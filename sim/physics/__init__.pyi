@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
+from .bodies import JointInfo
+from .contacts import Contact
 from .engine import PhysicsEngine
-from .types import Contact, Image, JointInfo, Light
+from .rendering import Image, Light
 
 __all__ = [
     "Contact",

@@ -16,16 +16,27 @@ from ...ontology.errors import SimulationError, UnknownNameError
 from .. import poses
 from ..poses import Array
 from .client import PhysicsClient, quiet
-from .types import JointInfo
 
 BASE = -1  # PyBullet's index of a body's first link
 _JOINT_KINDS = {0: "revolute", 1: "prismatic", 4: "fixed"}
 
 
 @dataclass(frozen=True)
-class _BodyRecord:
-    """PyBullet's numbers of a body, its links and joints, and what its URDF says of it."""
+class JointInfo:
+    """A joint of a body, as its URDF describes it."""
 
+    name: str
+    link: str  # that it moves
+    parent: str  # link that carries it
+    kind: str  # "revolute", "prismatic", "fixed" or "other"
+    limits: tuple[float, float]  # lowest and highest position [rad] or [m]
+    speed: float  # limit [rad/s] or [m/s]
+    effort: float  # limit [Nm] or [N]
+    axis: tuple[float, float, float]  # in the frame of the joint
+
+
+@dataclass(frozen=True)
+class _BodyRecord:
     number: int
     links: dict[str, int]
     joints: dict[str, int]
@@ -34,11 +45,7 @@ class _BodyRecord:
 
 
 class Bodies:
-    """The bodies in one simulator; the other parts of the engine look up PyBullet's numbers here.
-
-    Args:
-        client: the simulator.
-    """
+    """The bodies in one simulator, and PyBullet's numbers of them for the rest of the engine."""
 
     def __init__(self, client: PhysicsClient) -> None:
         self._client = client
@@ -54,12 +61,12 @@ class Bodies:
         fixed: bool = False,
         inertia_of_shape: bool = False,
     ) -> None:
-        """Put a body described by a URDF file into the world.
+        """Put a body described by a URDF file into the world, at the origin unless a pose is given.
 
         Args:
             name: by which it is known from now on.
             urdf: its description.
-            world_from_base: pose of its URDF frame; the origin when None.
+            world_from_base: pose of its URDF frame.
             fixed: whether it stays where it is, whatever pushes it.
             inertia_of_shape: whether inertias follow from the masses and shapes of its links
                 instead of from the file.
@@ -141,7 +148,7 @@ class Bodies:
         return record.number, record.links[link]
 
     def link_ids(self, body: str, link: str | None = None) -> Iterable[tuple[int, int]]:
-        """The same of one link, or of all links when `link` is None."""
+        """PyBullet's numbers of a body and one of its links; of all its links when `link` is None."""
         if link is not None:
             return (self.link_id(body, link),)
         record = self._record(body)
@@ -161,10 +168,8 @@ class Bodies:
 
     def centre_of_mass(self, body: str) -> Array:
         """`world_from_com` of a body's base: PyBullet's own frame of it."""
-        position, quaternion = self._client.call(
-            "getBasePositionAndOrientation", self._record(body).number
-        )
-        return poses.from_quaternion(position, quaternion)
+        number = self._record(body).number
+        return poses.from_quaternion(*self._client.call("getBasePositionAndOrientation", number))
 
     def _record(self, name: str) -> _BodyRecord:
         if name not in self._records:

@@ -15,14 +15,11 @@ from contextlib import ExitStack, contextmanager
 from ctypes.util import find_library
 from typing import Any
 
-from ...ontology.errors import MissingExtraError, SimulationError
+from ...ontology.errors import SimulationError, extra_required
 
 
 class PhysicsClient:
-    """A connection to one simulator; `close` it.
-
-    Args:
-        gui: whether to show a window.
+    """A connection to one simulator, with a window if `gui`; `close` it.
 
     Raises:
         SimulationError: no window can be opened.
@@ -30,7 +27,9 @@ class PhysicsClient:
     """
 
     def __init__(self, *, gui: bool = False) -> None:
-        self._pybullet: Any = _import_pybullet()
+        with extra_required("sim", "pybullet"), quiet():
+            import pybullet
+        self._pybullet: Any = pybullet
         # Where it cannot open a window PyBullet ends the whole process without a word.
         if gui and sys.platform.startswith("linux") and not _has_display():
             raise SimulationError("There is no display to open a window on. Run without --gui.")
@@ -88,15 +87,6 @@ def _redirected(number: int, target: int) -> Generator[None]:
         ctypes.CDLL(None).fflush(None)
         os.dup2(saved, number)
         os.close(saved)
-
-
-def _import_pybullet() -> Any:
-    try:
-        with quiet():
-            import pybullet
-    except ImportError as error:
-        raise MissingExtraError("sim", "pybullet") from error
-    return pybullet
 
 
 def _has_display() -> bool:

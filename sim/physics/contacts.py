@@ -3,18 +3,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import product
+
 from .bodies import BASE, Bodies
 from .client import PhysicsClient
-from .types import Contact
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two links that touch; `body` and `link` are those that were asked for."""
+
+    body: str
+    link: str
+    other: str
+    other_link: str
+    position: tuple[float, float, float]  # in the world [m]
+    normal: tuple[float, float, float]  # from the other one towards this one, unit length
+    gap: float  # distance of the surfaces; negative where they overlap [m]
+    force: float  # along the normal [N]
 
 
 class Contacts:
-    """The contacts of bodies, their friction, and which of them are computed.
-
-    Args:
-        client: the simulator.
-        bodies: that touch each other.
-    """
+    """The contacts of bodies, their friction, and which of them are computed."""
 
     def __init__(self, client: PhysicsClient, bodies: Bodies) -> None:
         self._client, self._bodies = client, bodies
@@ -22,13 +33,7 @@ class Contacts:
     def find(
         self, body: str, link: str | None = None, *, other: str | None = None
     ) -> tuple[Contact, ...]:
-        """The contacts of a body (or one of its links) in the last step, with their forces.
-
-        Args:
-            body: whose contacts.
-            link: only those of this link.
-            other: only those with this body.
-        """
+        """The contacts of a body in the last step; only of a link, or with a body, that is given."""
         options = {"bodyA": self._bodies.number(body)}
         if link is not None:
             options["linkIndexA"] = self._bodies.link_id(body, link)[1]
@@ -53,7 +58,7 @@ class Contacts:
 
         Args:
             body: whose link.
-            link: which one.
+            link: its name.
             friction: lateral coefficient; between two surfaces their product counts.
             spinning: resistance against turning on the spot [m].
             rolling: resistance against rolling [m].
@@ -69,16 +74,10 @@ class Contacts:
 
     def enable(self, body: str, other: str, *, enabled: bool) -> None:
         """Compute contacts between two bodies from now on, or let them pass through each other."""
-        for number, index in self._bodies.link_ids(body):
-            for other_number, other_index in self._bodies.link_ids(other):
-                self._client.call(
-                    "setCollisionFilterPair",
-                    number,
-                    other_number,
-                    index,
-                    other_index,
-                    int(enabled),
-                )
+        pairs = product(self._bodies.link_ids(body), self._bodies.link_ids(other))
+        for (number, link), (other_number, other_link) in pairs:
+            numbers = number, other_number, link, other_link
+            self._client.call("setCollisionFilterPair", *numbers, int(enabled))
 
     def enable_sleeping(self, body: str) -> None:
         """Put a body that lies still to sleep: it is computed only once something touches it.
@@ -94,6 +93,5 @@ class Contacts:
     def _activate(self, body: str, *states: str) -> None:
         for state in states:
             constant = self._client.constant(f"ACTIVATION_STATE_{state}")
-            self._client.call(
-                "changeDynamics", self._bodies.number(body), BASE, activationState=constant
-            )
+            number = self._bodies.number(body)
+            self._client.call("changeDynamics", number, BASE, activationState=constant)

@@ -6,7 +6,7 @@ Poses are 4 x 4 matrices (`world_from_link`); lengths, angles and forces are in 
 
 from __future__ import annotations
 
-from types import TracebackType
+from contextlib import AbstractContextManager
 
 from .bodies import Bodies
 from .client import PhysicsClient
@@ -21,7 +21,7 @@ CONTACT_BREAKING = 0.004  # [m] from which on there is a contact to solve; 0.02 
 GRAVITY = 9.81  # [m/s^2]
 
 
-class PhysicsEngine:
+class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
     """One physics simulator.
 
     Use it in a `with` block, or `close` it. Several can live in one process.
@@ -68,13 +68,5 @@ class PhysicsEngine:
         """Stop the simulator; closing twice is allowed."""
         self._client.close()
 
-    def __enter__(self) -> PhysicsEngine:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

@@ -14,12 +14,7 @@ from .client import PhysicsClient
 
 
 class Joints:
-    """The joints of bodies, their motors, and joints between bodies.
-
-    Args:
-        client: the simulator.
-        bodies: whose joints.
-    """
+    """The joints of bodies, their motors, and joints between bodies."""
 
     def __init__(self, client: PhysicsClient, bodies: Bodies) -> None:
         self._client, self._bodies = client, bodies
@@ -65,14 +60,13 @@ class Joints:
             speeds: target speeds [rad/s] or [m/s]; zero when None.
         """
         count = len(joints)
+        target_speeds = np.zeros(count) if speeds is None else np.asarray(speeds, float)
         self._client.call(
             "setJointMotorControlArray",
             *self._bodies.joint_ids(body, joints),
             self._client.constant("POSITION_CONTROL"),
             targetPositions=np.asarray(positions, float).tolist(),
-            targetVelocities=np.zeros(count).tolist()
-            if speeds is None
-            else np.asarray(speeds, float).tolist(),
+            targetVelocities=target_speeds.tolist(),
             forces=np.asarray(forces, float).tolist(),
             positionGains=[gain] * count,
             velocityGains=[damping] * count,
@@ -81,10 +75,9 @@ class Joints:
     def drive_at(self, body: str, joint: str, speed: float, *, force: float) -> None:
         """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit."""
         number, (index,) = self._bodies.joint_ids(body, [joint])
+        options = {"targetVelocity": speed, "force": force}
         control = self._client.constant("VELOCITY_CONTROL")
-        self._client.call(
-            "setJointMotorControl2", number, index, control, targetVelocity=speed, force=force
-        )
+        self._client.call("setJointMotorControl2", number, index, control, **options)
 
     def add_gear(
         self, body: str, joint: str, other: str, *, ratio: float, force: float, stiffness: float
@@ -116,9 +109,8 @@ class Joints:
 
     def fix_bodies(self, body: str, other: str, *, force: float) -> None:
         """Join the bases of two bodies by a fixed joint that bears at most `force` [N]."""
-        other_from_body = poses.inverse(
-            self._bodies.centre_of_mass(other)
-        ) @ self._bodies.centre_of_mass(body)
+        world_from_other = self._bodies.centre_of_mass(other)
+        other_from_body = poses.inverse(world_from_other) @ self._bodies.centre_of_mass(body)
         constraint = self._client.call(
             "createConstraint",
             self._bodies.number(other),

@@ -4,26 +4,43 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Generator, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..poses import Array
 from .bodies import Bodies
 from .client import PhysicsClient
-from .types import Image, Light
 
 LINK_SHIFT = 24  # the mask packs body + ((link + 1) << 24) into one number
 
 
-class Rendering:
-    """Images of bodies.
+@dataclass(frozen=True)
+class Light:
+    """The lighting of an image; all amounts in [0, 1]."""
 
-    Args:
-        client: the simulator.
-        bodies: that are drawn.
-    """
+    direction: tuple[float, float, float] = (0.4, -0.6, 1.0)
+    ambient: float = 0.55
+    diffuse: float = 0.45
+    specular: float = 0.12
+    shadow: bool = False
+
+
+@dataclass(frozen=True)
+class Image:
+    """A rendered image with depth and labels."""
+
+    colour: NDArray[np.uint8]  # (height, width, 3)
+    depth: NDArray[np.float32]  # as in an OpenGL depth buffer, (height, width) in [0, 1]
+    labels: NDArray[np.int32]  # number of the body and link of each pixel, (height, width)
+    names: Mapping[int, tuple[str, str]]  # label -> (body, link); nothing has no name
+
+
+class Rendering:
+    """Camera images of the bodies in one simulator."""
 
     def __init__(self, client: PhysicsClient, bodies: Bodies) -> None:
         self._client, self._bodies = client, bodies
@@ -31,13 +48,13 @@ class Rendering:
     def render(
         self, view: Array, projection: Array, width: int, height: int, *, light: Light
     ) -> Image:
-        """Render what a camera sees.
+        """Return what a camera sees, in `width` times `height` pixels.
 
         Args:
             view: OpenGL view matrix, camera_from_world (4, 4).
             projection: OpenGL projection matrix (4, 4).
-            width: of the image in pixels.
-            height: of the image in pixels.
+            width: of the image.
+            height: of the image.
             light: of the scene.
         """
         raw = self._client.call(
@@ -70,11 +87,7 @@ class Rendering:
     ) -> Generator[None]:
         """Tint a link inside this block.
 
-        Args:
-            body: whose link.
-            link: which one.
-            colour: red, green, blue in [0, 1].
-            share: of the tint in the colour that is drawn, in [0, 1].
+        The colour (red, green, blue) and its share in the colour that is drawn are in [0, 1].
         """
         link_id = self._bodies.link_id(body, link)
         shapes = [shape for shape in self._shapes(body) if shape[:2] == link_id]
@@ -92,13 +105,10 @@ class Rendering:
     def hidden(
         self, bodies: Sequence[str], *, but: Collection[tuple[str, str]] = ()
     ) -> Generator[None]:
-        """Leave some bodies out of images inside this block, which saves the time of drawing them.
+        """Leave bodies out of images inside this block, which saves the time of drawing them.
 
-        In a window they stay, or they would flicker there.
-
-        Args:
-            bodies: their names.
-            but: body and link of those of their links that are drawn all the same.
+        The pairs of body and link in `but` are drawn all the same. In a window all bodies stay, or
+        they would flicker there.
         """
         kept = {self._bodies.link_id(body, link) for body, link in but}
         names = () if self._client.gui else bodies
@@ -124,6 +134,5 @@ class Rendering:
             count[shape[1]] += 1
 
     def _paint(self, number: int, link: int, index: int, colour: Sequence[float]) -> None:
-        self._client.call(
-            "changeVisualShape", number, link, shapeIndex=index, rgbaColor=list(colour)
-        )
+        options = {"shapeIndex": index, "rgbaColor": list(colour)}
+        self._client.call("changeVisualShape", number, link, **options)

@@ -14,8 +14,8 @@ import numpy as np
 
 from ...ontology.errors import SimulationError
 from .. import poses
+from ..physics.contacts import Contact
 from ..physics.engine import TIME_STEP, PhysicsEngine
-from ..physics.types import Contact
 from ..poses import Array
 from .collision import Spheres, arm_spheres, finger_spheres
 from .models import Gripper, RobotType

@@ -9,8 +9,8 @@ that a watcher (a recorder) is called at every step.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from types import TracebackType
 
 import numpy as np
 
@@ -43,7 +43,7 @@ STILL_TURN = 0.004  # [rad]
 
 
 @dataclass(repr=False)
-class World:
+class World(AbstractContextManager["World"]):
     """The room with the objects of one scene.
 
     Use it in a `with` block, or `close` it.
@@ -122,15 +122,7 @@ class World:
         """Stop the simulator."""
         self.engine.close()
 
-    def __enter__(self) -> World:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from .. import poses
 from ..physics.engine import PhysicsEngine
-from ..physics.types import Light
+from ..physics.rendering import Light
 from ..poses import Array
 
 NEAR, FAR = 0.05, 6.0  # [m], clipping planes
