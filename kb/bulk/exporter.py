@@ -12,8 +12,10 @@ bounded memory. Any other store is sorted first.
 
 from __future__ import annotations
 
+import gc
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import BinaryIO, NamedTuple, Protocol, TypeAlias, cast, get_args, runtime_checkable
 
@@ -149,7 +151,7 @@ def scan_rules(
         ValidationError: a rule is malformed.
     """
     rules = _RuleRows(take, ProgressCounter(progress))
-    with store.writing():
+    with store.writing(), no_garbage_collection():
         _scan(store, BELIEFS, rules.feed, predicates=_OF_RULES, is_large=_is_large(store))
     return rules.finish()
 
@@ -163,6 +165,18 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[Quad]:
         if rules_only and graph == HISTORY:
             found = (quad for quad in found if quad.subject in sources)
         yield from found if is_large else sorted(found, key=_order)
+
+
+@contextmanager
+def no_garbage_collection() -> Generator[None]:
+    """Switch the cyclic collector off: millions of values are made, and none refers to itself."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 class ProgressCounter:

@@ -11,13 +11,11 @@ The statements of one rule must stand together, as they do in every export.
 
 from __future__ import annotations
 
-import gc
 import re
 import tempfile
 from array import array
 from collections import defaultdict, deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from typing import BinaryIO, Protocol, TypeVar, cast, get_args, runtime_checkable
@@ -33,8 +31,16 @@ from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule, Status
 from ..stores.base import Store
-from ..validation import Finding, check_graph, findings, raise_findings, stage
+from ..validation import (
+    Finding,
+    check_graph,
+    check_invariants,
+    findings,
+    raise_findings,
+    stage,
+)
 from ..writer import to_milliseconds
+from .exporter import no_garbage_collection
 from .reconciliation import (
     BelievedRules,
     ImportPlan,
@@ -152,8 +158,8 @@ def import_rules(
     base: KnowledgeBase, rules: Iterable[SerializedRule], *, source: str, dry_run: bool = False
 ) -> ImportSummary:
     """Import rules; as `import_statements`."""
-    progress = _Progress(None)
-    return _import(base, rules, progress, source=source, dry_run=dry_run, check=findings)
+    progress = _Progress(None)  # nothing but rules is read, so no shape can be broken
+    return _import(base, rules, progress, source=source, dry_run=dry_run, check=check_invariants)
 
 
 def _import(
@@ -165,7 +171,7 @@ def _import(
     dry_run: bool,
     check: Callable[[Store], Iterable[Finding]],
 ) -> ImportSummary:
-    with base.store.writing(), _no_garbage_collection():
+    with base.store.writing(), no_garbage_collection():
         plan = ImportPlan(base.sequence)
         lines = _lines(base, rules, progress, plan, source=source, check=check)
         if dry_run:
@@ -180,18 +186,6 @@ def _import(
         tuple(sorted(progress.speakers - progress.trusted)),
         tuple(progress.conflicts),
     )
-
-
-@contextmanager
-def _no_garbage_collection() -> Generator[None]:
-    """Switch the cyclic collector off: millions of values are made, and none refers to itself."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 # Reading
