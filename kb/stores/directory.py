@@ -40,18 +40,12 @@ _TRANSIENT = ("LOG.", "bulk-")  # earlier engine reports, and what is being load
 
 
 def is_base(folder: Path) -> bool:
-    """Whether a folder holds a base; False where it is empty or does not exist.
-
-    Raises:
-        StoreError: it is a file, or holds something else.
-    """
-    if not folder.exists():
-        return False
-    if not folder.is_dir():
-        raise StoreError(f'"{folder}" is a file. A knowledge base is a folder.')
+    """Whether a folder, which may not exist, holds a base; StoreError if it holds other files."""
     if (folder / MARKER_FILE).exists():
         return True
-    if any(folder.iterdir()):
+    if folder.exists() and not folder.is_dir():
+        raise StoreError(f'"{folder}" is a file. A knowledge base is a folder.')
+    if folder.exists() and any(folder.iterdir()):
         raise StoreError(
             f'"{folder}" holds other files and no knowledge base. Name another folder.'
         )
@@ -86,12 +80,7 @@ class WriteAheadLog:
         """Watch the log of a folder; None for a store that is not on disk."""
         self._folder = folder
         self._synced: dict[str, int] = {}  # file -> how much of it the disk has [bytes]
-        self._changes = 0
-
-    @property
-    def has_changes(self) -> bool:
-        """Whether the log holds changes that are not in the tables yet."""
-        return self._changes > 0
+        self.changes = 0  # in the log that are not in the tables yet
 
     def sync(self) -> bool:
         """Wait until the log is on disk; False when the tables must be written instead.
@@ -101,9 +90,9 @@ class WriteAheadLog:
         """
         if self._folder is None:
             return True
-        self._changes += 1
+        self.changes += 1
         sizes = _log_sizes(self._folder) if _CAN_SYNC_LOG else {}
-        if not sizes or self._changes >= MAX_LOGGED_CHANGES:
+        if not sizes or self.changes >= MAX_LOGGED_CHANGES:
             return False
         for name, size in sizes.items():
             if self._synced.get(name) != size:
@@ -116,7 +105,7 @@ class WriteAheadLog:
 
     def reset(self) -> None:
         """Note that the tables hold all changes."""
-        self._changes = 0
+        self.changes = 0
 
 
 def new_snapshot_folder(folder: Path) -> Path:
@@ -205,12 +194,11 @@ def _copy_file(source: Path, target: Path) -> None:
     if source.suffix in _IMMUTABLE_SUFFIXES:
         try:
             os.link(source, target)
+            return
         except FileNotFoundError:
             raise
         except OSError:  # another file system, or one without links
             pass
-        else:
-            return
     shutil.copyfile(source, target)
 
 

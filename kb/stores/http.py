@@ -21,7 +21,7 @@ import os
 import re
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import dataclass, field
 from urllib.parse import SplitResult, unquote, urldefrag, urljoin, urlsplit, urlunsplit
 
@@ -51,12 +51,10 @@ class Address:
     """The addresses of one endpoint, with the credentials.
 
     Attributes:
-        query: address of queries, without credentials.
-        update: address of updates.
+        query, update: addresses of queries and of updates, without credentials.
         graphs: address of the Graph Store Protocol; None where that is not known.
         is_update_given: whether the address of updates was given.
-        user: name for basic or digest authentication; empty for none.
-        password: the password of that name.
+        user, password: for basic or digest authentication; empty for none.
         token: for bearer authentication; empty for none.
     """
 
@@ -68,34 +66,25 @@ class Address:
     password: str = field(default="", repr=False)
     token: str = field(default="", repr=False)
 
-    @property
-    def has_credentials(self) -> bool:
-        """Whether there are credentials."""
-        return bool(self.user or self.token)
-
 
 def parse_address(location: str, environment: Mapping[str, str] | None = None) -> Address:
-    """The addresses of a location.
+    """The addresses of a location, the value of `--kb`; StoreError if it is not http(s).
 
     >>> found = parse_address("http://localhost:3030/ds/query#update,data", {})
     >>> found.update, found.graphs
     ('http://localhost:3030/ds/update', 'http://localhost:3030/ds/data')
 
-    Args:
-        location: the value of `--kb`.
-        environment: environment variables with credentials; the process's by default.
-
-    Raises:
-        StoreError: it is not an http or https address.
+    The environment variables may hold credentials; they are the process's by default.
     """
     known = os.environ if environment is None else environment
     bare, fragment = urldefrag(location)
     parts = _split(bare)
     query = urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, parts.query, ""))
+    beside = query.removesuffix("query") + "update" if parts.path.endswith("/query") else query
     update, _, graphs = (one.strip() for one in fragment.partition(","))
     return Address(
         query,
-        urljoin(query, update) if update else _update_beside(query),
+        urljoin(query, update) if update else beside,
         urljoin(query, graphs) if graphs else None,
         bool(update),
         unquote(parts.username or "") or known.get(USER, ""),
@@ -116,11 +105,6 @@ def _split(location: str) -> SplitResult:
             "The address of the endpoint is not valid: expected http(s)://host:port/path."
         )
     return parts
-
-
-def _update_beside(query: str) -> str:
-    is_query = urlsplit(query).path.endswith("/query")
-    return query.removesuffix("query") + "update" if is_query else query
 
 
 @dataclass(frozen=True)
@@ -145,31 +129,28 @@ class EndpointAuth(httpx.Auth):
 
     def __init__(self, address: Address) -> None:
         self._token = address.token
-        self._basic = httpx.BasicAuth(address.user, address.password)
-        self._digest = httpx.DigestAuth(address.user, address.password)
-        self._has_name = bool(address.user)
-        self._scheme = "bearer" if address.token else ""
+        self._scheme: httpx.Auth | None = None
+        user, password = address.user, address.password
+        self._schemes: dict[str, httpx.Auth] = (
+            {"digest": httpx.DigestAuth(user, password), "basic": httpx.BasicAuth(user, password)}
+            if user
+            else {}
+        )
 
     def auth_flow(self, request: httpx.Request) -> Generator[httpx.Request, httpx.Response]:
         """Send the request, and again with credentials when the server requests them."""
-        if self._scheme:
-            yield from self._with(self._scheme, request)
-            return
-        response = yield request
-        requested = response.headers.get("www-authenticate", "").lower()
-        found = next((scheme for scheme in ("digest", "basic") if scheme in requested), "")
-        if response.status_code == UNAUTHORIZED and found and self._has_name:
-            self._scheme = found
-            yield from self._with(found, request)
-
-    def _with(
-        self, scheme: str, request: httpx.Request
-    ) -> Generator[httpx.Request, httpx.Response]:
-        if scheme == "bearer":
+        if self._token:
             request.headers["Authorization"] = f"Bearer {self._token}"
             yield request
-        else:
-            yield from (self._digest if scheme == "digest" else self._basic).auth_flow(request)
+            return
+        if self._scheme is None:
+            response = yield request
+            requested = response.headers.get("www-authenticate", "").lower()
+            found = (auth for name, auth in self._schemes.items() if name in requested)
+            if response.status_code == UNAUTHORIZED:
+                self._scheme = next(found, None)
+        if self._scheme is not None:
+            yield from self._scheme.auth_flow(request)
 
 
 class Transport:
@@ -182,13 +163,7 @@ class Transport:
         pause: Callable[[float], None] = time.sleep,
         connection: httpx.BaseTransport | None = None,
     ) -> None:
-        """Prepare requests to an endpoint; nothing is sent yet.
-
-        Args:
-            address: the address of the endpoint.
-            pause: waits some seconds before a retry.
-            connection: the transport of httpx; TCP by default.
-        """
+        """Prepare requests; `pause` waits [s] before a retry, `connection` is TCP by default."""
         self.address = address
         self._pause = pause
         self._client = httpx.Client(auth=EndpointAuth(address), transport=connection)
@@ -224,8 +199,9 @@ class Transport:
             StoreError: the server cannot be reached, refuses, or fails.
         """
         headers = {"Accept": accept} | ({"Content-Type": content_type} if content_type else {})
+        timeout = httpx.Timeout(limits.seconds, connect=min(CONNECT_S, limits.seconds))
         request = self._client.build_request(
-            "POST", url, data=form, content=content, headers=headers, timeout=_timeout(limits)
+            "POST", url, data=form, content=content, headers=headers, timeout=timeout
         )
         for attempt in range(TRIES):
             is_last = attempt == TRIES - 1
@@ -247,7 +223,7 @@ class Transport:
         """One attempt: status, answer, and the seconds that the server asks to wait."""
         deadline = time.monotonic() + limits.seconds
         received = bytearray()
-        with self._sent(request) as response:
+        with closing(self._client.send(request, stream=True)) as response:
             for chunk in response.iter_bytes():
                 received += chunk
                 if time.monotonic() > deadline:
@@ -264,14 +240,6 @@ class Transport:
                 headers.get("x-sql-state", "") == OUT_OF_TIME,
             )
             return response.status_code, answer, float(wait) if wait.isdigit() else None
-
-    @contextmanager
-    def _sent(self, request: httpx.Request) -> Generator[httpx.Response]:
-        response = self._client.send(request, stream=True)
-        try:
-            yield response
-        finally:
-            response.close()
 
     def _raise_unless_retried(
         self, error: httpx.TransportError, is_last: bool, may_repeat: bool, limits: Limits
@@ -292,7 +260,10 @@ class Transport:
             return
         message = _first_line(body)
         if status in LOGIN or NO_PERMISSION.search(message):
-            raise StoreError(f'The endpoint "{url}" refuses: {message} {self._login_hint()}')
+            hint = f"Set {USER} and {PASSWORD}, or {TOKEN}."
+            if self.address.user or self.address.token:
+                hint = "The given credentials are not sufficient."
+            raise StoreError(f'The endpoint "{url}" refuses: {message} {hint}')
         if status == BAD_REQUEST:
             raise QueryError(f"The endpoint says: {message}")
         if status in NOT_THERE:
@@ -301,15 +272,6 @@ class Transport:
                 'updates after a "#", as in http://host:3030/ds/query#update.'
             )
         raise StoreError(f'The endpoint "{url}" failed (HTTP {status}): {message}')
-
-    def _login_hint(self) -> str:
-        if self.address.has_credentials:
-            return "The given credentials are not sufficient."
-        return f"Set {USER} and {PASSWORD}, or {TOKEN}."
-
-
-def _timeout(limits: Limits) -> httpx.Timeout:
-    return httpx.Timeout(limits.seconds, connect=min(CONNECT_S, limits.seconds))
 
 
 def _reason(error: Exception) -> str:

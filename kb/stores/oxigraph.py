@@ -60,12 +60,8 @@ class OxigraphStore:
     ) -> None:
         """Use an open store of pyoxigraph.
 
-        Args:
-            inner: the store of pyoxigraph.
-            location: its location, as it is shown.
-            read_only: whether writes are refused.
-            folder: the folder it owns; None for memory and for a snapshot.
-            snapshot: the snapshot it reads; removed when the store is closed.
+        It owns `folder`, which is None for memory and for a snapshot, or reads `snapshot`, which
+        is removed when the store is closed.
         """
         self._inner: engine.Store | None = inner
         self._lock = threading.RLock()
@@ -202,7 +198,7 @@ class OxigraphStore:
         """Close the store and release its folder."""
         with self._lock:
             self._worker.close()
-            if self._inner is not None and self._log.has_changes:
+            if self._inner is not None and self._log.changes:
                 with contextlib.suppress(OSError):  # the log has it all
                     self._write_tables(self._inner)
             self._inner = None
@@ -213,11 +209,7 @@ class OxigraphStore:
                 self._snapshot = None
 
     def save(self, target: Path) -> None:
-        """Write a copy of the store as it is now into a new folder, which can be opened.
-
-        Raises:
-            StoreError: it cannot be written.
-        """
+        """Write a copy of the store as it is now into a new folder, which can be opened."""
         with self._lock, translated_errors(self.location):
             store = self._engine()
             if self._snapshot:
@@ -295,7 +287,6 @@ class _ChunkReader:
         self._held = memoryview(b"")
 
     def read(self, size: int = -1) -> bytes:
-        """At most so many bytes; none at the end."""
         while not self._held:
             chunk = next(self._chunks, None)
             if chunk is None:
@@ -323,7 +314,13 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         if read_only:
             if not is_there:
                 raise StoreError(f'There is no knowledge base "{folder}" to read.')
-            return _open_snapshot(directory.take_snapshot(folder), str(folder))
+            snapshot = directory.take_snapshot(folder)
+            try:
+                inner = engine.Store.read_only(str(snapshot))
+            except BaseException:
+                directory.remove_snapshot(snapshot)
+                raise
+            return OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
         folder.mkdir(parents=True, exist_ok=True)
         directory.remove_stale_snapshots(folder)
         opened = engine.Store(str(folder))
@@ -334,11 +331,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
 
 
 def open_snapshot(snapshot: Path) -> OxigraphStore:
-    """A store over a snapshot that the caller removes.
-
-    Raises:
-        StoreError: it cannot be read.
-    """
+    """A store over a snapshot that the caller removes; StoreError if it cannot be read."""
     try:
         return OxigraphStore(engine.Store.read_only(str(snapshot)), str(snapshot), read_only=True)
     except (OSError, RuntimeError) as error:
@@ -346,11 +339,7 @@ def open_snapshot(snapshot: Path) -> OxigraphStore:
 
 
 def load_file(file: Path) -> OxigraphStore:
-    """A store in memory with the statements of a file of N-Quads that Hilt wrote.
-
-    Raises:
-        StoreError: it cannot be read.
-    """
+    """A store in memory with the statements of a file of N-Quads; StoreError on failure."""
     store = engine.Store()
     with translated_errors(str(file)):
         store.bulk_load(path=file, format=engine.RdfFormat.N_QUADS)
@@ -358,23 +347,9 @@ def load_file(file: Path) -> OxigraphStore:
 
 
 def save_quads(quads: Iterable[Quad], target: Path) -> None:
-    """Write statements into a new folder, which can be opened.
-
-    Raises:
-        StoreError: it cannot be written.
-    """
+    """Write statements into a new folder, which can be opened; StoreError on failure."""
     with translated_errors(str(target)):
         _write_folder(map(quad_to_engine, quads), target)
-
-
-def _open_snapshot(snapshot: Path, location: str) -> OxigraphStore:
-    """A store over a snapshot that is removed when the store is closed."""
-    try:
-        inner = engine.Store.read_only(str(snapshot))
-    except BaseException:
-        directory.remove_snapshot(snapshot)
-        raise
-    return OxigraphStore(inner, location, read_only=True, snapshot=snapshot)
 
 
 def _write_folder(quads: Iterable[engine.Quad], target: Path) -> None:

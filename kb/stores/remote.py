@@ -13,7 +13,7 @@ write to a base; endpoints do not enforce that.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from decimal import Decimal
 from itertools import islice
@@ -62,16 +62,13 @@ class RemoteStore:
         self._transport = transport
         self._address = transport.address
         self._lock = threading.RLock()
-        self._dataset = _dataset()
+        graphs = [str(iri("graph", name)) for name in GRAPH_NAMES]
+        self._dataset = {"default-graph-uri": graphs, "named-graph-uri": graphs}
         self._server = ""
         self._is_open = True
 
     def connect(self) -> None:
-        """Check that the endpoint answers, and note its server software.
-
-        Raises:
-            StoreError: it does not answer, or refuses.
-        """
+        """Note the endpoint's server software; StoreError if it does not answer, or refuses."""
         try:
             self._server = self._read("ASK {}", ROWS, CALL).server
         except QueryError as error:
@@ -110,13 +107,12 @@ class RemoteStore:
         wanted = {"s": subject, "p": predicate, "o": object, "g": graph}
         names = [name for name, term in wanted.items() if term is None]
         s, p, o, g = (f"?{n}" if t is None else as_sparql(t) for n, t in wanted.items())
-        head = " ".join(f"?{name}" for name in names)
         where = f"{{ GRAPH {g} {{ {s} {p} {o} }} }}"
         if not names:
             if self.ask(f"ASK {where}"):
                 yield Quad(subject, predicate, object, graph)  # type: ignore[arg-type]
             return
-        for row in self.select(f"SELECT {head} WHERE {where}"):
+        for row in self.select(f"SELECT ?{' ?'.join(names)} WHERE {where}"):
             found = wanted | dict(zip(names, row, strict=True))
             yield Quad(*found.values())  # type: ignore[arg-type]
 
@@ -211,8 +207,11 @@ class RemoteStore:
 
     def _write(self, update: str, *, may_repeat: bool) -> None:
         self._check_writable()
+        address = self._address.update
+        if self._server.startswith(VIRTUOSO) and not self._address.is_update_given:
+            address = urljoin(self._address.query, VIRTUOSO_UPDATES)
         self._transport.post(
-            self._update_address(),
+            address,
             form={"update": update},
             accept="*/*",
             limits=CALL,
@@ -240,12 +239,6 @@ class RemoteStore:
             limits=CALL,
         )
 
-    def _update_address(self) -> str:
-        address = self._address
-        if self._server.startswith(VIRTUOSO) and not address.is_update_given:
-            return urljoin(address.query, VIRTUOSO_UPDATES)
-        return address.update
-
     def _check_writable(self) -> None:
         self._check_open()
         if self.read_only:
@@ -257,14 +250,11 @@ class RemoteStore:
 
 
 def open_remote(location: str | Address, *, read_only: bool = False) -> RemoteStore:
-    """A store behind an endpoint.
+    """A store behind an endpoint; StoreError if that does not answer, or refuses.
 
     Args:
         location: its address, as documented in `hilt.kb.stores.http`.
         read_only: refuse writes.
-
-    Raises:
-        StoreError: it does not answer, or refuses.
     """
     address = location if isinstance(location, Address) else parse_address(location)
     store = RemoteStore(Transport(address), read_only=read_only)
@@ -274,11 +264,6 @@ def open_remote(location: str | Address, *, read_only: bool = False) -> RemoteSt
         store.close()
         raise
     return store
-
-
-def _dataset() -> Mapping[str, Sequence[str]]:
-    graphs = [str(iri("graph", name)) for name in GRAPH_NAMES]
-    return {"default-graph-uri": graphs, "named-graph-uri": graphs}
 
 
 def _number_variants(quad: Quad) -> Iterator[Quad]:

@@ -253,7 +253,7 @@ def test_credentials_are_taken_and_never_shown():
 
     assert (found.user, found.password, found.query) == ("sam", "s@fe", "http://h/sparql")
     assert (other.user, other.password, other.token) == ("anna", "secret", "t0ken")
-    assert found.has_credentials and other.has_credentials
+    assert found.user and other.token
     assert not any(one in f"{found}{other}" for one in ("s@fe", "s%40fe", "secret", "t0ken"))
 
 
