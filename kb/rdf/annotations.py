@@ -113,11 +113,11 @@ def _completed(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator
     functor = _FUNCTORS.get(first.predicate)
     argument, kind = _argument(first.object)
     known = {
-        (USED_FOR, rule_mapping.AFFORDANCE): "Functional",
-        (GRASP_OBJECT, rule_mapping.PART): "Action",
+        (USED_FOR, rule_mapping.AFFORDANCE): "FunctionalRule",
+        (GRASP_OBJECT, rule_mapping.PART): "ActionRule",
     }
     if rule_mapping.TYPE not in there:
-        yield rule_mapping.TYPE, term(f"{known.get((functor or '', argument), '')}Rule")
+        yield rule_mapping.TYPE, term(known.get((functor or "", argument), "Rule"))
     if rule_mapping.FEATURE not in there:
         yield from ((rule_mapping.FEATURE, edge.subject) for edge in edges)
     if rule_mapping.FUNCTOR not in there and functor:
@@ -133,41 +133,33 @@ def _completed(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator
 def _argument(value: Term) -> tuple[Iri, str]:
     """The property and the kind of an argument."""
     kind = split(value)[0] if isinstance(value, Iri) else ""
-    return {"part": rule_mapping.PART, "affordance": rule_mapping.AFFORDANCE}.get(
-        kind, rule_mapping.ARGUMENT
-    ), kind
+    return rule_mapping.argument_property(kind), kind
 
 
 def _edges(node: Iri, found: Sequence[tuple[Iri, Term]]) -> list[Quad]:
     """The edges of an active rule; none for other nodes."""
-    if (
-        split(node)[0] != "rule"
-        or (rule_mapping.STATUS, rule_mapping.status_iri("active")) not in found
-    ):
-        return []
-    return rule_mapping.plain_edges(rule_mapping.read_rule(found))
+    active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
+    is_active = split(node)[0] == "rule" and active in found
+    return rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []
 
 
 def _annotation(
     node: Iri, found: Sequence[tuple[Iri, Term]], edges: Sequence[Quad]
 ) -> Iterator[str]:
     name = _short(node)
-    bounds = [one for one in found if one[0] in _BOUNDS]
-    rest = [one for one in found if one[0] not in _BOUNDS]
-    said = " ;\n    ".join(f"{_short(key)} {_short(value)}" for key, value in (*bounds, *rest))
-    for number, edge in enumerate(edges):
-        written = " ".join(_short(end) for end in edge[:3])
-        yield (
-            f"\n{written} ~ {name} {{|\n    {said} |}} .\n"
-            if not number
-            else (f"{written} ~ {name} .\n")
-        )
+    said = _pairs(sorted(found, key=lambda one: one[0] not in _BOUNDS))
+    first, *others = [f"{' '.join(map(_short, edge[:3]))} ~ {name}" for edge in edges]
+    yield f"\n{first} {{|\n    {said} |}} .\n"
+    yield from (f"{edge} .\n" for edge in others)
 
 
 def _plain(node: Iri, found: Sequence[tuple[Iri, Term]]) -> Iterator[str]:
     if found:
-        said = " ;\n    ".join(f"{_short(key)} {_short(value)}" for key, value in found)
-        yield f"{_short(node)} {said} .\n"
+        yield f"{_short(node)} {_pairs(found)} .\n"
+
+
+def _pairs(found: Iterable[tuple[Iri, Term]]) -> str:
+    return " ;\n    ".join(f"{_short(key)} {_short(value)}" for key, value in found)
 
 
 def _short(value: Term) -> str:

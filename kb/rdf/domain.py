@@ -34,13 +34,7 @@ def domain_quads(
     actions: Actions,
     classes: Mapping[str, str | None] | None = None,
 ) -> list[Quad]:
-    """The statements of the domain graph, sorted.
-
-    Args:
-        objects: by name.
-        actions: the action trees.
-        classes: class of objects -> the class above it, or None.
-    """
+    """The statements of the domain graph, sorted; arguments as for `KnowledgeBase.load_domain`."""
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
     found = {
         *_class_statements(kinds),

@@ -46,7 +46,6 @@ _ARGUMENTS = {"part": PART, "affordance": AFFORDANCE}
 _EDGES = {USED_FOR: term("usedFor"), GRASP_OBJECT: term("graspedBy")}
 _STATUSES: tuple[str, ...] = get_args(Status)
 _OTHER_EDGE = term("affords")
-_KNOWN_FUNCTORS = frozenset({USED_FOR, GRASP_OBJECT})
 
 
 def rule_iri(rule_id: str) -> Iri:
@@ -67,11 +66,7 @@ def atom_iri(atom: Atom) -> Iri:
 
 @lru_cache(maxsize=2**16)
 def atom_from_iri(node: Iri) -> Atom:
-    """The atom of an IRI.
-
-    Raises:
-        ValidationError: it is not the IRI of an atom.
-    """
+    """The atom of an IRI; ValidationError if it is not the IRI of an atom."""
     kind, name = split(node)
     if kind not in ATOM_KINDS:
         raise ValidationError([f"<{node}> is no object, part, property, action, place or role."])
@@ -91,7 +86,10 @@ def status_iri(status: Status) -> Iri:
 def rule_quads(rule: Rule) -> Iterator[Quad]:
     """All statements of a rule: its properties, labels and edges."""
     yield from property_quads(rule)
-    yield from label_quads(rule)
+    yield from atom_label_quads(
+        rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
+    )
+    yield from node_label_quads(rule)
     if rule.status == "active":
         yield node_edge(rule)
         yield from plain_edges(rule)
@@ -117,16 +115,14 @@ def plain_edges(rule: Rule) -> list[Quad]:
     return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]
 
 
+def argument_property(kind: str) -> Iri:
+    """The property of an argument of a kind of atom."""
+    return _ARGUMENTS.get(kind, ARGUMENT)
+
+
 def edge_property(functor: str) -> Iri:
     """The property of the plain edges of rules with a functor."""
     return _EDGES.get(functor, _OTHER_EDGE)
-
-
-def label_quads(rule: Rule) -> Iterator[Quad]:
-    """The types and labels of all nodes that a rule refers to."""
-    atoms = rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
-    yield from atom_label_quads(atoms)
-    yield from node_label_quads(rule)
 
 
 def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
@@ -141,17 +137,13 @@ def node_label_quads(rule: Rule) -> Iterator[Quad]:
     """The types and labels of the action-tree node of a rule, and of its functor."""
     yield Quad(iri("node", rule.node), TYPE, term("Node"), BELIEFS)
     yield Quad(iri("node", rule.node), LABEL, rule.node, BELIEFS)
-    if rule.functor not in _KNOWN_FUNCTORS:
+    if rule.functor not in _EDGES:
         yield Quad(_functor_iri(rule.functor), TYPE, term("Functor"), BELIEFS)
         yield Quad(_functor_iri(rule.functor), LABEL, rule.functor, BELIEFS)
 
 
 def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
-    """The rule with these properties of its node, as `property_quads` writes them.
-
-    Raises:
-        ValidationError: something is missing or malformed.
-    """
+    """The rule with a node's properties; ValidationError if one is missing or malformed."""
     try:
         return _read(group_properties(properties))
     except ValidationError:
@@ -170,7 +162,7 @@ def _properties(rule: Rule) -> Iterator[tuple[Iri, Term]]:
         yield CONTEXT, atom_iri(context)
     yield FUNCTOR, _functor_iri(rule.functor)
     if rule.argument:
-        yield _ARGUMENTS.get(rule.argument.kind, ARGUMENT), atom_iri(rule.argument)
+        yield argument_property(rule.argument.kind), atom_iri(rule.argument)
     yield LOWER, _decimal(rule.interval.lower)
     yield UPPER, _decimal(rule.interval.upper)
     yield STATUS, status_iri(rule.status)
@@ -212,7 +204,7 @@ def _one(found: dict[Iri, list[Term]], predicate: Iri) -> Term:
 
 
 def _functor_iri(functor: str) -> Iri:
-    return term(functor) if functor in _KNOWN_FUNCTORS else iri("functor", functor)
+    return term(functor) if functor in _EDGES else iri("functor", functor)
 
 
 def _status_of(node: Iri) -> Status:

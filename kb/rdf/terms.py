@@ -90,11 +90,7 @@ def lexical(term: Term) -> tuple[str, str, str]:
 
 
 def as_sparql(term: Term) -> str:
-    """A term in the syntax of SPARQL and N-Quads, with everything escaped.
-
-    Raises:
-        ValueError: it is no valid term.
-    """
+    """A term in the syntax of SPARQL and N-Quads, escaped; ValueError if it is not valid."""
     if isinstance(term, Iri):
         if _BAD_IRI.search(term) or ":" not in term:
             raise ValueError(f"{str(term)!r} is no IRI.")
@@ -107,11 +103,7 @@ def as_sparql(term: Term) -> str:
 
 
 def write_time(time: datetime) -> str:
-    """The xsd:dateTime of an aware time in UTC, with milliseconds if it has any.
-
-    Raises:
-        ValueError: the time has no zone.
-    """
+    """The xsd:dateTime in UTC of a time, with milliseconds if any; ValueError without a zone."""
     if time.tzinfo is None:
         raise ValueError(f"{time} has no time zone.")
     text = time.astimezone(timezone.utc).replace(tzinfo=None).isoformat(timespec="milliseconds")
@@ -119,11 +111,7 @@ def write_time(time: datetime) -> str:
 
 
 def read_time(text: str) -> datetime:
-    """The time of an xsd:dateTime with a zone, to the microsecond.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """The time of an xsd:dateTime with a zone, to the microsecond; ValueError if it is none."""
     match = _TIME.fullmatch(text)
     if not match:
         raise ValueError(f"{text!r} is no time with a zone.")
@@ -136,10 +124,6 @@ def read_time(text: str) -> datetime:
     return datetime.fromisoformat(f"{time.isoformat()}{zone}").astimezone(timezone.utc)
 
 
-def _read_boolean(text: str) -> bool:
-    return {"true": True, "1": True, "false": False, "0": False}[text]
-
-
 def _read_decimal(text: str) -> Decimal:
     value = Decimal(text)
     if not value.is_finite():
@@ -150,14 +134,10 @@ def _read_decimal(text: str) -> Decimal:
 _READERS: dict[str, Callable[[str], Term]] = {
     DECIMAL: _read_decimal,
     XSD + "integer": int,
-    XSD + "boolean": _read_boolean,
+    XSD + "boolean": {"true": True, "1": True, "false": False, "0": False}.__getitem__,
     XSD + "double": float,
     DATE_TIME: read_time,
 }
-
-
-def _write_double(value: float) -> str:
-    return repr(value).replace("inf", "INF").replace("nan", "NaN")
 
 
 def _write_decimal(value: Decimal) -> str:
@@ -176,7 +156,7 @@ _WRITERS: dict[type, tuple[Callable[[Any], str], str]] = {
     bool: (lambda value: str(value).lower(), XSD + "boolean"),
     int: (str, XSD + "integer"),
     Decimal: (_write_decimal, DECIMAL),
-    float: (_write_double, XSD + "double"),
+    float: (lambda value: repr(value).replace("inf", "INF").replace("nan", "NaN"), XSD + "double"),
     datetime: (write_time, DATE_TIME),
 }
 

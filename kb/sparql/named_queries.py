@@ -29,24 +29,14 @@ _PARAMETER = re.compile(r"#\s*\?(\w+)\s+(\w+)\s+(.+)")
 
 @dataclass(frozen=True)
 class Parameter:
-    """A variable of a named query that can be bound.
-
-    Attributes:
-        name: the variable, without question mark.
-        kind: how an argument given as text becomes a term.
-        meaning: its description, for the help.
-    """
+    """A variable of a named query: its name without question mark, its kind, and its meaning."""
 
     name: str
     kind: str
     meaning: str
 
     def value(self, text: str) -> Term:
-        """The term of an argument given as text.
-
-        Raises:
-            QueryError: the text is not a value of this kind.
-        """
+        """The term of an argument given as text; QueryError if it is no value of this kind."""
         if self.kind in KINDS:
             # As tables show it, as ids are printed, as an IRI, or only its name.
             starts = (f"{self.kind}:", f"{self.kind}/", PREFIXES[self.kind])
@@ -102,23 +92,14 @@ class NamedQuery:
 
 @lru_cache(maxsize=64)
 def named_query(name: str) -> NamedQuery:
-    """The query with a name.
-
-    Raises:
-        UnknownNameError: there is none; lists the names.
-    """
+    """The query with a name; UnknownNameError, which lists the names, if there is none."""
     if name not in query_names():
         raise UnknownNameError("query", name, query_names())
     return read_query((QUERIES_FOLDER / f"{name}.rq").read_text(encoding="utf-8"), name)
 
 
 def read_query(text: str, name: str = "") -> NamedQuery:
-    """The query of a text, with the question and the parameters that its comments declare.
-
-    Args:
-        text: the SPARQL.
-        name: its name; empty for a query without a name.
-    """
+    """The query of a text, with the question and the parameters that its comments declare."""
     comments = [line for line in text.splitlines() if line.startswith("#")]
     found = (_PARAMETER.fullmatch(line) for line in comments)
     parameters = {match[1]: Parameter(*match.groups()) for match in found if match}
@@ -163,9 +144,4 @@ def _as_list(given: str | Sequence[str]) -> Sequence[str]:
     return [given] if isinstance(given, str) else given
 
 
-_VALUES = {
-    "text": str,
-    "integer": int,
-    "decimal": Decimal,
-    "time": read_time,
-}
+_VALUES = {"text": str, "integer": int, "decimal": Decimal, "time": read_time}

@@ -52,17 +52,13 @@ class Limits:
 
     def time_error(self) -> StoppedError:
         """The error of a query that was stopped because of its time."""
-        return StoppedError(
-            f"The query took longer than {self.seconds:g} s and was stopped. "
-            "Narrow it, or give it more time."
-        )
+        took = f"The query took longer than {self.seconds:g} s and was stopped."
+        return StoppedError(f"{took} Narrow it, or give it more time.")
 
     def memory_error(self) -> StoppedError:
         """The error of a query that was stopped because of its memory."""
-        return StoppedError(
-            f"The query needed more than {self.megabytes} MB and was stopped. "
-            "Narrow it, add a LIMIT, or give it more memory."
-        )
+        took = f"The query needed more than {self.megabytes} MB and was stopped."
+        return StoppedError(f"{took} Narrow it, add a LIMIT, or give it more memory.")
 
 
 @dataclass(frozen=True)
@@ -125,11 +121,7 @@ QueryResult: TypeAlias = "Solutions | Statements | BooleanResult"
 
 
 def read_solutions(body: bytes) -> Solutions:
-    """The rows of a JSON results document.
-
-    Raises:
-        QueryError: it is incomplete, or contains RDF 1.2 terms.
-    """
+    """The rows of a JSON results document; QueryError if it is incomplete, or has RDF 1.2 terms."""
     document = _parsed(body)
     try:
         names = tuple(cast("list[str]", document["head"].get("vars", [])))

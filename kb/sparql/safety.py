@@ -30,11 +30,7 @@ _OPEN, _CLOSE = frozenset("([{"), frozenset(")]}")
 
 
 def refuse_external_access(text: str) -> None:
-    """Refuse a query or update that would read from the network or from files.
-
-    Raises:
-        QueryError: it contains SERVICE or LOAD, in any spelling.
-    """
+    """Raise a QueryError for a text that would read from the network or from files."""
     # Some engines read escaped characters before anything else.
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
         found = _forbidden_word(version, EXTERNAL_ACCESS) or _virtuoso_function(version)
@@ -46,12 +42,9 @@ def refuse_external_access(text: str) -> None:
 
 
 def refuse_nondeterminism(update: str) -> None:
-    """Refuse an update that would not have the same effect a second time.
+    """Raise a QueryError for an update that calls RAND, UUID, NOW or the like.
 
     It is tried on a copy before it is applied, and both must have the same effect.
-
-    Raises:
-        QueryError: it calls RAND, UUID, NOW or the like.
     """
     found = _forbidden_word(update, NONDETERMINISTIC)
     if found:
@@ -65,9 +58,7 @@ def _forbidden_word(text: str, refused: Iterable[str]) -> str | None:
     """One of the words that the text has, or may have, as a keyword; None without any."""
     capitals = text.upper()
     suspects = [word for word in refused if word in capitals]
-    if not suspects:
-        return None
-    return next(_keywords(text, suspects), None)
+    return next(_keywords(text, suspects), None) if suspects else None
 
 
 def _keywords(text: str, suspects: list[str]) -> Iterator[str]:
@@ -114,13 +105,10 @@ def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
         case "iri":  # compares, where a value stands before it in an expression
             return bracket == "(" and before not in _OPERATORS
         case "mark":
-            return said == "<<" or (said == "<" and _may_be_iri(token))
+            may_be_iri = _MAYBE_IRI.match(token.string, token.start())
+            return said == "<<" or (said == "<" and may_be_iri is not None)
         case _:
             return False
-
-
-def _may_be_iri(token: re.Match[str]) -> bool:
-    return _MAYBE_IRI.match(token.string, token.start()) is not None
 
 
 def _virtuoso_function(text: str) -> str | None:

@@ -45,8 +45,7 @@ _POSITION = re.compile(r"error at (\d+):(\d+): ")
 def bind_variables(query: str, bindings: Bindings) -> str:
     """A query with some of its variables bound; several values are alternatives.
 
-    Raises:
-        QueryError: it has no WHERE group, or a value is not a valid term.
+    A QueryError says that it has no WHERE group, or that a value is not a valid term.
     """
     if not bindings:
         return query
@@ -91,13 +90,10 @@ def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) 
     """The query for one page of the solutions of another query, in a stable order.
 
     Args:
-        query: a SELECT or CONSTRUCT query.
+        query: a SELECT or CONSTRUCT query; a QueryError says that it cannot be paged.
         variables: the columns of a SELECT; none for a CONSTRUCT.
         size: the number of solutions of a page.
         offset: the number of solutions before the page.
-
-    Raises:
-        QueryError: the query cannot be paged.
     """
     modifiers = {token.group().upper() for token in _modifiers(query)}
     if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in keywords(query):
@@ -132,11 +128,7 @@ def syntax_message(message: str, text: str) -> str:
 
 
 def join_updates(update: str, another: str) -> str:
-    """An update followed by another one that declares no prefixes.
-
-    Raises:
-        QueryError: the first one is empty.
-    """
+    """An update, which may not be empty, followed by another one that declares no prefixes."""
     found = [*tokens(update)]
     while found and found[-1].group() == ";":
         found.pop()

@@ -67,12 +67,7 @@ class Store(Protocol):
         ...
 
     def run(self, query: str, limits: Limits) -> QueryResult:
-        """The result of any query, which is stopped when it exceeds its limits.
-
-        Raises:
-            QueryError: the query is wrong, or took too long or too much memory.
-            StoreError: the store cannot be read.
-        """
+        """The result of any query; QueryError if it is wrong or exceeds its limits."""
         ...
 
     def quads(
@@ -92,26 +87,16 @@ class Store(Protocol):
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete statements, then insert others: one atomic unit, durable when this returns.
 
-        Raises:
-            StoreError: it could not be written; nothing has changed.
+        After a StoreError nothing has changed.
         """
         ...
 
     def update(self, update: str) -> None:
-        """Run a SPARQL update; atomic and durable as `apply`.
-
-        Raises:
-            QueryError: the update is wrong.
-            StoreError: it could not be written; nothing has changed.
-        """
+        """Run a SPARQL update, as `apply`; QueryError if the update is wrong."""
         ...
 
     def save(self, target: Path) -> None:
-        """Write a copy of all statements into a new folder.
-
-        Raises:
-            StoreError: it cannot be written.
-        """
+        """Write a copy of all statements into a new folder; StoreError if it cannot be written."""
         ...
 
     def writing(self) -> AbstractContextManager[object]:

@@ -43,9 +43,9 @@ def translated_text_errors(source: str) -> Generator[None]:
         raise DataError("has a text or name of more than 16 MB.", source=source) from error
     except UnicodeDecodeError as error:
         raise DataError("expected UTF-8 text.", source=source) from error
+    except HiltError:
+        raise
     except (ValueError, OSError) as error:
-        if isinstance(error, HiltError):
-            raise
         raise DataError(_short(error), source=source) from error
 
 

@@ -13,15 +13,12 @@ _SCHEME = re.compile(r"[A-Za-z]{2,}:")  # one letter is a Windows drive
 
 
 def open_store(location: str | Path, *, read_only: bool = False) -> Store:
-    """Open or create a store.
+    """Open or create a store; StoreError if it cannot be opened, with what to do.
 
     Args:
         location: `memory:`, a folder, or the address of an endpoint (`hilt.kb.stores.http`).
         read_only: refuse writes; the store must exist. A folder that another process writes to
             is read as it is now.
-
-    Raises:
-        StoreError: it cannot be opened; says why and what to do.
     """
     text = str(location)
     if text.startswith(("http://", "https://")):

@@ -69,11 +69,7 @@ def read_line(
     default: Iri,
     number: int,
 ) -> list[Quad | Reified]:
-    """The statements of one line of N-Quads or N-Triples, which is the `number`th of its text.
-
-    Raises:
-        DataError: it is wrong; arguments otherwise as for `read_rdf`.
-    """
+    """The statements of the `number`th line of N-Quads or N-Triples; otherwise as `read_rdf`."""
     try:
         return [
             _statement(quad, default) for quad in engine.parse(line, format=RDF_FORMATS[format])
@@ -112,22 +108,13 @@ def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:
-    """The statements of an N-Triples text, in no graph.
-
-    Raises:
-        QueryError: it is wrong or holds what RDF 1.1 has not; `source` sent it.
-    """
+    """The statements, in no graph, of N-Triples that `source` sent; QueryError if it is wrong."""
     with translated_errors(source):
         return [quad_from_engine(q) for q in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
 
 
 def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
-    """Statements as RDF text in UTF-8, with the prefixes of the vocabulary.
-
-    Args:
-        quads: what to write; for turtle and ntriples their graphs are left out.
-        format: one of `RDF_FORMATS`.
-    """
+    """Statements as RDF text in UTF-8 in one of `RDF_FORMATS`, without graphs where it has none."""
     stream = io.BytesIO()
     write_rdf_to(quads, stream, format=format)
     written = stream.getvalue()

@@ -23,22 +23,10 @@ _ILLEGAL_IN_XML = dict.fromkeys(
 
 
 def write_result(found: QueryResult, format: str) -> str:  # noqa: A002
-    """The document of a query result.
-
-    Args:
-        found: the result.
-        format: one of `FORMATS`.
-
-    Raises:
-        QueryError: there is no such format, or it cannot hold this.
-    """
+    """The document of a query result in one of `FORMATS`; QueryError if that cannot hold it."""
     if format not in FORMATS:
         raise QueryError(f'There is no result format "{format}". Known: {", ".join(FORMATS)}.')
     return FORMATS[format](found)
-
-
-def _json(found: QueryResult) -> str:
-    return json.dumps(found.as_json(), ensure_ascii=False) + "\n"
 
 
 def _csv(found: QueryResult) -> str:
@@ -79,7 +67,7 @@ def _turtle(found: QueryResult) -> str:
 
 
 FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
-    "json": _json,
+    "json": lambda found: json.dumps(found.as_json(), ensure_ascii=False) + "\n",
     "csv": _csv,
     "tsv": _tsv,
     "xml": _xml,

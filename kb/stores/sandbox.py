@@ -37,11 +37,7 @@ class WorkerProcess:
     """A process that answers requests, started when the first one comes."""
 
     def __init__(self, module: str = QUERY_WORKER) -> None:
-        """Prepare a worker.
-
-        Args:
-            module: the module that the process runs as a script.
-        """
+        """Prepare a worker that runs a module as a script."""
         self._module = module
         self._process: subprocess.Popen[bytes] | None = None
         self._megabytes = 0

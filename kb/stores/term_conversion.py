@@ -17,8 +17,7 @@ from ..sparql.results import RDF_12_UNSUPPORTED
 def from_engine(term: Any) -> Term:
     """The term of a pyoxigraph term; a blank node becomes an IRI that starts with `_:`.
 
-    Raises:
-        QueryError: it is a triple term (RDF 1.2).
+    A triple term (RDF 1.2) raises a QueryError.
     """
     kind = type(term)
     if kind is engine.NamedNode:
@@ -42,11 +41,7 @@ def quad_from_engine(quad: engine.Quad) -> Quad:
 
 
 def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
-    """The pyoxigraph term of a term.
-
-    Raises:
-        ValueError: it is no valid IRI or literal.
-    """
+    """The pyoxigraph term of a term; ValueError if it is no valid IRI or literal."""
     if isinstance(term, Iri):
         return named_node(term)
     text, datatype, language = lexical(term)

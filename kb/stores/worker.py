@@ -24,12 +24,9 @@ Answer = Callable[[dict[str, Any]], "tuple[str, bytes]"]
 
 
 def serve(requests: Iterable[bytes], answers: BinaryIO, answer: Answer) -> None:
-    """Answer requests until there are no more.
+    """Answer requests, which are lines of JSON, until there are no more.
 
-    Args:
-        requests: lines of JSON.
-        answers: where the answers are written.
-        answer: gives the kind and the body of the answer to a request.
+    `answer` gives the kind and the body of the answer to a request.
     """
     for line in requests:
         kind, body = _answer_or_error(answer, json.loads(line))
@@ -53,17 +50,16 @@ class _QueryAnswers:
     """Answers queries; the source of the last one stays open."""
 
     def __init__(self) -> None:
-        self._opened, self._store = "", None
+        self._opened = ""
+        self._store: OxigraphStore | None = None
 
     def __call__(self, request: dict[str, Any]) -> tuple[str, bytes]:
         if self._store is None or request["source"] != self._opened:
-            self._store, self._opened = _open(Path(request["source"])), request["source"]
+            source = Path(request["source"])
+            self._store = open_snapshot(source) if source.is_dir() else load_file(source)
+            self._opened = request["source"]
             limit_memory(request["megabytes"])
         return self._store.serialized(request["query"])
-
-
-def _open(source: Path) -> OxigraphStore:
-    return open_snapshot(source) if source.is_dir() else load_file(source)
 
 
 def _answer_or_error(answer: Answer, request: dict[str, Any]) -> tuple[str, bytes]:
