@@ -117,9 +117,7 @@ def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
 def find_rule(base: RuleReader, name: str) -> Rule:
     """The rule that a person names: by its id, or by the first digits of it.
 
-    Raises:
-        UnknownNameError: there is none.
-        ValidationError: there are several, or too few digits.
+    There may be none (UnknownNameError) or several (ValidationError).
     """
     if _TOO_SHORT.fullmatch(name):
         raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])

@@ -51,8 +51,7 @@ class EpisodeStep:
     Attributes:
         path: path of the node, as "pass/graspObject".
         features: the features that were searched for.
-        object: the object chosen; None where none was.
-        part: the part chosen; None where none was.
+        object, part: the object and the part chosen; None where none was.
         interval: interval of the conclusion; None where nothing was concluded.
         rules: ids of the rules that support it.
     """
@@ -77,8 +76,7 @@ class Episode:
         said: the answer.
         seed: the seed of all random choices.
         document: the complete record as JSON.
-        object: the object that was chosen; None where none was.
-        part: the part that was chosen; None where none was.
+        object, part: the object and the part that were chosen; None where none was.
         rules: ids of the rules that decided.
         steps: the decisions at the nodes, in order of execution.
         touched: the parts that the fingers touched.

@@ -95,12 +95,8 @@ def import_utterance(
 ) -> Utterance:
     """The utterance that stands for a file whose rules do not say where they come from.
 
-    Args:
-        source: the name of the file; "-" is standard input.
-        sequence: the number of the utterance.
-        time: when it was read.
-        some: which of its rules, where it stands for only some of them.
-        asserts: ids of the rules.
+    `source` is the name of the file, "-" for standard input. Where the utterance stands for only
+    some of the rules, `some` says for which.
     """
     name = "standard input" if source == "-" else PurePath(source).name
     speaker = f"file {_NOT_IN_NAMES.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")

@@ -61,12 +61,9 @@ class Interval:
         return Interval(1.0 - self.upper, 1.0 - self.lower)
 
     def discounted(self, trust: float) -> Interval:
-        """This interval when its source is reliable only with probability `trust`.
+        """This interval when its source is reliable only with probability `trust`, in [0, 1].
 
         Shafer's discounting: the mass taken away goes to ignorance.
-
-        Args:
-            trust: in [0, 1]; 1 changes nothing, 0 gives the vacuous interval.
         """
         if not 0.0 <= trust <= 1.0:
             raise IntervalError(trust, 1)

@@ -17,7 +17,7 @@ from dataclasses import replace
 from datetime import datetime
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar, cast
 
 from ..ontology.errors import QueryError, StoreError
 from ..ontology.vocabulary import HILT, Iri, term
@@ -49,22 +49,14 @@ FORMAT_VERSION = term("formatVersion")
 STEPS: Mapping[int, str] = {}
 
 
-def _reads(
-    method: Callable[Concatenate[RuleReader, P], R],
+def _delegated(
+    part: str, method: Callable[Concatenate[Any, P], R]
 ) -> Callable[Concatenate[KnowledgeBase, P], R]:
+    """The method of a base that calls a method of its reader or writer."""
+
     @wraps(method)
     def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
-        return method(base.reader, *args, **kwargs)
-
-    return call
-
-
-def _writes(
-    method: Callable[Concatenate[RuleWriter, P], R],
-) -> Callable[Concatenate[KnowledgeBase, P], R]:
-    @wraps(method)
-    def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
-        return method(base.writer, *args, **kwargs)
+        return method(getattr(base, part), *args, **kwargs)
 
     return call
 
@@ -82,23 +74,23 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         writer: changes them.
     """
 
-    rules_at_nodes = _reads(RuleReader.rules_at_nodes)
-    rules = _reads(RuleReader.rules)
-    rules_with_premises_of = _reads(RuleReader.rules_with_premises_of)
-    rule = _reads(RuleReader.rule)
-    utterance = _reads(RuleReader.utterance)
-    history = _reads(RuleReader.history)
-    words = _reads(RuleReader.words)
-    trust = _reads(RuleReader.trust)
-    trust_by_speaker = _reads(RuleReader.trust_by_speaker)
-    speakers = _reads(RuleReader.speakers)
-    match_speaker = _reads(RuleReader.match_speaker)
+    rules_at_nodes = _delegated("reader", RuleReader.rules_at_nodes)
+    rules = _delegated("reader", RuleReader.rules)
+    rules_with_premises_of = _delegated("reader", RuleReader.rules_with_premises_of)
+    rule = _delegated("reader", RuleReader.rule)
+    utterance = _delegated("reader", RuleReader.utterance)
+    history = _delegated("reader", RuleReader.history)
+    words = _delegated("reader", RuleReader.words)
+    trust = _delegated("reader", RuleReader.trust)
+    trust_by_speaker = _delegated("reader", RuleReader.trust_by_speaker)
+    speakers = _delegated("reader", RuleReader.speakers)
+    match_speaker = _delegated("reader", RuleReader.match_speaker)
 
-    believe = _writes(RuleWriter.believe)
-    record = _writes(RuleWriter.record)
-    retract = _writes(RuleWriter.retract)
-    set_trust = _writes(RuleWriter.set_trust)
-    forget_word = _writes(RuleWriter.forget_word)
+    believe = _delegated("writer", RuleWriter.believe)
+    record = _delegated("writer", RuleWriter.record)
+    retract = _delegated("writer", RuleWriter.retract)
+    set_trust = _delegated("writer", RuleWriter.set_trust)
+    forget_word = _delegated("writer", RuleWriter.forget_word)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store, which is closed with the base; an empty one becomes a base.
@@ -168,7 +160,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         Raises:
             QueryError: the query is wrong, reads anything else, or was stopped.
         """
-        bound = self._prepared(text, bindings)
+        bound = _prepared(text, bindings)
         form = query_form(bound)
         if limits and form:
             return self.store.run(bound, limits)
@@ -184,7 +176,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
 
     def select(self, text: str, bindings: Bindings | None = None) -> Solutions:
         """The rows of a SELECT query; as `query` otherwise."""
-        return self.store.select(self._prepared(text, bindings))
+        return self.store.select(_prepared(text, bindings))
 
     def answer(self, name: str, /, *, limits: Limits | None = None, **arguments: str) -> Solutions:
         """The rows of a named query, whose parameters are given as texts; `limits` as for `query`.
@@ -212,10 +204,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     ) -> bool:
         """Write the household domain and return True, unless it is there already.
 
-        Args:
-            objects: object types by name.
-            actions: the action trees.
-            classes: class of objects -> the class above it, or None.
+        `classes` gives the class above each class of objects, or None.
         """
         from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
 
@@ -230,11 +219,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         return True
 
     def record_episode(self, episode: Episode) -> Episode:
-        """Store the execution of a command, which belongs to the last utterance.
-
-        Returns:
-            The episode with its id, utterance and time.
-        """
+        """Store the execution of the last command; returns it with its id, utterance and time."""
         with self.store.writing():
             number, moment = self.sequence, to_milliseconds(self.clock())
             mark = hashlib.sha256(f"{moment}{episode.document}".encode()).hexdigest()[:8]
@@ -247,10 +232,6 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     def episodes(self) -> Iterator[Episode]:
         """The episodes, oldest first."""
         return read_episodes(self.store)
-
-    def _prepared(self, text: str, bindings: Bindings | None) -> str:
-        refuse_external_access(text)
-        return bind_variables(text, bindings or {})
 
     def _check_format(self) -> None:
         found = base_format(self.store)
@@ -274,6 +255,11 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         )
 
 
+def _prepared(text: str, bindings: Bindings | None) -> str:
+    refuse_external_access(text)
+    return bind_variables(text, bindings or {})
+
+
 def base_format(store: Store) -> Term | None:
     """The format in which a store was written; None when it holds no base."""
     found = store.quads(BASE_NODE, FORMAT_VERSION, None, BASE_GRAPH)
@@ -283,16 +269,9 @@ def base_format(store: Store) -> Term | None:
 def migrate(
     store: Store, found: Term, *, steps: Mapping[int, str] = STEPS, to: int = FORMAT
 ) -> None:
-    """Bring a base to a later format, step by step; the caller holds the write lock.
+    """Bring a base from the format found to a later one; the caller holds the write lock.
 
-    Args:
-        store: the store of the base.
-        found: its format.
-        steps: format -> the update to the next one.
-        to: the wanted format.
-
-    Raises:
-        StoreError: there is no step, or the store is read-only.
+    A StoreError says that there is no step, or that the store is read-only.
     """
     if not isinstance(found, int) or found > to or any(n not in steps for n in range(found, to)):
         raise StoreError(

@@ -44,17 +44,14 @@ def update(
     limits: Limits | None = None,
     dry_run: bool = False,
 ) -> Utterance:
-    """Change the base by a SPARQL update, unless it would break the invariants of a base.
+    """Change the base by a SPARQL update, and return the utterance that records it.
 
     Args:
         base: what is changed.
         text: the update; graphs are named (`GRAPH graph:beliefs { ... }`).
         speaker: who does it.
         limits: time and memory for trying it.
-        dry_run: only try it.
-
-    Returns:
-        The utterance that records it, or would record it, in the history.
+        dry_run: only try it; the utterance is the one that would record it.
 
     Raises:
         QueryError: the update is wrong, reaches outside, or took too long.
@@ -76,12 +73,7 @@ def update(
 
 
 def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Limits) -> None:
-    """Run updates on a copy of a store in a worker process, and check the copy.
-
-    Raises:
-        QueryError: an update is wrong or was stopped.
-        ValidationError: the copy is no valid base afterwards.
-    """
+    """Run updates on a copy of a store in a worker process, and check the copy, as `update`."""
     folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
     try:
         store.save(folder / "copy")
@@ -101,17 +93,19 @@ def update_and_check(store: Store, updates: Iterable[str]) -> bytes:
     history, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
     for each in updates:
         store.update(each)
-    findings = {*_findings(store), *_history_findings(store, history), *_lost(store, rules)}
+    findings = {*_findings(store, rules), *_history_findings(store, history)}
     report = {"sequence": RuleReader(store).sequence, "findings": sorted(findings)}
     return json.dumps(report).encode()
 
 
-def _findings(store: Store) -> Iterator[str]:
+def _findings(store: Store, rules: set[Iri]) -> Iterator[str]:
     for graph in {quad.graph for quad in store.quads()} - BASE_GRAPHS:
         name = shortened(graph) if graph else "without a name"
         yield f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."
     if base_format(store) != FORMAT:
         yield "An update must not change the format of the base."
+    for node in rules.difference(rule_nodes(store)):
+        yield f"{shortened(node)}: An update must keep every rule; a retracted one has a status."
     yield from map(str, check_invariants(store))
 
 
@@ -122,12 +116,6 @@ def _history_findings(store: Store, before: set[Quad]) -> Iterator[str]:
         kind, _ = split(quad.subject)
         if quad.subject != utterance and not (kind == "speaker" and quad not in before):
             yield f"{shortened(quad.subject)}: An update must not change the history."
-
-
-def _lost(store: Store, rules: set[Iri]) -> Iterator[str]:
-    """The rules that were removed, although the history refers to them."""
-    for node in rules.difference(rule_nodes(store)):
-        yield f"{shortened(node)}: An update must keep every rule; a retracted one has a status."
 
 
 def _record_update(utterance: Utterance) -> str:

@@ -89,11 +89,7 @@ class Finding:
 
 
 def stage(quads: Iterable[Quad], *, source: str) -> Store:
-    """Return a store with these statements, each in the graph where it belongs.
-
-    Raises:
-        DataError: a statement is in a graph that a base has not.
-    """
+    """Return a store with these statements, each in the graph where it belongs."""
 
     def checked() -> Iterator[Quad]:
         for quad in quads:
@@ -115,11 +111,7 @@ def stage_rules(rules: Iterable[Rule]) -> Store:
 
 
 def check_graph(graph: Iri | None, *, source: str) -> None:
-    """Refuse a graph that a base has not.
-
-    Raises:
-        DataError: it is one.
-    """
+    """Raise a DataError for a graph that a base has not."""
     if graph not in BASE_GRAPHS:
         raise DataError(
             f"the graph {shortened(str(graph))} is none of a base's; expected "
@@ -166,11 +158,7 @@ def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[
     """What breaks the SHACL shapes.
 
     A shape looks at one node and what stands at it, so the nodes are checked in portions: that
-    bounds the memory, and tells how far it is.
-
-    Args:
-        store: what is checked.
-        progress: is told how many nodes are done, and of how many.
+    bounds the memory, and `progress` is told how many nodes are done, and of how many.
     """
     import pyshacl  # slow to import, and only validation needs it
     from rdflib import Graph
@@ -196,7 +184,8 @@ def locate_findings(found: Iterable[Finding], text: str) -> list[Finding]:
     for number, line in enumerate(text.splitlines(), start=1):
         start = _SUBJECT.match(line)
         if start:
-            lines.setdefault(_as_named(start[1]), number)
+            name = shortened(start[1][1:-1]) if start[1].startswith("<") else start[1]
+            lines.setdefault(name, number)
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
 
 
@@ -204,10 +193,6 @@ def rule_nodes(store: Store) -> list[Iri]:
     """The nodes of all rules, sorted."""
     found = (_of_class(store, kind, BELIEFS) for kind in RULE_CLASSES)
     return sorted({node for nodes in found for node in nodes})
-
-
-def _as_named(subject: str) -> str:
-    return shortened(subject[1:-1]) if subject.startswith("<") else subject
 
 
 def _of_class(store: Store, kind: Iri, graph: Iri) -> list[Iri]:
@@ -318,13 +303,7 @@ def _rename(staging: Store) -> None:
         if rule_mapping.rule_iri(rule.id) != node:
             names[node] = rule_mapping.rule_iri(rule.id)
     if names:
+        new_name: dict[object, Any] = {**names}
         old = [q for q in staging.quads() if q.subject in names or q.object in names]
-        staging.apply(insert=[_renamed(quad, names) for quad in old], delete=old)
-
-
-def _renamed(quad: Quad, names: dict[Iri, Iri]) -> Quad:
-    value = quad.object
-    return quad._replace(
-        subject=names.get(quad.subject, quad.subject),
-        object=names.get(value, value) if isinstance(value, Iri) else value,
-    )
+        new = [Quad(*(new_name.get(part, part) for part in quad)) for quad in old]
+        staging.apply(insert=new, delete=old)

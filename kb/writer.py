@@ -150,15 +150,10 @@ class RuleWriter:
         upper: float | None = None,
         by: str = DEFAULT_SPEAKER,
     ) -> Interval:
-        """Set the trust in a speaker, by which the speaker's rules are discounted.
+        """Set the trust in a speaker, in [0, 1]; `by` is who sets it, for the history.
 
-        The history keeps it, as it changes the weights of rules.
-
-        Args:
-            speaker: who is trusted.
-            lower: the trust at least, in [0, 1]; the discount.
-            upper: the trust at most; 1 by default, but 0 where `lower` is 0.
-            by: who sets it.
+        Rules of the speaker are discounted by `lower`; `upper` is 1 by default, but 0 where `lower`
+        is 0.
         """
         check_speaker(speaker)
         most = (1.0 if lower else 0.0) if upper is None else upper

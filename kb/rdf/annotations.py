@@ -71,11 +71,7 @@ def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> 
 
 
 def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
-    """The lines of a Turtle text in which every active rule annotates its edges.
-
-    Args:
-        quads: what to write, sorted by subject.
-    """
+    """The lines of a Turtle text of statements, sorted by subject, with annotated edges."""
     yield from (f"@prefix {name}: <{space}> .\n" for name, space in PREFIXES.items())
     for node, several in groupby(quads, key=lambda quad: quad.subject):
         found = [(quad.predicate, quad.object) for quad in several]

@@ -37,13 +37,7 @@ _TO_ESCAPE = re.compile(r'[\x00-\x1f\x7f"\\]')
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """A literal that no plain Python value represents.
-
-    Attributes:
-        lexical: its lexical form.
-        datatype: IRI of its datatype.
-        language: tag such as "en"; empty for a literal without language.
-    """
+    """A literal that no plain Python value represents; `language` is a tag as "en", or empty."""
 
     lexical: str
     datatype: str = LANGUAGE_TEXT

@@ -51,14 +51,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class NamedQuery:
-    """A query with its question and its parameters.
-
-    Attributes:
-        name: its name in `hilt query NAME`.
-        question: the question it answers, in one line.
-        parameters: by name, in the order of the file.
-        text: the SPARQL.
-    """
+    """A query with its name in `hilt query NAME`, its question in one line, and its parameters."""
 
     name: str
     question: str
@@ -68,14 +61,11 @@ class NamedQuery:
     def bindings(self, arguments: Mapping[str, str | Sequence[str]]) -> Bindings:
         """The bindings of variables by arguments given as texts; several are alternatives.
 
-        A query that has no name and declares no parameters accepts any of its variables.
-
-        Raises:
-            UnknownNameError: there is no such parameter or variable.
-            QueryError: an argument is not a value of its kind.
+        A query that has no name and declares no parameters accepts any of its variables. Others
+        raise an UnknownNameError, and an argument that is no value of its kind a QueryError.
         """
         return {
-            name: [self._value(name, text) for text in _as_list(given)]
+            name: [self._value(name, t) for t in ([given] if isinstance(given, str) else given)]
             for name, given in arguments.items()
         }
 
@@ -138,10 +128,6 @@ def node_iri(node: str) -> Iri:
 def _individual(kind: str, local: str) -> Iri:
     """The IRI of an individual from its local name; spaces need not be escaped."""
     return iri(kind, unquote(local.replace("_", " ")))
-
-
-def _as_list(given: str | Sequence[str]) -> Sequence[str]:
-    return [given] if isinstance(given, str) else given
 
 
 _VALUES = {"text": str, "integer": int, "decimal": Decimal, "time": read_time}

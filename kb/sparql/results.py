@@ -63,12 +63,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Solutions:
-    """The rows of a SELECT query.
-
-    Attributes:
-        variables: names of the columns, without question mark.
-        rows: one value for each variable; None where it is unbound.
-    """
+    """The rows of a SELECT query: a value for each variable, None where it is unbound."""
 
     variables: tuple[str, ...]
     rows: tuple[tuple[Term | None, ...], ...]

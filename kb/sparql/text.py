@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from itertools import groupby, pairwise
+from itertools import groupby, pairwise, starmap
 from typing import TypeAlias, cast
 
 from ...ontology.errors import QueryError
@@ -50,7 +50,7 @@ def bind_variables(query: str, bindings: Bindings) -> str:
     if not bindings:
         return query
     place = _where_group(query)
-    blocks = " ".join(_values(name, _as_list(value)) for name, value in bindings.items())
+    blocks = " ".join(_values(name, value) for name, value in bindings.items())
     return f"{query[:place]} {blocks}{query[place:]}"
 
 
@@ -152,29 +152,22 @@ def delete_insert(delete: Sequence[Quad], insert: Sequence[Quad]) -> str:
 
 def _blocks(quads: Iterable[Quad]) -> str:
     by_graph = sorted(quads, key=lambda quad: quad.graph or "")
-    return " ".join(
-        _block(graph, list(statements))
-        for graph, statements in groupby(by_graph, key=lambda quad: quad.graph)
-    )
+    return " ".join(starmap(_block, groupby(by_graph, key=lambda quad: quad.graph)))
 
 
-def _block(graph: Iri | None, quads: Sequence[Quad]) -> str:
+def _block(graph: Iri | None, quads: Iterable[Quad]) -> str:
     lines = "\n".join(" ".join(map(as_sparql, quad[:3])) + " ." for quad in quads)
     return lines if graph is None else f"GRAPH {as_sparql(graph)} {{ {lines} }}"
 
 
-def _values(name: str, terms: Sequence[Term]) -> str:
+def _values(name: str, value: Term | Sequence[Term]) -> str:
     if not re.fullmatch(r"\w+", name):
         raise QueryError(f'"{name}" is not the name of a variable.')
+    terms = value if isinstance(value, (list, tuple)) else [cast("Term", value)]
     try:
         return f"VALUES ?{name} {{ {' '.join(map(as_sparql, terms))} }}"
     except ValueError as error:
         raise QueryError(f"The value for ?{name} is wrong: {error}") from error
-
-
-def _as_list(value: Term | Sequence[Term]) -> Sequence[Term]:
-    is_many = isinstance(value, (list, tuple))
-    return value if is_many else [cast("Term", value)]
 
 
 @lru_cache(maxsize=256)

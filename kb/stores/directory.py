@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The folder of a base on disk: its files, its write-ahead log, and snapshots of it.
 
-The engine puts every change into a write-ahead log (`*.log` in the folder) before it returns, and
-replays it when the folder is opened; so what the disk has of the log survives a power failure. The
-engine's own `flush` rewrites its tables, which takes some twenty disk waits. `WriteAheadLog` syncs
-the log alone; the tables are written from time to time, so that the log stays short and a folder
-opens fast.
+The engine puts every change into a write-ahead log (`*.log`) before it returns, and replays it when
+the folder is opened. `WriteAheadLog` syncs the log alone, because the engine's own `flush` rewrites
+its tables, which takes some twenty disk waits; that is done from time to time, so that the log
+stays short and a folder opens fast.
 
-A snapshot is the folder's content at one moment, for a reader in another process while the owner
-goes on writing. The engine's table files never change once they are written, so a snapshot links
-them and copies only the rest: milliseconds, whatever the size of the base. Snapshots live inside
-the folder (or, where that cannot be written or its disk is full, among the temporary files) until
-their reader is done; what a killed reader left is removed when the owner next opens the folder.
+A snapshot is the folder's content at one moment, for a reader in another process. The engine's
+table files never change, so a snapshot links them and copies only the rest: milliseconds. Snapshots
+live inside the folder (or, where that cannot be written or its disk is full, among the temporary
+files) until their reader is done; what a killed reader left is removed by the next owner.
 """
 
 from __future__ import annotations
@@ -64,10 +62,7 @@ def replaced_place(folder: Path) -> Path:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove the engine's reports of earlier openings, and the parts of an unfinished bulk load.
-
-    Only the owner of the folder may do so, and not during a load.
-    """
+    """Remove earlier engine reports and parts of an unfinished bulk load, as the folder's owner."""
     for pattern in ("LOG.old.*", "bulk-*.sst"):
         for file in folder.glob(pattern):
             file.unlink(missing_ok=True)
@@ -83,11 +78,7 @@ class WriteAheadLog:
         self.changes = 0  # in the log that are not in the tables yet
 
     def sync(self) -> bool:
-        """Wait until the log is on disk; False when the tables must be written instead.
-
-        Raises:
-            OSError: the disk is full or broken.
-        """
+        """Wait until the log is on disk; False when the tables must be written instead."""
         if self._folder is None:
             return True
         self.changes += 1
@@ -119,11 +110,7 @@ def new_snapshot_folder(folder: Path) -> Path:
 
 
 def take_snapshot(folder: Path) -> Path:
-    """A snapshot of a folder that another process may be writing to.
-
-    Raises:
-        StoreError: the folder cannot be read, or is written to without a pause.
-    """
+    """A snapshot of a folder that another process writes to; StoreError if it never pauses."""
     try:
         return _copy_until_consistent(folder, new_snapshot_folder(folder))
     except OSError as error:

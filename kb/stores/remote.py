@@ -74,27 +74,47 @@ class RemoteStore:
         except QueryError as error:
             raise StoreError(f'"{self.location}" is not a SPARQL endpoint: {error}') from error
 
-    def select(self, query: str) -> Solutions:
+    def select(self, query: str, limits: Limits = CALL) -> Solutions:
         """All rows of a SELECT query, however many the endpoint sends at once."""
-        return self._select(query, CALL)
+        if query_form(query) != "SELECT":
+            raise QueryError("Expected a SELECT query.")
+        response = self._read(query, ROWS, limits)
+        found = read_solutions(response.body)
+        if response.max_rows and len(found) >= response.max_rows:
+            return self._read_pages(query, found, response.max_rows, limits)
+        return found
 
-    def ask(self, query: str) -> bool:
+    def ask(self, query: str, limits: Limits = CALL) -> bool:
         """The answer of an ASK query."""
-        return self._ask(query, CALL)
+        if query_form(query) != "ASK":
+            raise QueryError("Expected an ASK query.")
+        return read_boolean(self._read(query, ROWS, limits).body)
 
-    def construct(self, query: str) -> list[Quad]:
+    def construct(self, query: str, limits: Limits = CALL) -> list[Quad]:
         """The statements of a CONSTRUCT or DESCRIBE query."""
-        return self._construct(query, CALL)
+        if query_form(query) not in {"CONSTRUCT", "DESCRIBE"}:
+            raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
+        is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
+        if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
+            return self._triples(query, limits)
+        # It truncates statements silently, so they are read in pages from the start.
+        found: dict[Quad, None] = {}
+        for offset in range(0, 10**9, PAGE):
+            page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
+            if not page:
+                break
+            found.update(dict.fromkeys(page))
+        return list(found)
 
     def run(self, query: str, limits: Limits) -> QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
         match query_form(query):
             case "ASK":
-                return BooleanResult(self._ask(query, limits))
+                return BooleanResult(self.ask(query, limits))
             case "CONSTRUCT" | "DESCRIBE":
-                return Statements.from_quads(self._construct(query, limits))
+                return Statements.from_quads(self.construct(query, limits))
             case _:
-                return self._select(query, limits)
+                return self.select(query, limits)
 
     def quads(
         self,
@@ -151,15 +171,6 @@ class RemoteStore:
         self._is_open = False
         self._transport.close()
 
-    def _select(self, query: str, limits: Limits) -> Solutions:
-        if query_form(query) != "SELECT":
-            raise QueryError("Expected a SELECT query.")
-        response = self._read(query, ROWS, limits)
-        found = read_solutions(response.body)
-        if response.max_rows and len(found) >= response.max_rows:
-            return self._read_pages(query, found, response.max_rows, limits)
-        return found
-
     def _read_pages(self, query: str, first: Solutions, size: int, limits: Limits) -> Solutions:
         """The rows of a result that the endpoint truncates after `size`, page by page."""
         rows: list[tuple[Term | None, ...]] = []
@@ -170,26 +181,6 @@ class RemoteStore:
             if not page:
                 break
         return Solutions(first.variables, tuple(rows))
-
-    def _ask(self, query: str, limits: Limits) -> bool:
-        if query_form(query) != "ASK":
-            raise QueryError("Expected an ASK query.")
-        return read_boolean(self._read(query, ROWS, limits).body)
-
-    def _construct(self, query: str, limits: Limits) -> list[Quad]:
-        if query_form(query) not in {"CONSTRUCT", "DESCRIBE"}:
-            raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
-        is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
-        if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
-            return self._triples(query, limits)
-        # It truncates statements silently, so they are read in pages from the start.
-        found: dict[Quad, None] = {}
-        for offset in range(0, 10**9, PAGE):
-            page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
-            if not page:
-                break
-            found.update(dict.fromkeys(page))
-        return list(found)
 
     def _triples(self, query: str, limits: Limits) -> list[Quad]:
         from .rdf_text import read_triples
