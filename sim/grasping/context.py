@@ -28,14 +28,13 @@ class PointLabel(IntEnum):
 
 @dataclass(frozen=True)
 class LabelledCloud:
-    """The points that grasps of a part are planned on.
+    """The points that grasps of a part of an object are planned on.
 
     Attributes:
         points: (n, 3), in the world [m].
         labels: (n,) of `PointLabel`; those of the part to be grasped are `TARGET`.
         table: height of the table [m].
-        centre_of_mass: of the object, as estimated (3,) [m].
-        mass: of the object [kg].
+        centre_of_mass, mass: of the object, as estimated (3,) [m], [kg].
     """
 
     points: Array
@@ -66,12 +65,9 @@ class LabelledCloud:
         return self.points[self.labels == PointLabel.TARGET]
 
     def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledCloud:
-        """Return fewer, evenly spread points near the part.
+        """Return fewer, evenly spread points within `reach` [m] of the part.
 
-        Args:
-            cell: voxel size [m].
-            reach: distance from the part up to which points are kept [m].
-            limit: of points with each label; the voxels grow until it is kept.
+        The voxels of side `cell` [m] grow until at most `limit` points have the same label.
         """
         low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
         near = np.all((self.points >= low) & (self.points <= high), axis=1)
@@ -96,7 +92,6 @@ class GraspContext:
     """An object that is to be grasped, and what surrounds it.
 
     Attributes:
-        percept: of the object.
         kind: its type, for the masses of its parts.
         part: to grasp it by; None for any.
         neighbours: points on all other objects (n, 3) [m].

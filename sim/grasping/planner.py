@@ -48,7 +48,6 @@ class GraspPlan:
     """The grasps of a part, best first, and why other candidates were rejected.
 
     Attributes:
-        grasps: ranked by score.
         rejected: reason -> number of rejected poses.
         examples: some rejected poses, for display.
     """
@@ -81,14 +80,10 @@ def plan_grasps(
     count: int = 40,
     effort: int = 1,
 ) -> GraspPlan:
-    """Plan grasps of the target.
+    """Plan at most `count` grasps of the target of a cloud.
 
-    Args:
-        cloud: the target, and what is near it.
-        gripper: the gripper.
-        rng: for the choice of samples.
-        count: of grasps, at most.
-        effort: factor on the number of candidates; above 1 other orientations are tried.
+    `effort` multiplies the number of candidates; above 1 other orientations are tried. Samples are
+    drawn by `rng`.
     """
     if len(cloud.target) < MIN_POINTS:
         return GraspPlan((), {})
@@ -130,7 +125,6 @@ def _spread_out(
 
 
 def _refine(scores: GraspScores, fine: LabelledCloud, gripper: Gripper) -> GraspScores:
-    """Add the scores of poses near the best ones."""
     best = scores[_distinct(scores, REFINED, above=-2 * scoring.REJECTION_PENALTY)]
     centred = best.world_from_grip @ _corrections(best)
     scores = scores.joined(scoring.score_grasps(centred, best.section_width, fine, gripper))
@@ -162,9 +156,8 @@ def _distinct(scores: GraspScores, count: int, *, above: float = 0.0) -> np.ndar
     for index in np.argsort(-scores.score, kind="stable"):
         if len(chosen) == count or scores.score[index] <= above:
             break
-        if not chosen or not _is_near(
-            scores.world_from_grip[chosen], scores.world_from_grip[index]
-        ):
+        at = scores.world_from_grip
+        if not chosen or not _is_near(at[chosen], at[index]):
             chosen.append(int(index))
     return np.array(chosen, dtype=int)
 
@@ -180,8 +173,7 @@ def _is_near(chosen: Array, candidate: Array) -> bool:
 
 
 def _as_grasps(scores: GraspScores) -> tuple[Grasp, ...]:
-    columns = zip(scores.width, scores.opening, scores.score, strict=True)
+    numbers = np.stack([scores.width, scores.opening, scores.score], axis=1).tolist()
     return tuple(
-        Grasp(pose, float(width), float(opening), float(score))
-        for pose, (width, opening, score) in zip(scores.world_from_grip, columns, strict=True)
+        Grasp(pose, *row) for pose, row in zip(scores.world_from_grip, numbers, strict=True)
     )

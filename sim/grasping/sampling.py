@@ -32,8 +32,7 @@ class GraspCandidates:
     """Poses of the open gripper.
 
     Attributes:
-        world_from_grip: (c, 4, 4).
-        width: (c,) of what is between the fingers [m].
+        world_from_grip, width: (c, 4, 4), and (c,) of what is between the fingers [m].
         too_wide: number of samples that were wider than the gripper opens.
         blocked: number of samples without room for the fingers.
     """
@@ -52,73 +51,57 @@ def sample_grasps(
     count: int,
     turn: float = 0.0,
 ) -> GraspCandidates:
-    """Return grasp candidates round points of the target.
+    """Return grasp candidates round `count` points of the target; `rng` chooses the first point.
 
-    Args:
-        cloud: the target, and what is near it.
-        gripper: the gripper.
-        rng: chooses the first point.
-        count: number of points.
-        turn: of all orientations about the vertical, to try those between the usual ones [rad].
+    All orientations are turned by `turn` [rad] about the vertical, to try those between the usual
+    ones.
     """
     target = cloud.target
     samples = target[farthest_points(target, count, first=int(rng.integers(len(target))))]
-    found, widths = [np.zeros((0, 4, 4))], [np.zeros(0)]
-    too_wide = blocked = 0
+    pieces = [GraspCandidates(np.zeros((0, 4, 4)), np.zeros(0), 0, 0)]
     x, y = principal_direction(target)
     rotations = hand_orientations(float(np.arctan2(y, x)) + turn)
     depths = _tip_depths(rotations, samples, cloud.table, gripper)
     for rotation, tips in zip(rotations, depths, strict=True):
         possible = tips[:, 0] > 0
-        if not possible.any():
-            continue
-        sections = _Sections.along(rotation, samples[possible], tips[possible], cloud, gripper)
-        too_wide += sections.too_wide
-        blocked += sections.blocked
-        found.append(poses.pose(rotation, sections.centres @ rotation.T))
-        widths.append(sections.width)
-    return GraspCandidates(np.concatenate(found), np.concatenate(widths), too_wide, blocked)
+        if possible.any():
+            piece = _candidates(rotation, samples[possible], tips[possible], cloud, gripper)
+            pieces.append(piece)
+    return GraspCandidates(
+        np.concatenate([piece.world_from_grip for piece in pieces]),
+        np.concatenate([piece.width for piece in pieces]),
+        sum(piece.too_wide for piece in pieces),
+        sum(piece.blocked for piece in pieces),
+    )
 
 
-@dataclass(frozen=True)
-class _Sections:
-    """Cuts through the part that fit between the fingers, for one orientation of the hand."""
-
-    centres: Array  # (c, 3) of the grip frame, along the axes of the hand [m]
-    width: Array  # (c,) [m]
-    too_wide: int
-    blocked: int
-
-    @classmethod
-    def along(
-        cls,
-        rotation: Array,
-        samples: Array,
-        tips: Array,
-        cloud: LabelledCloud,
-        gripper: Gripper,
-    ) -> _Sections:
-        points, starts = rotation.T @ cloud.points.T, samples @ rotation
-        starts[:, :2] = np.rint(starts[:, :2] / BIN) * BIN  # bins begin where samples are
-        heights = _HeightMap.of(points, cloud.labels, starts, gripper.finger_width / 2)
-        room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
-        below = starts[:, 2, None] + np.maximum.accumulate(tips, axis=1)  # (s, t)
-        (left, right), alone = heights.ends(below, room)
-        width = (left + right - 1) * BIN
-        # There is room beyond the ends, so only what lies at an end can be in the way.
-        clear = ~(heights.is_other(1 - left, below) | heights.is_other(right - 1, below))
-        narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
-        nearest = np.minimum(heights.nearest() - starts[:, 2], 0.0)
-        shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
-        possible = clear & narrow & shallow
-        ok = possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
-        row, depth = np.nonzero(ok)
-        shift = (right - left)[row, depth] * BIN / 2
-        centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
-        alone_width = (alone.sum(axis=0) - 1) * BIN + 2 * SIDE_CLEARANCE
-        too_wide = int(np.count_nonzero(alone_width > gripper.opening))
-        blocked = int(np.count_nonzero(~possible)) - too_wide
-        return cls(centres, width[row, depth], too_wide, max(0, blocked))
+def _candidates(
+    rotation: Array, samples: Array, tips: Array, cloud: LabelledCloud, gripper: Gripper
+) -> GraspCandidates:
+    """The cuts through the part that fit between the fingers, for one orientation of the hand."""
+    points, starts = rotation.T @ cloud.points.T, samples @ rotation
+    starts[:, :2] = np.rint(starts[:, :2] / BIN) * BIN  # bins begin where samples are
+    heights = _HeightMap.of(points, cloud.labels, starts, gripper.finger_width / 2)
+    room = round((gripper.finger_thickness + 2 * SIDE_CLEARANCE) / BIN)
+    below = starts[:, 2, None] + np.maximum.accumulate(tips, axis=1)  # (s, t)
+    (left, right), alone = heights.ends(below, room)
+    width = (left + right - 1) * BIN
+    # There is room beyond the ends, so only what lies at an end can be in the way.
+    clear = ~(heights.is_other(1 - left, below) | heights.is_other(right - 1, below))
+    narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
+    nearest = np.minimum(heights.nearest() - starts[:, 2], 0.0)
+    shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
+    possible = clear & narrow & shallow
+    ok = possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
+    row, depth = np.nonzero(ok)
+    shift = (right - left)[row, depth] * BIN / 2
+    # Of the grip frame, along the axes of the hand (c, 3) [m].
+    centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
+    alone_width = (alone.sum(axis=0) - 1) * BIN + 2 * SIDE_CLEARANCE
+    too_wide = int(np.count_nonzero(alone_width > gripper.opening))
+    blocked = max(0, int(np.count_nonzero(~possible)) - too_wide)
+    at = poses.pose(rotation, centres @ rotation.T)
+    return GraspCandidates(at, width[row, depth], too_wide, blocked)
 
 
 def _tip_depths(rotations: Array, samples: Array, table: float, gripper: Gripper) -> Array:
@@ -151,13 +134,10 @@ class _HeightMap:
 
     @classmethod
     def of(cls, points: Array, labels: np.ndarray, starts: Array, half: float) -> _HeightMap:
-        """The map round some samples.
+        """The map round the samples `starts` (s, 3), x and y whole multiples of `BIN` [m].
 
-        Args:
-            points: (3, n), z along the approach, y along the closing direction [m].
-            labels: (n,) of `PointLabel`.
-            starts: the samples (s, 3), x and y whole multiples of `BIN` [m].
-            half: of the width of a finger along x [m].
+        Of the points (3, n), z lies along the approach and y along the closing direction [m]; their
+        labels are (n,) of `PointLabel`, and `half` is half the width of a finger along x [m].
         """
         margin = np.array([round(half / BIN), HALF_BINS])
         corner = starts[:, :2].min(axis=0) - margin * BIN
@@ -187,11 +167,8 @@ class _HeightMap:
     def ends(self, below: Array, room: int) -> np.ndarray:
         """Bins to the first `room` empty ones, to the left and to the right (2, 2, s, t).
 
-        First among all points, then among those of the target; `HALF_BINS` where there is no room.
-
-        Args:
-            below: down to where (s, t) [m].
-            room: number of bins that a finger needs.
+        A finger needs `room` bins, down to `below` (s, t) [m]. First among all points, then among
+        those of the target; `HALF_BINS` where there is no room.
         """
         met = np.swapaxes(_running_min(np.swapaxes(self.first, 1, 2), room), 1, 2)
         steps = np.arange(1, HALF_BINS - room + 2)

@@ -10,11 +10,12 @@ continues outwards beyond the tips is a slope that would push the fingers open.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import poses
 from ..poses import Array
 from ..robot.models import Gripper
 from .context import LabelledCloud, PointLabel
@@ -57,8 +58,7 @@ class GraspScores:
 
     Attributes:
         world_from_grip: (c, 4, 4), with the part centred between the pads.
-        width: (c,) of the part between the pads [m].
-        section_width: (c,) of everything between the fingers [m].
+        width, section_width: (c,) of the part between the pads, of all between the fingers [m].
         opening: (c,) of the gripper before it closes [m].
         score: (c,), at most 1; poses whose score is not above 0 are rejected.
         rejection: (c,), index in `REJECTIONS` of why a pose is rejected; 0 for not at all.
@@ -77,24 +77,20 @@ class GraspScores:
 
     def __getitem__(self, index: np.ndarray) -> GraspScores:
         """The scores of some poses."""
-        return GraspScores(*(getattr(self, field.name)[index] for field in fields(self)))
+        return GraspScores(*(each[index] for each in vars(self).values()))
 
     def joined(self, other: GraspScores) -> GraspScores:
         """These scores and others."""
-        both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
-        return GraspScores(*(np.concatenate(pair) for pair in both))
+        both = zip(vars(self).values(), vars(other).values(), strict=True)
+        return GraspScores(*map(np.concatenate, both))
 
 
 def score_grasps(
     world_from_grip: Array, section_width: Array, cloud: LabelledCloud, gripper: Gripper
 ) -> GraspScores:
-    """Score poses of the hand round the target.
+    """Score poses (c, 4, 4) of the hand round the target of a cloud.
 
-    Args:
-        world_from_grip: (c, 4, 4).
-        section_width: (c,), of everything between the fingers, not only between the pads [m].
-        cloud: the target, and what is near it.
-        gripper: the gripper.
+    The width of a section (c,) is that of everything between the fingers, not only the pads [m].
     """
     near = HandPointPairs.find(
         world_from_grip,
@@ -104,10 +100,11 @@ def score_grasps(
     )
     shift, width = _centre(near, gripper)
     near = near.shifted(shift)
-    centred = world_from_grip @ _sideways(shift)
+    centred = world_from_grip @ poses.pose(np.eye(3), np.outer(shift, (0, 1, 0)))
     wide, narrow = _openings(width, section_width + 2 * (np.abs(shift) + SPARE_ABOVE), gripper)
-    profile = _Profile.of(near, width, gripper)
-    first_pad, second_pad = np.moveaxis(_filled(profile.touched(width)), 1, 0)
+    heights = _contact_profiles(near, width, gripper)
+    touched = heights >= (width / 2 - LEVEL)[:, None, None, None]
+    first_pad, second_pad = np.moveaxis(_filled(touched), 1, 0)
     both = first_pad & second_pad  # (c, CELLS_X, CELLS_Z)
     overlap = both.mean(axis=(1, 2))
     rejection = _rejection(near, width, wide, gripper)
@@ -118,7 +115,7 @@ def score_grasps(
     rejection[(rejection == _NONE) & (overlap < MIN_CELLS)] = _UNEVEN
     rejection[hits_table(centred, opening, cloud.table, gripper)] = _TABLE
     rejection[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
-    slope, twist = profile.slopes(gripper)
+    slope, twist = _slope_and_twist(heights, gripper)
     arm = cloud.centre_of_mass - centred[:, :3, 3]
     torque = cloud.mass * GRAVITY * gravity_lever(centred, arm)
     score = (
@@ -216,12 +213,6 @@ def _openings(width: Array, least: Array, gripper: Gripper) -> tuple[Array, Arra
     return wide, narrow
 
 
-def _sideways(shift: Array) -> Array:
-    move = np.tile(np.eye(4), (len(shift), 1, 1))
-    move[:, 1, 3] = shift
-    return move
-
-
 def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
     """Middle and width (c,) of the target between the pads [m]."""
     band = near.between_pads(gripper) & (np.abs(near.y) <= gripper.opening / 2)
@@ -233,46 +224,36 @@ def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
     return np.where(high >= low, (high + low) / 2, 0.0), width
 
 
-@dataclass(frozen=True)
-class _Profile:
-    """The contact profile of both pads: outermost points (c, 2, CELLS_X, CELLS_Z) [m].
+def _contact_profiles(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:
+    """The outermost points that each pad meets (c, 2, CELLS_X, CELLS_Z) [m].
 
     Heights count outwards from the middle; empty cells have -inf.
     """
+    inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
+    band = near.between_pads(gripper) & inside
+    x, y, z = (each[band] for each in (near.x, near.y, near.z))
+    cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
+    cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
+    cell = (near.hand[band] * CELLS_X + cell_x) * CELLS_Z + cell_z
+    heights = np.full((2, near.hands * CELLS_X * CELLS_Z), -np.inf)
+    for side, outwards in enumerate((y, -y)):
+        np.maximum.at(heights[side], cell, outwards)
+    # A cell whose points all lie on the other side is empty on this one.
+    heights[heights < 0] = -np.inf
+    shaped = heights.reshape(2, near.hands, CELLS_X, CELLS_Z)
+    return np.ascontiguousarray(np.swapaxes(shaped, 0, 1))
 
-    heights: Array
 
-    @classmethod
-    def of(cls, near: HandPointPairs, width: Array, gripper: Gripper) -> _Profile:
-        inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
-        band = near.between_pads(gripper) & inside
-        hand = near.hand[band]
-        x, y, z = (each[band] for each in (near.x, near.y, near.z))
-        cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
-        cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
-        cell = (hand * CELLS_X + cell_x) * CELLS_Z + cell_z
-        heights = np.full((2, near.hands * CELLS_X * CELLS_Z), -np.inf)
-        for side, outwards in enumerate((y, -y)):
-            np.maximum.at(heights[side], cell, outwards)
-        # A cell whose points all lie on the other side is empty on this one.
-        heights[heights < 0] = -np.inf
-        shaped = heights.reshape(2, near.hands, CELLS_X, CELLS_Z)
-        return cls(np.ascontiguousarray(np.swapaxes(shaped, 0, 1)))
+def _slope_and_twist(heights: Array, gripper: Gripper) -> tuple[Array, Array]:
+    """The `slope` (c, 2) and `twist` (c,) of `GraspScores`, from contact profiles.
 
-    def touched(self, width: Array) -> np.ndarray:
-        """Whether the pads touch each cell (c, 2, CELLS_X, CELLS_Z)."""
-        return self.heights >= (width / 2 - LEVEL)[:, None, None, None]
-
-    def slopes(self, gripper: Gripper) -> tuple[Array, Array]:
-        """The `slope` (c, 2) and `twist` (c,) of `GraspScores`.
-
-        A slope is the mean of both sides: of a wedge, which is squeezed out of the hand; a round
-        bar has none. A twist is their difference: of parallel faces that the hand is not turned to.
-        """
-        across = _fit_slopes(self.heights.max(axis=3), gripper.pad_width / CELLS_X)
-        along = _fit_slopes(self.heights.max(axis=2), gripper.pad_length / CELLS_Z)
-        slope = np.column_stack([across.mean(axis=1), along.mean(axis=1)])
-        return slope, np.arctan((across[:, 0] - across[:, 1]) / 2)
+    A slope is the mean of both sides: of a wedge, which is squeezed out of the hand; a round bar
+    has none. A twist is their difference: of parallel faces that the hand is not turned to.
+    """
+    across = _fit_slopes(heights.max(axis=3), gripper.pad_width / CELLS_X)
+    along = _fit_slopes(heights.max(axis=2), gripper.pad_length / CELLS_Z)
+    slope = np.column_stack([across.mean(axis=1), along.mean(axis=1)])
+    return slope, np.arctan((across[:, 0] - across[:, 1]) / 2)
 
 
 def _fit_slopes(edges: Array, spacing: float) -> Array:
@@ -359,13 +340,12 @@ def hits_table(
     outer = opening / 2 + gripper.finger_thickness
     root = opening / 2 + gripper.root_thickness
     palm_x, palm_y = (size / 2 for size in gripper.palm_size)
-    lowest = np.minimum.reduce(
-        [
-            _lowest(world_from_grip, half_x, outer, tip),
-            _lowest(world_from_grip, half_x, root, gripper.root),
-            _lowest(world_from_grip, palm_x, np.full_like(opening, palm_y), gripper.palm),
-        ]
+    boxes = (
+        (half_x, outer, tip),
+        (half_x, root, gripper.root),
+        (palm_x, np.full_like(opening, palm_y), gripper.palm),
     )
+    lowest = np.minimum.reduce([_lowest(world_from_grip, *box) for box in boxes])
     return lowest < table + TABLE_CLEARANCE
 
 
@@ -378,9 +358,7 @@ def _lowest(world_from_grip: Array, x: float, y: Array, z: float) -> Array:
 def gravity_lever(world_from_grip: Array, arm: Array) -> Array:
     """The lever (c,) of gravity about the line between the pads [m].
 
-    Args:
-        world_from_grip: (c, 4, 4).
-        arm: from there to the centre of mass (c, 3) [m].
+    `arm` (c, 3) leads from the grips (c, 4, 4) to the centre of mass [m].
     """
     # Gravity turns along arm x down; the share along the closing direction turns the object.
     return np.abs(np.cross(arm, world_from_grip[:, :3, 1])[:, 2])

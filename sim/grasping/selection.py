@@ -65,12 +65,9 @@ class GraspTask:
 
 @dataclass(frozen=True)
 class GraspSelection:
-    """The selected grasp.
+    """The last grasp plan, and the path to the selected grasp.
 
-    Attributes:
-        plan: the last grasp plan.
-        path: to the selected grasp; None when no grasp can be reached.
-        reason: why there is none; empty when there is one.
+    Without a reachable grasp the path is None and `reason` says why; else `reason` is empty.
     """
 
     plan: GraspPlan
@@ -87,16 +84,7 @@ def select_grasp(
     lift: float,
     rng: np.random.Generator,
 ) -> GraspSelection:
-    """Select the best grasp that can be reached and has not been tried before.
-
-    Args:
-        task: the object, and the grasps that were tried.
-        context: how the object was seen.
-        planner: plans the paths.
-        gripper: the gripper.
-        lift: height to which the object must be lifted afterwards [m].
-        rng: for the choice of samples.
-    """
+    """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before."""
     plan, reason, best = GraspPlan((), {}), "", None
     cloud = context.labelled_cloud(planner.table)
     for effort, enough in EFFORTS.items():

@@ -45,11 +45,7 @@ OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the re
 
 @dataclass(frozen=True)
 class FingerContacts:
-    """What the fingers touch.
-
-    Attributes:
-        first, second: (body, link) that the one and the other finger touch.
-    """
+    """What the one and the other finger touch, as (body, link)."""
 
     first: frozenset[tuple[str, str]]
     second: frozenset[tuple[str, str]]
@@ -73,8 +69,7 @@ class HeldObject:
     """The object in the hand.
 
     Attributes:
-        context: how it was seen before it was grasped.
-        path: by which it was grasped.
+        context, path: how it was seen before it was grasped, and by which path it was.
         world_from_start: its pose then (4, 4).
         hand_from_object: its pose in the hand when the fingers had closed (4, 4).
         points: (n, 3), its cloud in the hand frame [m].
@@ -97,13 +92,9 @@ class HeldObject:
 
 
 class HandMotion:
-    """Moves a robot with a gripper among objects on a table.
+    """Moves a robot with a gripper among objects on a table of height `table` [m].
 
-    Args:
-        robot: that is moved.
-        table: height of the table [m].
-        receiver: position of the person who receives objects (3,) [m].
-        meeting: where objects are handed over (3,) [m].
+    Objects are handed over at `meeting` (3,) [m] to a person at `receiver` (3,) [m].
     """
 
     def __init__(self, robot: Robot, *, table: float, receiver: Array, meeting: Array) -> None:
@@ -133,13 +124,7 @@ class HandMotion:
         return FingerContacts(first, second)
 
     def held_object(self, context: GraspContext, path: GraspPath, before: Array) -> HeldObject:
-        """Describe an object on which the gripper has closed.
-
-        Args:
-            context: how it was seen.
-            path: by which it was grasped.
-            before: its pose before that (4, 4).
-        """
+        """Describe an object on which the gripper has closed; `before` was its pose then (4, 4)."""
         hand_from_object = self.hand_from_object(context.percept.name)
         hand_from_seen = hand_from_object @ poses.inverse(before)
         grip = self.robot.gripper.hand_from_grip[:3, 3]
@@ -263,7 +248,10 @@ class HandMotion:
         towards = (self.receiver - self.meeting) * (1, 1, 0)
         towards /= np.linalg.norm(towards)
         rotations = turns @ self.robot.world_from_grip[:3, :3]
-        facing = _unit(rotations @ held.free * (1, 1, 0)) @ towards
+        free = rotations @ held.free * (1, 1, 0)
+        length = np.linalg.norm(free, axis=1, keepdims=True)
+        ahead = np.where(length > MIN_FREE_LENGTH, free / np.maximum(length, MIN_FREE_LENGTH), 0.0)
+        facing = ahead @ towards
         worse = -np.digitize(facing, FACING)
         for offset in OFFSETS:
             for level in np.unique(worse):
@@ -306,9 +294,3 @@ class HandMotion:
     def _follow_if(self, path: Array | None, pace: float) -> None:
         if path is not None:
             self.robot.follow(path, pace=pace)
-
-
-def _unit(vectors: Array) -> Array:
-    """Unit vectors (n, 3); zero for those that are too short to have a direction."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.where(length > MIN_FREE_LENGTH, vectors / np.maximum(length, MIN_FREE_LENGTH), 0.0)

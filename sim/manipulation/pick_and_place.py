@@ -40,12 +40,7 @@ PlanListener: TypeAlias = Callable[[str, str | None, GraspPlan, Grasp | None], N
 class PickAndPlace:
     """Grasps objects with a robot, lifts them, hands them over and puts them back.
 
-    Args:
-        world: with the objects.
-        motion: moves the robot.
-        vision: sees the objects.
-        sleeping: of the objects that lie still.
-        seed: of the choice of grasps.
+    The seed is that of the choice of grasps.
 
     Attributes:
         motion: moves the robot.
@@ -85,8 +80,7 @@ class PickAndPlace:
     def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
         """Lift the held object and hold it for a second; grasp it again when it slips.
 
-        Args:
-            height_m: how high; grasps are planned for `LIFT_HEIGHT`, more may be out of reach.
+        Grasps are planned for `LIFT_HEIGHT`; a larger height may be out of reach.
         """
         return self._retry(lambda: self._lift(height_m), self._grasp)
 

@@ -29,19 +29,16 @@ class MotionReport:
 
     Attributes:
         action: the primitive: "grasp", "lift", ...
-        ok: whether it succeeded.
-        reason: of failure, one of `REASONS`; empty on success.
+        ok, reason: whether it succeeded; else the reason, one of `REASONS`.
         touched: the parts of the object that the fingers touch.
         lifted_m: height of the object above where it was taken up [m].
         held_s: how long it was held still [s].
-        attempts: how often the gripper closed.
-        failures: the reasons of failed attempts, in order.
+        attempts, failures: how often the gripper closed, and why attempts failed, in order.
         score: of the grasp that was used, at most 1; 0 without one.
-        slip_m: how far the object moved in the hand [m].
-        slip_rad: how far it turned in the hand [rad].
+        slip_m, slip_rad: how far the object moved and turned in the hand [m], [rad].
         bumped: neighbours that were moved by more than a centimetre.
-        depth_m: how deep the struck object stands in the other one [m]; 0 without one.
-        driven: whether it is driven in completely.
+        depth_m, driven: how deep the struck object stands in the other one [m], 0 without one,
+            and whether it is driven in completely.
         at: pose of the grip at the handover: x, y, z [m] and the unit quaternion x, y, z, w in the
             world; empty for other motions and failed ones.
     """

@@ -54,12 +54,7 @@ TOP = 0.0015  # [m] below the highest point, down to which points belong to the 
 
 
 class StrikeTarget:
-    """An object that is to be driven into another one.
-
-    Args:
-        world: with the object.
-        name: of the object, which stands in another one.
-        cloud: its visible points (n, 3) [m].
+    """An object, with its visible points (n, 3) [m], that is to be driven into another one.
 
     Raises:
         UnknownNameError: it does not stand in another object.
@@ -67,7 +62,11 @@ class StrikeTarget:
 
     def __init__(self, world: World, name: str, cloud: Array) -> None:
         self._world, self.name = world, name
-        self._seen_top, self._seen_depth = top_of(cloud), world.depth(name)
+        self._seen_depth = world.depth(name)
+        height = float(cloud[:, 2].max())
+        face = cloud[cloud[:, 2] > height - TOP]
+        middle = (face[:, :2].min(axis=0) + face[:, :2].max(axis=0)) / 2
+        self._seen_top = np.array([*middle, height])
 
     @property
     def depth(self) -> float:
@@ -80,26 +79,19 @@ class StrikeTarget:
         return self._seen_top - (0, 0, self.depth - self._seen_depth)
 
     @property
+    def start(self) -> Array:
+        """Where the face that strikes is before a blow (3,) [m]."""
+        return np.add(self.top, (0.0, 0.0, START_HEIGHT))
+
+    @property
     def is_driven(self) -> bool:
         """Whether it is driven in completely."""
         mount = self._world.kinds[self.name].mount
         return mount is not None and self.depth > mount.deepest - DRIVEN
 
 
-def top_of(cloud: Array) -> Array:
-    """The middle of the highest face of a cloud (n, 3) [m]."""
-    top = float(cloud[:, 2].max())
-    face = cloud[cloud[:, 2] > top - TOP]
-    return np.array([*(face[:, :2].min(axis=0) + face[:, :2].max(axis=0)) / 2, top])
-
-
 class Striking:
-    """Strikes with the object that a robot holds.
-
-    Args:
-        world: with the objects.
-        hand: holds the object.
-    """
+    """Strikes with the object that a robot's hand holds."""
 
     def __init__(self, world: World, hand: PickAndPlace) -> None:
         self._world, self._hand, self._motion = world, hand, hand.motion
@@ -114,13 +106,12 @@ class Striking:
         if self._world.support(percept.name) is None:
             return self._hand.report("move_above", "nothing_to_strike")
         self._target = StrikeTarget(self._world, percept.name, percept.cloud)
-        start, planner = self._start(self._target), self._motion.path_planner(held.context)
+        start, planner = self._target.start, self._motion.path_planner(held.context)
         for strike in self._strike_poses(held):
             path = self._plan_carry(held, strike.world_from_grip(start), planner)
             if path is not None:
-                return self._report(
-                    "move_above", "" if self._motion.carry(held, path) else "dropped"
-                )
+                reason = "" if self._motion.carry(held, path) else "dropped"
+                return self._report("move_above", reason)
         return self._report("move_above", "unreachable")
 
     def raise_(self) -> MotionReport:
@@ -128,7 +119,7 @@ class Striking:
         held, target = self._hand.held, self._target
         if held is None or target is None:
             return MotionReport("raise", ok=False, reason="nothing_held")
-        return self._report("raise", self._raise(held, self._start(target)))
+        return self._report("raise", self._raise(held, target.start))
 
     def lower(self) -> MotionReport:
         """Strike once. Driving the target in completely is a success even if the grip is lost."""
@@ -148,10 +139,6 @@ class Striking:
         if target is None:
             return report
         return replace(report, depth_m=target.depth, driven=target.is_driven)
-
-    def _start(self, target: StrikeTarget) -> Array:
-        """Where the face is before a blow (3,) [m]."""
-        return target.top + np.array([0.0, 0.0, START_HEIGHT])
 
     def _raise(self, held: HeldObject, start: Array) -> str:
         """Bring the face that struck level above the target; return the reason of failure."""
@@ -257,11 +244,9 @@ class StrikePose:
 
 
 def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
-    """Return poses to strike with an object, best first.
+    """Return poses to strike with an object (n, 3) in a hand (m, 3), best first.
 
-    Args:
-        held: points of the object (n, 3), in the grip frame [m].
-        hand: points of the hand (m, 3), in the grip frame [m].
+    The points of both are in the grip frame [m].
     """
     cloud = held[voxel_downsample(held, POINT_CELL)]
     found = (_strike_pose(rotation, cloud, hand) for rotation in _orientations())

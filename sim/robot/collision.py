@@ -29,8 +29,7 @@ class Spheres:
 
     Attributes:
         link: (s,), index of the link in the chain.
-        centre: (s, 3) in the frame of that link [m].
-        radius: (s,) [m].
+        centre, radius: (s, 3) in the frame of that link, (s,) [m].
     """
 
     link: np.ndarray
@@ -39,11 +38,8 @@ class Spheres:
 
     def joined(self, other: Spheres) -> Spheres:
         """These spheres and others."""
-        return Spheres(
-            np.concatenate([self.link, other.link]),
-            np.concatenate([self.centre, other.centre]),
-            np.concatenate([self.radius, other.radius]),
-        )
+        both = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Spheres(*map(np.concatenate, both))
 
     def placed(self, base_from_link: Array) -> Array:
         """Centres (n, s, 3) for links at `base_from_link` (n, links, 4, 4)."""
@@ -82,15 +78,10 @@ def clearance(
     points: Array,
     table: float,
 ) -> float:
-    """The smallest gap [m] between spheres and obstacles, over all postures.
+    """The smallest gap [m] between spheres and obstacles, over all postures `joints` (n, k) [rad].
 
-    Args:
-        chain: the arm.
-        spheres: on its links.
-        joints: postures (n, k) [rad].
-        world_from_base: (4, 4).
-        points: of obstacles (p, 3), in the world [m]; gaps to them are at most `MAX_GAP`.
-        table: height of the table in the world [m].
+    Obstacles are the points (p, 3) and the height `table` in the world [m]; gaps to points are at
+    most `MAX_GAP`.
     """
     centres = poses.transform(world_from_base, spheres.placed(chain.frames(joints)).reshape(-1, 3))
     radius = np.tile(spheres.radius, len(joints))
@@ -117,13 +108,9 @@ def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
 
 
 def self_clearance(chain: Chain, held: Spheres, arm: Spheres, joints: Array) -> float:
-    """The smallest gap [m] between a held object and the arm.
+    """The smallest gap [m] between a held object and the arm, over postures `joints` (n, k) [rad].
 
-    Args:
-        chain: the arm.
-        held: spheres on the hand.
-        arm: spheres on all links; those that move with the hand do not count.
-        joints: postures (n, k) [rad].
+    Spheres of the arm that move with the hand do not count.
     """
     last = max(i for i, joint in enumerate(chain.joints) if joint.kind != "fixed")
     behind = arm.link < last

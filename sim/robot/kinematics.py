@@ -33,15 +33,13 @@ ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
 
 @dataclass(frozen=True)
 class ChainJoint:
-    """One joint of a chain.
+    """One joint of a chain, as in the URDF.
 
     Attributes:
-        name: in the URDF.
         kind: "revolute", "prismatic" or "fixed".
         parent_from_joint: (4, 4), pose on the link before it.
         axis: (3,), unit, in the joint's frame.
-        low, high: limits [rad] or [m].
-        speed: limit [rad/s] or [m/s].
+        low, high, speed: limits [rad] or [m], [rad/s] or [m/s].
     """
 
     name: str
@@ -58,8 +56,7 @@ class Solution:
     """Solutions of inverse kinematics for m targets.
 
     Attributes:
-        joints: (m, k) [rad], the best posture for each target, within the limits; for paths
-            (m, t, k).
+        joints: (m, k) [rad], the best postures, within the limits; for paths (m, t, k).
         found: (m,) bool, whether that posture reaches the target within the tolerances.
     """
 
@@ -69,12 +66,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class Chain:
-    """The joints from the base of a robot to its tip.
-
-    Attributes:
-        joints: all of them in order, with the fixed ones.
-        links: the link behind each joint.
-    """
+    """The joints from a robot's base to its tip, the fixed ones too, and the link behind each."""
 
     joints: tuple[ChainJoint, ...]
     links: tuple[str, ...]
@@ -115,7 +107,6 @@ class Chain:
 
     @cached_property
     def _is_moving(self) -> np.ndarray:
-        """Whether each joint is not fixed (links,)."""
         return np.array([joint.kind != "fixed" for joint in self.joints])
 
     @cached_property
@@ -156,12 +147,9 @@ class Chain:
         return np.stack([joint.axis for joint in self.moving])
 
     def solve(self, base_from_tip: Array, starts: Array) -> Solution:
-        """Solve inverse kinematics for each of m targets.
+        """Solve inverse kinematics for targets (m, 4, 4) from start postures (s, k).
 
-        Args:
-            base_from_tip: targets (m, 4, 4).
-            starts: postures (s, k) to start from; of several solutions the one closest to the
-                first start is returned.
+        Of several solutions the one closest to the first start is returned.
         """
         m, s = len(base_from_tip), len(starts)
         targets = np.repeat(base_from_tip, s, axis=0)
@@ -189,14 +177,10 @@ class Chain:
         return error
 
     def track(self, base_from_tip: Array, starts: Array) -> Solution:
-        """Solve inverse kinematics along m paths of t poses, each from the solution before.
+        """Solve along m paths of t poses (m, t, 4, 4), each pose from the solution before.
 
-        Args:
-            base_from_tip: (m, t, 4, 4).
-            starts: (m, k), postures just before each path [rad].
-
-        Returns:
-            Postures (m, t, k); a path is found when all its poses are, without a jump.
+        The paths begin at the postures `starts` (m, k) [rad]. A path is found when all its poses
+        are, without a jump.
         """
         joints, path = starts.copy(), []
         found = np.ones(len(starts), dtype=bool)
@@ -221,10 +205,7 @@ def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
 def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
     """Read the chain of a URDF file from its root link to the link `tip`.
 
-    Args:
-        path: the URDF.
-        tip: the last link.
-        fixed: names of joints to treat as fixed at zero.
+    Joints whose names are in `fixed` are fixed at zero.
 
     Raises:
         DataError: the file is not a URDF, or has no joint to `tip`.

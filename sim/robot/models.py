@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robot models: arm, gripper and collision spheres, read from `robots.yaml`.
 
-The comments at the head of that file describe its entries. Joint limits come from the robot's URDF
-file.
+The head of that file describes its entries. Joint limits come from the robot's URDF file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from math import radians
 from pathlib import Path
@@ -26,42 +25,25 @@ from .kinematics import Chain, read_chain
 ROBOTS_FILE = Path(__file__).with_name("robots.yaml")
 OWN_FILE = ".yaml"
 
-_GRIPPER_LENGTHS = (
-    "grip",
-    "opening",
-    "pad_width",
-    "finger_width",
-    "pad_length",
-    "tip",
-    "finger_thickness",
-    "root_thickness",
-    "root",
-    "palm",
-)
-
 
 @dataclass(frozen=True)
 class Gripper:
-    """A parallel gripper with two fingers.
+    """A parallel gripper with two fingers, and its dimensions [m].
 
     The grip frame lies midway between the pads: x along their width, y the closing direction, z out
     of the hand.
 
     Attributes:
-        joints: the two finger joints.
-        links: the two fingers.
-        grip: from the hand's origin to the grip frame, along z [m].
-        opening: the widest gap between the pads [m].
+        joints, links: of the two fingers.
+        grip: from the hand's origin to the grip frame, along z.
+        opening: the widest gap between the pads.
         force: of each finger [N].
-        pad_width: of the flat part of a finger, along x [m].
-        finger_width: along x [m].
-        pad_length: along z, centred on the grip frame [m].
-        tip: z of the finger tips in the grip frame [m].
-        finger_thickness: along y, at the tip [m].
-        root_thickness: the same between the hand and `root` [m].
-        root: z in the grip frame where the fingers become thicker [m].
-        palm: z of the front of the hand in the grip frame [m].
-        palm_size: of the hand along x and y [m].
+        pad_width, finger_width: of the flat part and the whole of a finger, along x.
+        pad_length: along z, centred on the grip frame.
+        tip, palm: z of the finger tips and of the front of the hand in the grip frame.
+        finger_thickness, root_thickness: along y, at the tip, and between the hand and `root`.
+        root: z in the grip frame where the fingers become thicker.
+        palm_size: of the hand along x and y.
     """
 
     joints: tuple[str, str]
@@ -85,13 +67,16 @@ class Gripper:
         return poses.translation(0.0, 0.0, self.grip)
 
 
+_GRIPPER_LENGTHS = [
+    each.name for each in fields(Gripper) if each.type == "float" and each.name != "force"
+]
+
+
 @dataclass(frozen=True)
 class RobotType:
-    """A type of robot.
+    """A type of robot: its `name` in settings, its `label` for people, and its parts.
 
     Attributes:
-        name: in settings.
-        label: for people.
         urdf: file of the arm.
         hand: the link at the end of the arm.
         home: (k,) posture in which the arm waits [rad].
@@ -142,11 +127,9 @@ def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
 
 
 def find_robot(name: str) -> RobotType:
-    """Return the robot of a name.
+    """Return a robot that comes with Hilt, or one of a file like `robots.yaml`.
 
-    Args:
-        name: of a robot that comes with Hilt, or a file like `robots.yaml`: "mine.yaml", or
-            "mine.yaml:NAME" when it has several.
+    A file is named as "mine.yaml", or as "mine.yaml:NAME" when it has several robots.
 
     Raises:
         UnknownNameError: there is no such robot.
@@ -164,7 +147,6 @@ def find_robot(name: str) -> RobotType:
 
 @cache
 def _shipped() -> Mapping[str, RobotType]:
-    """The robots that come with Hilt, read once per process."""
     return MappingProxyType(load_robots())
 
 
@@ -186,9 +168,8 @@ def _read_robot(name: str, field: Field) -> RobotType:
         attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
         speeds=entries["speeds"].numbers(low=0.0, high=20.0) if "speeds" in entries else (),
     )
-    if len(home) != len(robot.arm.moving):
-        problem = f"expected {len(robot.arm.moving)} joints, found {len(home)}."
-        raise entries["home"].fail(problem)
+    if len(home) != (count := len(robot.arm.moving)):
+        raise entries["home"].fail(f"expected {count} joints, found {len(home)}.")
     return robot
 
 
@@ -196,14 +177,9 @@ def _read_attachment(field: Field) -> Attachment:
     entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
     x, y, z = entries["at"].numbers(count=3, low=-1.0, high=1.0)
     angles = entries["turn_deg"].numbers(count=3) if "turn_deg" in entries else (0.0, 0.0, 0.0)
-    roll, pitch, yaw = (radians(angle) for angle in angles)
-    return Attachment(
-        _find_urdf(entries["urdf"]),
-        entries["link"].text(),
-        entries["carrier"].text(),
-        (x, y, z),
-        (roll, pitch, yaw),
-    )
+    roll, pitch, yaw = map(radians, angles)
+    link, carrier = entries["link"].text(), entries["carrier"].text()
+    return Attachment(_find_urdf(entries["urdf"]), link, carrier, (x, y, z), (roll, pitch, yaw))
 
 
 def _find_urdf(field: Field) -> Path:
@@ -223,23 +199,21 @@ def _read_gripper(field: Field) -> Gripper:
     entries = field.entries(
         required=(*_GRIPPER_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
     )
-    left_joint, right_joint = _pair(entries["joints"])
-    left_link, right_link = _pair(entries["links"])
     along_x, along_y = entries["palm_size"].numbers(count=2, low=0.0, high=1.0)
     return Gripper(
-        joints=(left_joint, right_joint),
-        links=(left_link, right_link),
+        joints=_pair(entries["joints"]),
+        links=_pair(entries["links"]),
         force=entries["force"].number(low=0.0, high=1000.0),
         palm_size=(along_x, along_y),
         **{key: entries[key].number(low=-1.0, high=1.0) for key in _GRIPPER_LENGTHS},
     )
 
 
-def _pair(field: Field) -> tuple[str, ...]:
+def _pair(field: Field) -> tuple[str, str]:
     texts = field.texts()
     if len(texts) != 2:
         raise field.fail(f"expected 2 names, found {len(texts)}.")
-    return texts
+    return texts[0], texts[1]
 
 
 def _read_spheres(field: Field) -> Array:

@@ -37,13 +37,13 @@ VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 
 @dataclass(frozen=True)
 class GraspPath:
-    """A path to a grasp, and the lift after it.
+    """A path to a grasp, and the lift after it, as postures (n, k) [rad].
 
     Attributes:
         grasp: where it leads; the pose may be turned by half a turn about the approach.
-        transit: postures (n, k) from here to the pose before the grasp [rad].
-        approach: postures (m, k) from there to the grasp [rad].
-        lift: postures (l, k) from the grasp upwards [rad].
+        transit: from here to the pose before the grasp.
+        approach: from there to the grasp.
+        lift: from the grasp upwards.
     """
 
     grasp: Grasp
@@ -57,7 +57,6 @@ class PathPlanner:
     """Plans paths that start where a robot is now.
 
     Attributes:
-        robot: the robot.
         table: height of the table [m].
         scene: points (n, 3) on everything on the table [m].
         obstacles: the same without the object that is to be grasped.
@@ -121,28 +120,17 @@ class PathPlanner:
         gap: float = TRANSIT_GAP,
         held: Spheres | None = None,
     ) -> Array | None:
-        """Plan a path through free space.
+        """Plan a path through free space from where the arm is to a posture (k,) [rad].
 
-        Args:
-            goal: the posture it ends in (k,) [rad].
-            spheres: of arm and hand.
-            points: of obstacles (n, 3) [m].
-            gap: to keep from them [m].
-            held: spheres of the held object; it may not hit the arm either.
-
-        Returns:
-            Postures (n, k) from where the arm is; None when there is no such path.
+        It keeps a gap [m] between the spheres of arm and hand and obstacles, points (n, 3) [m]. The
+        spheres of a held object may not hit the arm either. Returns postures (n, k), or None when
+        there is no such path.
         """
         start = self.robot.joints
         over_start, over_goal = self._raised(start), self._raised(goal)
         home = self.robot.kind.home
-        for via in (
-            [],
-            [over_goal],
-            [over_start, over_goal],
-            [home],
-            [over_start, home, over_goal],
-        ):
+        detour = [over_start, home, over_goal]
+        for via in ([], [over_goal], [over_start, over_goal], [home], detour):
             path = np.vstack([start, *via, goal])
             # The arm may already be nearer to something than a path should come.
             least = min(gap, self._gap(spheres, path[:1], points, held))
@@ -158,15 +146,10 @@ class PathPlanner:
     def plan_straight(
         self, goal: Array, *, start: Array | None = None, joints: Array | None = None
     ) -> Array | None:
-        """Plan a straight path of the grip to a pose; obstacles are not checked.
+        """Plan a straight path of the grip to a pose (4, 4); obstacles are not checked.
 
-        Args:
-            goal: `world_from_grip` (4, 4).
-            start: the same at the start; where it is now when None.
-            joints: posture at the start (k,) [rad]; the present one when None.
-
-        Returns:
-            Postures (n, k); None when the goal is out of reach.
+        It begins at the grip pose `start` and the posture `joints` (k,) [rad]; by default at the
+        present ones. Returns postures (n, k), or None when the goal is out of reach.
         """
         joints = self.robot.joints if joints is None else joints
         start = self.robot.world_from_grip if start is None else start
@@ -187,16 +170,14 @@ class PathPlanner:
 
     def travel_time(self, joints: Array) -> Array:
         """The least time (m,) from the present posture to postures (m, k) [s]."""
-        times = np.abs(joints - self.robot.joints) / self.robot.chain.speed
-        return times.max(axis=1)
+        return (np.abs(joints - self.robot.joints) / self.robot.chain.speed).max(axis=1)
 
     def _straight(self, start: Array, end: Array, joints: Array) -> Solution:
         longest = np.linalg.norm(end[:, :3, 3] - start[:, :3, 3], axis=1).max(initial=0.0)
         count = max(1, int(np.ceil(longest / STRAIGHT_STEP - ROUNDING)))
         fractions = np.linspace(0.0, 1.0, count + 1)[1:]
-        path = np.stack(
-            [poses.interpolate(a, b, fractions) for a, b in zip(start, end, strict=True)]
-        )
+        pairs = zip(start, end, strict=True)
+        path = np.stack([poses.interpolate(*pair, fractions) for pair in pairs])
         return self.robot.chain.track(self.robot.base_from_hand(path), joints)
 
     def _raised(self, joints: Array) -> Array:
@@ -213,13 +194,7 @@ class PathPlanner:
     def _gap(
         self, spheres: Spheres, path: Array, points: Array, held: Spheres | None = None
     ) -> float:
-        chain = self.robot.chain
-        gap = clearance(
-            chain,
-            spheres if held is None else spheres.joined(held),
-            path,
-            world_from_base=self.robot.world_from_base,
-            points=points,
-            table=self.table,
-        )
+        chain, base = self.robot.chain, self.robot.world_from_base
+        body = spheres if held is None else spheres.joined(held)
+        gap = clearance(chain, body, path, world_from_base=base, points=points, table=self.table)
         return gap if held is None else min(gap, self_clearance(chain, held, spheres, path))

@@ -37,13 +37,10 @@ ROUNDING = 0.1  # [s] over which corners are rounded
 
 
 class Robot:
-    """A robot in a physics engine.
+    """A robot of one `kind` in a physics engine.
 
-    Args:
-        engine: the simulator.
-        kind: the type of robot.
-        world_from_base: where it stands; the origin when None.
-        step: advances time by a number of steps; the engine's own method when None.
+    It stands at `world_from_base`, by default the origin. `step` advances time by a number of
+    steps, by default with the engine's own method.
     """
 
     def __init__(
@@ -72,11 +69,7 @@ class Robot:
 
     @property
     def gripper(self) -> Gripper:
-        """Its gripper.
-
-        Raises:
-            SimulationError: the robot has none.
-        """
+        """Its gripper; a `SimulationError` when the robot has none."""
         if self.kind.gripper is None:
             raise SimulationError(f"The {self.kind.label} has no gripper.")
         return self.kind.gripper
@@ -127,15 +120,10 @@ class Robot:
         return self.spheres.joined(finger_spheres(self.chain, self.gripper, opening))
 
     def follow(self, path: Array, *, pace: float, stop: Callable[[], bool] | None = None) -> bool:
-        """Execute a path of postures (n, k) [rad].
+        """Execute a path of postures (n, k) [rad] that starts where the arm is.
 
-        Args:
-            path: starts where the arm is.
-            pace: share of the joints' speed limits, in (0, 1].
-            stop: called at every step; the arm stops when it returns true.
-
-        Returns:
-            Whether the path was executed to its end.
+        The arm moves at `pace`, a share in (0, 1] of the joints' speed limits, and stops when
+        `stop`, called at every step, returns true. Returns whether it came to the path's end.
         """
         positions, speeds = time_path(path, self.chain.speed, step=TIME_STEP, pace=pace)
         for position, speed in zip(positions, speeds, strict=True):
@@ -209,16 +197,11 @@ class Robot:
 
 
 def time_path(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Array, Array]:
-    """Parametrise a path by time.
+    """Parametrise a path of postures (n, k) [rad] by time.
 
-    Args:
-        points: postures (n, k) [rad].
-        limits: of the joints' speeds (k,) [rad/s].
-        step: between two results [s].
-        pace: share of the limits that is used, in (0, 1].
-
-    Returns:
-        Positions (t, k) [rad] and speeds (t, k) [rad/s] at the steps; the last speeds are zero.
+    It uses a share `pace` in (0, 1] of the limits (k,) of the joints' speeds [rad/s]. Returns
+    positions (t, k) [rad] and speeds (t, k) [rad/s] at intervals of `step` [s]; the last speeds are
+    zero.
     """
     lengths = np.max(np.abs(np.diff(points, axis=0)) / limits, axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])

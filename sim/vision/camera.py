@@ -38,12 +38,7 @@ _POSITIONS = (
 
 @dataclass(frozen=True)
 class Window:
-    """A rectangle of an image, in pixels.
-
-    Attributes:
-        left, top: its first column and row.
-        width, height: its size.
-    """
+    """A rectangle of an image [pixels], from its first column and row."""
 
     left: int
     top: int
@@ -53,14 +48,12 @@ class Window:
 
 @dataclass(frozen=True)
 class Camera:
-    """One camera.
+    """One camera, its name unique in a scene.
 
     Attributes:
-        name: unique among the cameras of a scene.
-        eye: its position [m].
-        target: the point it looks at [m].
+        eye, target: its position, and the point it looks at [m].
         field: vertical angle of view [rad].
-        width, height: of the image in pixels.
+        width, height: of the image [pixels].
     """
 
     name: str
@@ -111,11 +104,6 @@ class Camera:
         row = self.height / 2 - self.focal * seen[:, 1] / ahead
         return np.column_stack([column, row])
 
-    @property
-    def whole(self) -> Window:
-        """The window of its whole image."""
-        return Window(0, 0, self.width, self.height)
-
     def downscaled(self, factor: int) -> Camera:
         """The same camera with `factor` times fewer pixels along each side."""
         return replace(self, width=self.width // factor, height=self.height // factor)
@@ -124,7 +112,7 @@ class Camera:
         self, engine: PhysicsEngine, *, light: Light = VISION_LIGHT, window: Window | None = None
     ) -> CameraImage:
         """Take an image, or only a window of one."""
-        window = window or self.whole
+        window = window or Window(0, 0, self.width, self.height)
         view = poses.inverse(self.world_from_camera)
         projection = self._window_matrix(window) @ self.projection
         image = engine.rendering.render(view, projection, window.width, window.height, light=light)
@@ -146,7 +134,6 @@ class CameraImage:
     """An image of one camera, or a window of one.
 
     Attributes:
-        camera: that took it.
         colour: (height, width, 3) uint8.
         depth: distance along the camera's z axis, (height, width) [m].
         labels: (height, width) int32, what each pixel shows.
@@ -163,11 +150,8 @@ class CameraImage:
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""
-        wanted = [
-            label
-            for label, (each, part) in self.names.items()
-            if each == body and link in {None, part}
-        ]
+        shown = self.names.items()
+        wanted = [label for label, (b, part) in shown if b == body and link in {None, part}]
         return np.isin(self.labels, wanted)
 
     def points(self, mask: NDArray[np.bool_]) -> Array:

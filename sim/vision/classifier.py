@@ -105,15 +105,10 @@ def train_classifier(
     epochs: int,
     rng: np.random.Generator,
 ) -> Classifier:
-    """Train a classifier.
+    """Train a classifier with `units` in its hidden layer on inputs (n, d) of `count` classes.
 
-    Args:
-        inputs: (n, d).
-        classes: of each input (n,), in [0, count).
-        count: number of classes.
-        units: in the hidden layer.
-        epochs: how often each input is used.
-        rng: for the initial weights and the order of the inputs.
+    The classes (n,) are in [0, count). Each input is used `epochs` times; `rng` draws the initial
+    weights and the order of the inputs.
     """
     mean, deviation = inputs.mean(axis=0), inputs.std(axis=0) + MIN_DEVIATION
     standardised = _standardised(inputs, mean, deviation)
@@ -161,8 +156,7 @@ class NoveltyDetector:
 
     Attributes:
         deviation: of each input within classes (d,); the unit of distances.
-        examples: some members of all classes (m, d).
-        classes: the class of each example (m,).
+        examples, classes: some members of all classes (m, d), and the class of each (m,).
         limit: distance to the nearest example up to which an input is known (c,).
     """
 

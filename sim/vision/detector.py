@@ -40,10 +40,8 @@ class MaskDetector:
     """Detects objects in the images of the cameras round the table by their mask.
 
     Attributes:
-        engine: the simulator that renders.
         kinds: name of each object that may be visible -> its type.
         models: type -> its model, for the silhouette to be expected.
-        cameras: where from.
         noise: only its depth noise is used here; see `NoisyVision` for the rest.
         room: bodies that hide nothing. When given, only the region of interest is rendered.
     """
@@ -75,9 +73,8 @@ class MaskDetector:
     ) -> tuple[Percept, ...]:
         """Return the visible objects that have one of the features, most confident first.
 
-        Args:
-            features: "object:knife", "part:blade", "property:sharp", ...; others are not visible.
-            images: where to search; new ones are taken when None.
+        Features are "object:knife", "part:blade", "property:sharp", ...; others are not visible.
+        New images are taken when none are given.
         """
         wanted = frozenset(features)
         names = [name for name, kind in self.kinds.items() if wanted & visible_features(kind)]
@@ -115,13 +112,9 @@ def with_camera_noise(
 def perceive(
     images: Sequence[CameraImage], name: str, kind: ObjectType, silhouette: float
 ) -> Percept | None:
-    """Return what images show of one object; None when fewer than `MIN_PIXELS` show it.
+    """Return what the images of one moment show of one object; None below `MIN_PIXELS`.
 
-    Args:
-        images: of all cameras at one moment.
-        name: of the object.
-        kind: its type.
-        silhouette: the area that it usually shows to a camera [m^2].
+    `silhouette` is the area that the object usually shows to a camera [m^2].
     """
     parts = [_perceive_part(images, name, part) for part in kind.parts]
     if sum(part.pixels for part in parts) < MIN_PIXELS:
@@ -147,17 +140,12 @@ def _silhouette(image: CameraImage, name: str) -> float:
 def smooth_depth(
     depth: NDArray[np.float32], labels: NDArray[np.int32], wanted: Iterable[int], *, noise: float
 ) -> NDArray[np.float32]:
-    """Return a depth image smoothed on each of some parts by local least squares planes.
+    """Return a depth image (height, width) [m] smoothed by local least squares planes.
 
     A mean would do as well in the middle of a face, but would bend an oblique face at its rim.
-    5 x 5 pixels reduce noise of 2 mm to 0.4 mm, at a rim to 0.7 mm.
-
-    Args:
-        depth: (height, width) [m].
-        labels: (height, width), what each pixel shows.
-        wanted: the labels of the parts; other pixels are unchanged.
-        noise: standard deviation of the depths [m]. Pixels whose surroundings deviate much more
-            from a plane are unchanged: there a part occludes itself, as the rim of a mug does.
+    5 x 5 pixels reduce noise of 2 mm to 0.4 mm, at a rim to 0.7 mm. Pixels without a wanted label
+    are unchanged, and so are those whose surroundings deviate from a plane much more than `noise`,
+    the standard deviation of depths [m]: there a part occludes itself, as the rim of a mug does.
     """
     result = depth.copy()
     for label in wanted:
@@ -172,8 +160,7 @@ def smooth_depth(
 def _fit_planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> tuple[Array, Array]:
     """Fit a plane to the pixels round each of n pixels.
 
-    Returns:
-        Its depth (n,) at that pixel, and the root mean square distance from it (n,) [m].
+    Returns its depth (n,) at that pixel, and the root mean square distance from it (n,) [m].
     """
     y, x = rows - rows.min(), columns - columns.min()
     shape = (int(y.max()) + 1, int(x.max()) + 1)

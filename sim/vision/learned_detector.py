@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -45,10 +46,8 @@ class Recogniser:
     """Recognises the objects and parts that segments show.
 
     Attributes:
-        kinds: the types, in the order of the outputs of the object classifier.
-        parts: (type, part), in the order of the outputs of the part classifier.
-        objects: classifies segments.
-        points: classifies points of a segment of known type.
+        kinds, objects: the types, in the order of the outputs of the classifier of segments.
+        parts, points: (type, part), in the order of the outputs of the classifier of their points.
         novelty: tells segments unlike any known object.
     """
 
@@ -60,11 +59,7 @@ class Recogniser:
 
     @classmethod
     def load(cls, path: Path) -> Recogniser:
-        """Read a recogniser from a file.
-
-        Raises:
-            DataError: the file cannot be read.
-        """
+        """Read a recogniser from a file; a `DataError` when it cannot be read."""
         try:
             with np.load(path, allow_pickle=False) as arrays:
                 return cls(
@@ -108,10 +103,7 @@ class Recogniser:
     ) -> np.ndarray:
         """Return the part of each point of a segment, as an index (n,) of the candidates.
 
-        Args:
-            segment: its points.
-            kind: type of the segment.
-            candidates: (type, part) that can be there.
+        The candidates are the (type, part) that can be in a segment of that type.
         """
         logits = self.points.logits(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
         columns = [self.parts.index(pair) for pair in candidates]
@@ -138,18 +130,12 @@ def _voxel_means(points: Array, logits: Array) -> Array:
     return np.column_stack(sums)[index] / counts[index, None]
 
 
-def _by_type(percept: Percept) -> str:
-    return percept.object
-
-
 @dataclass(frozen=True)
 class LearnedDetector:
     """Detects objects by trained classifiers; used like `MaskDetector`.
 
     Attributes:
-        engine: the simulator that renders.
         objects: all types, by name; only those of the recogniser are detected.
-        cameras: where from.
         noise: only its depth noise is used here.
         track: names a percept; by its type when left out.
         recogniser: that of Hilt's own objects when left out.
@@ -162,7 +148,7 @@ class LearnedDetector:
     objects: Mapping[str, ObjectType]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
     noise: Noise = field(default_factory=Noise)
-    track: Callable[[Percept], str] = _by_type
+    track: Callable[[Percept], str] = attrgetter("object")
     recogniser: Recogniser = field(default_factory=Recogniser.default)
 
     def __post_init__(self) -> None:
@@ -182,12 +168,7 @@ class LearnedDetector:
     def search(
         self, features: Iterable[str], *, images: Sequence[CameraImage] | None = None
     ) -> tuple[Percept, ...]:
-        """Return the objects that seem to have one of the features, most confident first.
-
-        Args:
-            features: "object:knife", "part:blade", "property:sharp", ...; others are not visible.
-            images: where to search; new ones are taken when None.
-        """
+        """Return the objects that seem to have one of the features; see `MaskDetector.search`."""
         wanted = frozenset(features)
         images = self.capture() if images is None else images
         margin = TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m
@@ -224,7 +205,6 @@ class LearnedDetector:
         return (kind, *mounted)
 
     def _percepts(self, segment: Segment, kind: str, confidence: float) -> Iterator[Percept]:
-        """The percepts of one segment: an object of that type, and what stands in it."""
         kinds = self._with_mounted(kind)
         candidates = [(each, part) for each in kinds for part in self.objects[each].parts]
         parts = self.recogniser.assign_parts(segment, kind, candidates)

@@ -10,7 +10,7 @@ Depth noise is applied by the cameras and drawn anew for every image.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 from zlib import crc32
 
@@ -21,7 +21,8 @@ from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
 from .percept import PartPercept, Percept, visible_features
 
-MAX_DEPTH_NOISE = 0.05  # [m], more than any camera has
+# The largest amounts; no camera has depth noise of 5 cm.
+_MAX = {"missed": 1.0, "confused": 1.0, "confidence": 1.0, "depth_m": 0.05}
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,8 @@ class Noise:
         for name, high in _MAX.items():
             value: float = getattr(self, name)
             if not 0 <= value <= high:
-                raise DataError(
-                    f"{name} must be in [0, {high:g}], found {value:g}.", source="noise"
-                )
+                problem = f"{name} must be in [0, {high:g}], found {value:g}."
+                raise DataError(problem, source="noise")
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> Noise:
@@ -80,13 +80,6 @@ class Noise:
         return np.random.default_rng([self.seed, crc32(name.encode()), *numbers])
 
 
-_MAX = {
-    each.name: MAX_DEPTH_NOISE if each.name == "depth_m" else 1.0
-    for each in fields(Noise)
-    if each.name != "seed"
-}
-
-
 class Detector(Protocol):
     """Anything that can search for objects by their features."""
 
@@ -100,12 +93,8 @@ class NoisyVision:
     """A detector with noise: it misses and confuses objects, and lowers their confidence.
 
     A confused object is found by the features of the type it is taken for, not by its own. So all
-    objects have to be searched for when they can be confused.
-
-    Attributes:
-        detector: without noise, but for the depth noise of its cameras.
-        noise: the amounts.
-        objects: all types, by name.
+    `objects`, the types by name, have to be searched for when they can be confused. The depth noise
+    is that of the detector's cameras.
     """
 
     detector: Detector
@@ -127,7 +116,6 @@ class NoisyVision:
         return tuple(sorted(percepts, key=lambda percept: -percept.confidence))
 
     def _misperceived(self, percept: Percept) -> Percept | None:
-        """A percept with noise; None when the object is missed."""
         miss, confuse, loss, which = self.noise.generator(percept.name).random(4)
         if miss < self.noise.missed:
             return None
@@ -150,14 +138,7 @@ def relabelled(percept: Percept, kind: ObjectType) -> Percept:
 def with_depth_noise(
     depth: NDArray[np.float32], noise: Noise, camera: str, step: int
 ) -> NDArray[np.float32]:
-    """Return a depth image with noise.
-
-    Args:
-        depth: without noise (height, width) [m].
-        noise: of which the depth noise is added.
-        camera: name of the camera.
-        step: time step of the image; each has noise of its own.
-    """
+    """Return a depth image (height, width) [m] of a camera with the depth noise of a time step."""
     if not noise.depth_m:
         return depth
     errors = noise.generator(camera, step).normal(0.0, noise.depth_m, depth.shape)

@@ -22,7 +22,6 @@ class PartPercept:
     """The visible surface of one part.
 
     Attributes:
-        name: of the part.
         cloud: points on its surface (n, 3), in the world [m]; read-only.
         pixels: number of pixels of all cameras that show it.
     """
@@ -44,8 +43,7 @@ class Percept:
 
     Attributes:
         name: under which the object is tracked.
-        object: its type, as detected.
-        confidence: in that type, in [0, 1].
+        object, confidence: its type, as detected, and the confidence in it, in [0, 1].
         parts: the visible parts, by name.
         properties: perceived of the object as a whole.
     """

@@ -32,9 +32,7 @@ class RegionOfInterest:
     """Renders the objects of interest at one moment.
 
     Attributes:
-        engine: the simulator that renders.
-        objects: names of the bodies of interest.
-        hidden: all other bodies.
+        objects, hidden: names of the bodies of interest, and of all others.
         links: body and link of each possible occluder; m of them.
         corners: of their bounding boxes (m, 8, 3), in the world [m].
     """

@@ -63,11 +63,9 @@ class Segment:
 def segment_images(
     images: Sequence[CameraImage], *, margin: float = TABLE_MARGIN
 ) -> tuple[Segment, ...]:
-    """Return the segments of the objects on the table, in a fixed order.
+    """Return the segments of the objects on the table at one moment, in a fixed order.
 
-    Args:
-        images: of all cameras at one moment.
-        margin: height up to which points belong to the table [m]; more with depth noise.
+    Up to the height `margin` [m], which must be higher with depth noise, points are the table's.
     """
     scene = _above_table(images, margin)
     scene = scene[voxel_downsample(scene.points, SPACING)]

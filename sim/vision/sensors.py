@@ -8,7 +8,7 @@ and depths. Both use the same cameras with the same depth noise, and name object
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -47,12 +47,7 @@ class VisionSensor(Protocol):
 
 
 class CachedVision:
-    """A vision sensor that takes new images only after time has passed in the world.
-
-    Args:
-        world: that the sensor sees.
-        sensor: takes the images and searches in them.
-    """
+    """A vision sensor that takes new images only after time has passed in the world it sees."""
 
     def __init__(self, world: World, sensor: VisionSensor) -> None:
         self._world, self._sensor = world, sensor
@@ -83,10 +78,8 @@ class CachedVision:
 def open_vision(world: World, *, source: str = "mask", noise: Noise | None = None) -> VisionSensor:
     """Open the vision sensor of a world.
 
-    Args:
-        world: that the cameras see.
-        source: "mask", "learned", or "learned:FILE" with classifiers of one's own.
-        noise: only its depth noise is used here; see `NoisyVision` for the rest.
+    The source is "mask", "learned", or "learned:FILE" with classifiers of one's own. Only the depth
+    noise is used here; see `NoisyVision` for the rest.
 
     Raises:
         UnknownNameError: there is no such source.
@@ -102,7 +95,11 @@ def open_vision(world: World, *, source: str = "mask", noise: Noise | None = Non
     file = source.partition(":")[2]
     recogniser = Recogniser.load(Path(file)) if file else Recogniser.default()
     return LearnedDetector(
-        world.engine, world.objects, noise=noise, track=Tracker(world), recogniser=recogniser
+        world.engine,
+        world.objects,
+        noise=noise,
+        track=partial(nearest_object, world),
+        recogniser=recogniser,
     )
 
 
@@ -117,22 +114,12 @@ def check_source(source: str) -> None:
         raise UnknownNameError("source of vision", source, (*SOURCES, "learned:FILE"))
 
 
-@dataclass(frozen=True)
-class Tracker:
-    """Names percepts after the objects of the world, by their positions.
+def nearest_object(world: World, percept: Percept) -> str:
+    """Return the name of the nearest object of the world, preferably of the detected type.
 
     It stands in for the tracking by which a robot would keep the names of objects.
     """
-
-    world: World
-
-    def __call__(self, percept: Percept) -> str:
-        """The name of the nearest object, preferably of the detected type."""
-        world = self.world
-        gaps = {
-            name: float(np.linalg.norm((world.top(name) - percept.centre)[:2]))
-            for name in world.kinds
-        }
-        alike = [name for name, kind in world.kinds.items() if kind.name == percept.object]
-        near = [name for name in alike if gaps[name] < SAME_PLACE]
-        return min(near or gaps, key=lambda name: gaps[name], default=percept.object)
+    gaps = {name: np.linalg.norm((world.top(name) - percept.centre)[:2]) for name in world.kinds}
+    alike = [name for name, kind in world.kinds.items() if kind.name == percept.object]
+    near = [name for name in alike if gaps[name] < SAME_PLACE]
+    return min(near or gaps, key=lambda name: gaps[name], default=percept.object)
