@@ -28,20 +28,13 @@ class PointLabel(IntEnum):
 
 @dataclass(frozen=True)
 class LabelledCloud:
-    """The points that grasps of a part of an object are planned on.
+    """The points that grasps of a part of an object are planned on."""
 
-    Attributes:
-        points: (n, 3), in the world [m].
-        labels: (n,) of `PointLabel`; those of the part to be grasped are `TARGET`.
-        table: height of the table [m].
-        centre_of_mass, mass: of the object, as estimated (3,) [m], [kg].
-    """
-
-    points: Array
-    labels: np.ndarray
-    table: float
-    centre_of_mass: Array
-    mass: float
+    points: Array  # (n, 3), in the world [m]
+    labels: np.ndarray  # (n,) of `PointLabel`; those of the part to be grasped are `TARGET`
+    table: float  # height of the table [m]
+    centre_of_mass: Array  # of the object, as estimated (3,) [m]
+    mass: float  # of the object [kg]
 
     @classmethod
     def of(
@@ -89,18 +82,12 @@ class LabelledCloud:
 
 @dataclass(frozen=True, eq=False)
 class GraspContext:
-    """An object that is to be grasped, and what surrounds it.
-
-    Attributes:
-        kind: its type, for the masses of its parts.
-        part: to grasp it by; None for any.
-        neighbours: points on all other objects (n, 3) [m].
-    """
+    """An object that is to be grasped, and what surrounds it."""
 
     percept: Percept
-    kind: ObjectType
-    part: str | None
-    neighbours: Array
+    kind: ObjectType  # its type, for the masses of its parts
+    part: str | None  # to grasp it by; None for any
+    neighbours: Array  # points on all other objects (n, 3) [m]
 
     @property
     def allowed_parts(self) -> tuple[str, ...]:

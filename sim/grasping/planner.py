@@ -45,16 +45,11 @@ _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 @dataclass(frozen=True)
 class GraspPlan:
-    """The grasps of a part, best first, and why other candidates were rejected.
-
-    Attributes:
-        rejected: reason -> number of rejected poses.
-        examples: some rejected poses, for display.
-    """
+    """The grasps of a part, best first, and why other candidates were rejected."""
 
     grasps: tuple[Grasp, ...]
-    rejected: Mapping[str, int]
-    examples: tuple[Grasp, ...] = ()
+    rejected: Mapping[str, int]  # reason -> number of rejected poses
+    examples: tuple[Grasp, ...] = ()  # some rejected poses, for display
 
     @property
     def reason(self) -> str:

@@ -29,18 +29,12 @@ SIDE_CLEARANCE = 0.0035  # [m] between a finger and the part as the hand comes d
 
 @dataclass(frozen=True)
 class GraspCandidates:
-    """Poses of the open gripper.
+    """Poses of the open gripper."""
 
-    Attributes:
-        world_from_grip, width: (c, 4, 4), and (c,) of what is between the fingers [m].
-        too_wide: number of samples that were wider than the gripper opens.
-        blocked: number of samples without room for the fingers.
-    """
-
-    world_from_grip: Array
-    width: Array
-    too_wide: int
-    blocked: int
+    world_from_grip: Array  # (c, 4, 4)
+    width: Array  # (c,) of what is between the fingers [m]
+    too_wide: int  # number of samples that were wider than the gripper opens
+    blocked: int  # number of samples without room for the fingers
 
 
 def sample_grasps(
@@ -119,18 +113,12 @@ def _tip_depths(rotations: Array, samples: Array, table: float, gripper: Gripper
 
 @dataclass(frozen=True)
 class _HeightMap:
-    """The first point that a finger would meet in each bin, along the approach direction.
+    """The first point that a finger would meet in each bin, along the approach direction."""
 
-    Attributes:
-        first: (2, columns, rows), of all points and of those of the target [m]; inf without any.
-        other: (columns, rows), of the rest [m].
-        x, y: (s,), the bins of the samples.
-    """
-
-    first: Array
-    other: Array
-    x: np.ndarray
-    y: np.ndarray
+    first: Array  # (2, columns, rows), of all points and of those of the target [m]; inf if none
+    other: Array  # (columns, rows), of the rest [m]
+    x: np.ndarray  # (s,), the bins of the samples
+    y: np.ndarray  # (s,), the same
 
     @classmethod
     def of(cls, points: Array, labels: np.ndarray, starts: Array, half: float) -> _HeightMap:

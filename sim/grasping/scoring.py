@@ -54,26 +54,16 @@ _NONE, _TOO_WIDE, _SLOPE, _UNEVEN, _PART, _NEIGHBOUR, _TABLE = range(len(REJECTI
 
 @dataclass(frozen=True)
 class GraspScores:
-    """The scores of c poses of the hand.
+    """The scores of c poses of the hand."""
 
-    Attributes:
-        world_from_grip: (c, 4, 4), with the part centred between the pads.
-        width, section_width: (c,) of the part between the pads, of all between the fingers [m].
-        opening: (c,) of the gripper before it closes [m].
-        score: (c,), at most 1; poses whose score is not above 0 are rejected.
-        rejection: (c,), index in `REJECTIONS` of why a pose is rejected; 0 for not at all.
-        slope: (c, 2), how much the part widens along x and z of the grip, per side.
-        twist: (c,), angle of the faces to the pads about the approach [rad].
-    """
-
-    world_from_grip: Array
-    width: Array
-    section_width: Array
-    opening: Array
-    score: Array
-    rejection: np.ndarray
-    slope: Array
-    twist: Array
+    world_from_grip: Array  # (c, 4, 4), with the part centred between the pads
+    width: Array  # (c,) of the part between the pads [m]
+    section_width: Array  # (c,) of everything between the fingers [m]
+    opening: Array  # (c,) of the gripper before it closes [m]
+    score: Array  # (c,), at most 1; poses whose score is not above 0 are rejected
+    rejection: np.ndarray  # (c,), index in `REJECTIONS` of why a pose is rejected; 0 for not at all
+    slope: Array  # (c, 2), how much the part widens along x and z of the grip, per side
+    twist: Array  # (c,), angle of the faces to the pads about the approach [rad]
 
     def __getitem__(self, index: np.ndarray) -> GraspScores:
         """The scores of some poses."""
@@ -139,21 +129,14 @@ def score_grasps(
 
 @dataclass(frozen=True)
 class HandPointPairs:
-    """The p pairs of a hand and a point near it. Most points are far from most hands.
+    """The p pairs of a hand and a point near it. Most points are far from most hands."""
 
-    Attributes:
-        hands: number of hands.
-        hand: (p,), index of the hand, in ascending order.
-        x, y, z: (p,) of the point in the grip frame of that hand [m].
-        label: (p,) of the point.
-    """
-
-    hands: int
-    hand: np.ndarray
-    x: Array
-    y: Array
-    z: Array
-    label: np.ndarray
+    hands: int  # number of hands
+    hand: np.ndarray  # (p,), index of the hand, in ascending order
+    x: Array  # (p,) of the point in the grip frame of that hand [m]
+    y: Array  # (p,) [m]
+    z: Array  # (p,) [m]
+    label: np.ndarray  # (p,) of the point
 
     @classmethod
     def find(

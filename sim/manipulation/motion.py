@@ -66,24 +66,15 @@ class FingerContacts:
 
 @dataclass(frozen=True)
 class HeldObject:
-    """The object in the hand.
+    """The object in the hand."""
 
-    Attributes:
-        context, path: how it was seen before it was grasped, and by which path it was.
-        world_from_start: its pose then (4, 4).
-        hand_from_object: its pose in the hand when the fingers had closed (4, 4).
-        points: (n, 3), its cloud in the hand frame [m].
-        torque: of gravity about the line between the fingers when it lies level [N m].
-        free: (3,), from the grip towards its other parts, in the hand frame; zero without any [m].
-    """
-
-    context: GraspContext
-    path: GraspPath
-    world_from_start: Array
-    hand_from_object: Array
-    points: Array
-    torque: float
-    free: Array
+    context: GraspContext  # how it was seen before it was grasped
+    path: GraspPath  # by which it was grasped
+    world_from_start: Array  # its pose before that (4, 4)
+    hand_from_object: Array  # its pose in the hand when the fingers had closed (4, 4)
+    points: Array  # (n, 3), its cloud in the hand frame [m]
+    torque: float  # of gravity about the line between the fingers when it lies level [N m]
+    free: Array  # (3,), from the grip to its other parts, in the hand frame; zero without any [m]
 
     @property
     def name(self) -> str:

@@ -25,16 +25,11 @@ FINGER_RADIUS = 0.45  # as a share of the finger's width
 
 @dataclass(frozen=True)
 class Spheres:
-    """Spheres fixed to the links of an arm.
+    """Spheres fixed to the links of an arm."""
 
-    Attributes:
-        link: (s,), index of the link in the chain.
-        centre, radius: (s, 3) in the frame of that link, (s,) [m].
-    """
-
-    link: np.ndarray
-    centre: Array
-    radius: Array
+    link: np.ndarray  # (s,), index of the link in the chain
+    centre: Array  # (s, 3) in the frame of that link [m]
+    radius: Array  # (s,) [m]
 
     def joined(self, other: Spheres) -> Spheres:
         """These spheres and others."""

@@ -17,19 +17,12 @@ TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
 
 @dataclass(frozen=True)
 class Grasp:
-    """A pose of the gripper from which it closes on a part.
+    """A pose of the gripper from which it closes on a part."""
 
-    Attributes:
-        world_from_grip: (4, 4), the grip frame when the fingers close.
-        width: of the part between the pads [m].
-        opening: of the gripper before it closes [m].
-        score: at most 1, the higher the better.
-    """
-
-    world_from_grip: Array
-    width: float
-    opening: float
-    score: float
+    world_from_grip: Array  # (4, 4), the grip frame when the fingers close
+    width: float  # of the part between the pads [m]
+    opening: float  # of the gripper before it closes [m]
+    score: float  # at most 1, the higher the better
 
     @property
     def approach(self) -> Array:

@@ -33,35 +33,23 @@ ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
 
 @dataclass(frozen=True)
 class ChainJoint:
-    """One joint of a chain, as in the URDF.
-
-    Attributes:
-        kind: "revolute", "prismatic" or "fixed".
-        parent_from_joint: (4, 4), pose on the link before it.
-        axis: (3,), unit, in the joint's frame.
-        low, high, speed: limits [rad] or [m], [rad/s] or [m/s].
-    """
+    """One joint of a chain, as in the URDF."""
 
     name: str
-    kind: str
-    parent_from_joint: Array
-    axis: Array
-    low: float
-    high: float
-    speed: float
+    kind: str  # "revolute", "prismatic" or "fixed"
+    parent_from_joint: Array  # (4, 4), pose on the link before it
+    axis: Array  # (3,), unit, in the joint's frame
+    low: float  # limit [rad] or [m]
+    high: float  # limit [rad] or [m]
+    speed: float  # limit [rad/s] or [m/s]
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Solutions of inverse kinematics for m targets.
+    """Solutions of inverse kinematics for m targets."""
 
-    Attributes:
-        joints: (m, k) [rad], the best postures, within the limits; for paths (m, t, k).
-        found: (m,) bool, whether that posture reaches the target within the tolerances.
-    """
-
-    joints: Array
-    found: np.ndarray
+    joints: Array  # (m, k) [rad], the best postures, within the limits; for paths (m, t, k)
+    found: np.ndarray  # (m,) bool, whether that posture reaches the target within the tolerances
 
 
 @dataclass(frozen=True)

@@ -28,38 +28,26 @@ OWN_FILE = ".yaml"
 
 @dataclass(frozen=True)
 class Gripper:
-    """A parallel gripper with two fingers, and its dimensions [m].
+    """A parallel gripper with two fingers.
 
     The grip frame lies midway between the pads: x along their width, y the closing direction, z out
     of the hand.
-
-    Attributes:
-        joints, links: of the two fingers.
-        grip: from the hand's origin to the grip frame, along z.
-        opening: the widest gap between the pads.
-        force: of each finger [N].
-        pad_width, finger_width: of the flat part and the whole of a finger, along x.
-        pad_length: along z, centred on the grip frame.
-        tip, palm: z of the finger tips and of the front of the hand in the grip frame.
-        finger_thickness, root_thickness: along y, at the tip, and between the hand and `root`.
-        root: z in the grip frame where the fingers become thicker.
-        palm_size: of the hand along x and y.
     """
 
     joints: tuple[str, str]
     links: tuple[str, str]
-    grip: float
-    opening: float
-    force: float
-    pad_width: float
-    finger_width: float
-    pad_length: float
-    tip: float
-    finger_thickness: float
-    root_thickness: float
-    root: float
-    palm: float
-    palm_size: tuple[float, float]
+    grip: float  # from the hand's origin to the grip frame, along z [m]
+    opening: float  # the widest gap between the pads [m]
+    force: float  # of each finger [N]
+    pad_width: float  # of the flat part of a finger, along x [m]
+    finger_width: float  # along x [m]
+    pad_length: float  # along z, centred on the grip frame [m]
+    tip: float  # z of the finger tips in the grip frame [m]
+    finger_thickness: float  # along y, at the tip [m]
+    root_thickness: float  # the same between the hand and `root` [m]
+    root: float  # z in the grip frame where the fingers become thicker [m]
+    palm: float  # z of the front of the hand in the grip frame [m]
+    palm_size: tuple[float, float]  # of the hand along x and y [m]
 
     @property
     def hand_from_grip(self) -> Array:
@@ -74,29 +62,18 @@ _GRIPPER_LENGTHS = [
 
 @dataclass(frozen=True)
 class RobotType:
-    """A type of robot: its `name` in settings, its `label` for people, and its parts.
+    """A type of robot."""
 
-    Attributes:
-        urdf: file of the arm.
-        hand: the link at the end of the arm.
-        home: (k,) posture in which the arm waits [rad].
-        turns: added to its first joint for further starts of inverse kinematics [rad].
-        gripper: None without one.
-        spheres: link -> (n, 4), centres and radii of its collision spheres [m].
-        attachment: the hand, when it comes from another file.
-        speeds: limits of the joints, where the URDF has none [rad/s].
-    """
-
-    name: str
-    label: str
-    urdf: Path
-    hand: str
-    home: Array
-    turns: tuple[float, ...]
+    name: str  # in settings
+    label: str  # for people
+    urdf: Path  # file of the arm
+    hand: str  # the link at the end of the arm
+    home: Array  # (k,) posture in which the arm waits [rad]
+    turns: tuple[float, ...]  # added to its first joint for more starts of inverse kinematics [rad]
     gripper: Gripper | None
-    spheres: Mapping[str, Array]
-    attachment: Attachment | None = None
-    speeds: tuple[float, ...] = ()
+    spheres: Mapping[str, Array]  # link -> (n, 4), centres and radii of its collision spheres [m]
+    attachment: Attachment | None = None  # the hand, when it comes from another file
+    speeds: tuple[float, ...] = ()  # limits of the joints, where the URDF has none [rad/s]
 
     @cached_property
     def file(self) -> Path:

@@ -37,35 +37,22 @@ VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 
 @dataclass(frozen=True)
 class GraspPath:
-    """A path to a grasp, and the lift after it, as postures (n, k) [rad].
+    """A path to a grasp, and the lift after it, as postures (n, k) [rad]."""
 
-    Attributes:
-        grasp: where it leads; the pose may be turned by half a turn about the approach.
-        transit: from here to the pose before the grasp.
-        approach: from there to the grasp.
-        lift: from the grasp upwards.
-    """
-
-    grasp: Grasp
-    transit: Array
-    approach: Array
-    lift: Array
+    grasp: Grasp  # where it leads; the pose may be turned by half a turn about the approach
+    transit: Array  # from here to the pose before the grasp
+    approach: Array  # from there to the grasp
+    lift: Array  # from the grasp upwards
 
 
 @dataclass(frozen=True)
 class PathPlanner:
-    """Plans paths that start where a robot is now.
-
-    Attributes:
-        table: height of the table [m].
-        scene: points (n, 3) on everything on the table [m].
-        obstacles: the same without the object that is to be grasped.
-    """
+    """Plans paths that start where a robot is now."""
 
     robot: Robot
-    table: float
-    scene: Array
-    obstacles: Array
+    table: float  # height of the table [m]
+    scene: Array  # points (n, 3) on everything on the table [m]
+    obstacles: Array  # the same without the object that is to be grasped
 
     def grasp_paths(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[GraspPath]:
         """Paths to those grasps that can be reached and lifted by `lift` [m], in order."""

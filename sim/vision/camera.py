@@ -48,20 +48,14 @@ class Window:
 
 @dataclass(frozen=True)
 class Camera:
-    """One camera, its name unique in a scene.
+    """One camera."""
 
-    Attributes:
-        eye, target: its position, and the point it looks at [m].
-        field: vertical angle of view [rad].
-        width, height: of the image [pixels].
-    """
-
-    name: str
-    eye: tuple[float, float, float]
-    target: tuple[float, float, float]
-    field: float = radians(46)
-    width: int = 640
-    height: int = 480
+    name: str  # unique among the cameras of a scene
+    eye: tuple[float, float, float]  # its position [m]
+    target: tuple[float, float, float]  # the point it looks at [m]
+    field: float = radians(46)  # vertical angle of view [rad]
+    width: int = 640  # of the image [pixels]
+    height: int = 480  # of the image [pixels]
 
     @cached_property
     def world_from_camera(self) -> Array:
@@ -131,22 +125,14 @@ class Camera:
 
 @dataclass(frozen=True)
 class CameraImage:
-    """An image of one camera, or a window of one.
-
-    Attributes:
-        colour: (height, width, 3) uint8.
-        depth: distance along the camera's z axis, (height, width) [m].
-        labels: (height, width) int32, what each pixel shows.
-        names: label -> (body, link); the label of empty pixels is not among them.
-        window: which part of the whole image this is.
-    """
+    """An image of one camera, or a window of one."""
 
     camera: Camera
-    colour: NDArray[np.uint8]
-    depth: NDArray[np.float32]
-    labels: NDArray[np.int32]
-    names: Mapping[int, tuple[str, str]]
-    window: Window
+    colour: NDArray[np.uint8]  # (height, width, 3)
+    depth: NDArray[np.float32]  # along the camera's z axis, (height, width) [m]
+    labels: NDArray[np.int32]  # (height, width), what each pixel shows
+    names: Mapping[int, tuple[str, str]]  # label -> (body, link); without that of empty pixels
+    window: Window  # which part of the whole image this is
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""

@@ -37,22 +37,15 @@ STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
 
 @dataclass(frozen=True, eq=False)
 class Classifier:
-    """A trained network.
+    """A trained network."""
 
-    Attributes:
-        mean, deviation: of the inputs (d,).
-        hidden, hidden_bias: (d, h), (h,).
-        output, output_bias: (h, c), (c,).
-        temperature: by which logits are divided.
-    """
-
-    mean: Array
-    deviation: Array
-    hidden: Array
-    hidden_bias: Array
-    output: Array
-    output_bias: Array
-    temperature: float = 1.0
+    mean: Array  # of the inputs (d,)
+    deviation: Array  # of the inputs (d,)
+    hidden: Array  # (d, h)
+    hidden_bias: Array  # (h,)
+    output: Array  # (h, c)
+    output_bias: Array  # (c,)
+    temperature: float = 1.0  # by which logits are divided
 
     def logits(self, inputs: Array) -> Array:
         """Calibrated logits (n, c) of inputs (n, d)."""
@@ -152,18 +145,12 @@ def _gradients(weights: list[Array], inputs: Array, classes: Integers) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class NoveltyDetector:
-    """Examples of each class, to tell known inputs from novel ones.
+    """Examples of each class, to tell known inputs from novel ones."""
 
-    Attributes:
-        deviation: of each input within classes (d,); the unit of distances.
-        examples, classes: some members of all classes (m, d), and the class of each (m,).
-        limit: distance to the nearest example up to which an input is known (c,).
-    """
-
-    deviation: Array
-    examples: Array
-    classes: Integers
-    limit: Array
+    deviation: Array  # of each input within classes (d,); the unit of distances
+    examples: Array  # some members of all classes (m, d)
+    classes: Integers  # the class of each example (m,)
+    limit: Array  # distance to the nearest example up to which an input is known (c,)
 
     @classmethod
     def fit(

@@ -19,16 +19,11 @@ from ..poses import Array
 
 @dataclass(frozen=True, eq=False)
 class PartPercept:
-    """The visible surface of one part.
-
-    Attributes:
-        cloud: points on its surface (n, 3), in the world [m]; read-only.
-        pixels: number of pixels of all cameras that show it.
-    """
+    """The visible surface of one part."""
 
     name: str
-    cloud: Array
-    pixels: int
+    cloud: Array  # points on its surface (n, 3), in the world [m]; read-only
+    pixels: int  # number of pixels of all cameras that show it
 
     def __post_init__(self) -> None:
         self.cloud.flags.writeable = False
@@ -39,20 +34,13 @@ class PartPercept:
 
 @dataclass(frozen=True, eq=False)
 class Percept:
-    """One detected object.
+    """One detected object."""
 
-    Attributes:
-        name: under which the object is tracked.
-        object, confidence: its type, as detected, and the confidence in it, in [0, 1].
-        parts: the visible parts, by name.
-        properties: perceived of the object as a whole.
-    """
-
-    name: str
-    object: str
-    confidence: float
-    parts: Mapping[str, PartPercept]
-    properties: frozenset[str] = field(default_factory=frozenset[str])
+    name: str  # under which the object is tracked
+    object: str  # its type, as detected
+    confidence: float  # in that type, in [0, 1]
+    parts: Mapping[str, PartPercept]  # the visible parts, by name
+    properties: frozenset[str] = field(default_factory=frozenset[str])  # of the object as a whole
 
     def part(self, name: str) -> PartPercept:
         """One of the visible parts.

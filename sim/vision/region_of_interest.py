@@ -29,19 +29,13 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 @dataclass(frozen=True)
 class RegionOfInterest:
-    """Renders the objects of interest at one moment.
-
-    Attributes:
-        objects, hidden: names of the bodies of interest, and of all others.
-        links: body and link of each possible occluder; m of them.
-        corners: of their bounding boxes (m, 8, 3), in the world [m].
-    """
+    """Renders the objects of interest at one moment."""
 
     engine: PhysicsEngine
-    objects: Collection[str]
-    hidden: tuple[str, ...]
-    links: tuple[tuple[str, str], ...]
-    corners: Array
+    objects: Collection[str]  # names of the bodies of interest
+    hidden: tuple[str, ...]  # all other bodies
+    links: tuple[tuple[str, str], ...]  # body and link of each possible occluder; m of them
+    corners: Array  # of their bounding boxes (m, 8, 3), in the world [m]
 
     @classmethod
     def around(
