@@ -205,6 +205,7 @@ class LearnedDetector:
         return (kind, *mounted)
 
     def _percepts(self, segment: Segment, kind: str, confidence: float) -> Iterator[Percept]:
+        """The percepts of one segment: an object of that type, and what stands in it."""
         kinds = self._with_mounted(kind)
         candidates = [(each, part) for each in kinds for part in self.objects[each].parts]
         parts = self.recogniser.assign_parts(segment, kind, candidates)
