@@ -25,8 +25,7 @@ from .manipulation.striking import Striking
 from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
-from .scene.sleeping import SleepManager
-from .scene.world import World
+from .scene.world import SleepManager, World
 from .vision.noise import Noise
 from .vision.percept import Percept, visible_features
 from .vision.sensors import CachedVision, open_vision
@@ -50,7 +49,7 @@ class Body(AbstractContextManager["Body"]):
         objects: the object types there are.
         seed: from which all choices of the motions are drawn.
         gui: whether to show a window.
-        robot: name of the robot; see `robots.yaml`.
+        robot: its name in `robots.yaml`.
         vision: where percepts come from: "mask", "learned" or "learned:FILE".
         noise: of the cameras' depths; none when None.
 
@@ -78,12 +77,8 @@ class Body(AbstractContextManager["Body"]):
         self.vision = open_vision(self.world, source=vision, noise=noise)
         sleeping = SleepManager(self.world)
         self.robot = Robot(self.world.engine, kind, step=sleeping.step)
-        motion = HandMotion(
-            self.robot,
-            table=TABLE_HEIGHT,
-            receiver=np.array(RECEIVER),
-            meeting=np.array(MEETING),
-        )
+        receiver, meeting = np.array(RECEIVER), np.array(MEETING)
+        motion = HandMotion(self.robot, table=TABLE_HEIGHT, receiver=receiver, meeting=meeting)
         self._vision = CachedVision(self.world, self.vision)
         self.pick_and_place = PickAndPlace(self.world, motion, self._vision, sleeping, seed=seed)
         self.striking = Striking(self.world, self.pick_and_place)

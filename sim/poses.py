@@ -64,33 +64,23 @@ def cross_matrix(vector: ArrayLike) -> Array:
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Return the rotation of a URDF's `rpy` [rad]: about the fixed x, then y, then z axis."""
-    about_x, about_y, about_z = (
-        rotation_about(axis, angle)
-        for axis, angle in zip(np.eye(3), (roll, pitch, yaw), strict=True)
-    )
+    about_x, about_y, about_z = map(rotation_about, np.eye(3), (roll, pitch, yaw))
     return about_z @ about_y @ about_x
 
 
 def rotation_vector(rotation: Array) -> Array:
     """Return axis times angle [rad] (..., 3) of rotations (..., 3, 3); the angle is in [0, pi]."""
-    skew = np.stack(
-        [
-            rotation[..., 2, 1] - rotation[..., 1, 2],
-            rotation[..., 0, 2] - rotation[..., 2, 0],
-            rotation[..., 1, 0] - rotation[..., 0, 1],
-        ],
-        axis=-1,
-    )
+    entries = ((2, 1), (0, 2), (1, 0))
+    skew = np.stack([rotation[..., i, j] - rotation[..., j, i] for i, j in entries], axis=-1)
     sine = 0.5 * np.linalg.norm(skew, axis=-1)
     cosine = 0.5 * (np.trace(rotation, axis1=-2, axis2=-1) - 1.0)
     angle = np.arctan2(sine, cosine)
     scale = np.where(sine > _SMALL_ANGLE, angle / np.maximum(2.0 * sine, _SMALL_ANGLE), 0.5)
+    vector = scale[..., None] * skew
     half_turn = (sine <= _SMALL_ANGLE) & (cosine < 0)
     if not half_turn.any():
-        return scale[..., None] * skew
-    return np.where(
-        half_turn[..., None], np.pi * _half_turn_axis(rotation), scale[..., None] * skew
-    )
+        return vector
+    return np.where(half_turn[..., None], np.pi * _half_turn_axis(rotation), vector)
 
 
 def _half_turn_axis(rotation: Array) -> Array:
@@ -107,20 +97,18 @@ def angle_between(rotation_a: Array, rotation_b: Array) -> Array:
     return np.linalg.norm(rotation_vector(np.swapaxes(rotation_a, -1, -2) @ rotation_b), axis=-1)
 
 
-def slerp(rotation_a: Array, rotation_b: Array, fractions: ArrayLike) -> Array:
-    """Return rotations (n, 3, 3) on the shortest way from a to b, at fractions (n,) in [0, 1]."""
+def interpolate(pose_a: Array, pose_b: Array, fractions: ArrayLike) -> Array:
+    """Return poses (n, 4, 4) on the straight way from a to b, at fractions (n,) in [0, 1].
+
+    Rotations are on the shortest way too (slerp).
+    """
+    fractions = np.asarray(fractions, float)
+    (rotation_a, start), (rotation_b, end) = ((p[:3, :3], p[:3, 3]) for p in (pose_a, pose_b))
     vector = rotation_vector(rotation_a.T @ rotation_b)
     angle = float(np.linalg.norm(vector))
     axis = vector / angle if angle > _SMALL_ANGLE else np.array([0.0, 0.0, 1.0])
-    return rotation_a @ rotation_about(axis, np.asarray(fractions, float) * angle)
-
-
-def interpolate(pose_a: Array, pose_b: Array, fractions: ArrayLike) -> Array:
-    """Return poses (n, 4, 4) on the straight way from a to b, at fractions (n,) in [0, 1]."""
-    fractions = np.asarray(fractions, float)
-    start, end = pose_a[:3, 3], pose_b[:3, 3]
-    positions = start + fractions[:, None] * (end - start)
-    return pose(slerp(pose_a[:3, :3], pose_b[:3, :3], fractions), positions)
+    rotations = rotation_a @ rotation_about(axis, fractions * angle)
+    return pose(rotations, start + fractions[:, None] * (end - start))
 
 
 def from_quaternion(position: Sequence[float], quaternion: Sequence[float]) -> Array:

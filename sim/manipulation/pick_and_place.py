@@ -20,8 +20,7 @@ from ..grasping.selection import GraspTask, select_grasp
 from ..poses import Array
 from ..robot.hand_poses import Grasp
 from ..robot.path_planner import GraspPath
-from ..scene.sleeping import SleepManager
-from ..scene.world import World
+from ..scene.world import SleepManager, World
 from ..vision.percept import Percept
 from ..vision.sensors import CachedVision
 from .motion import FingerContacts, HandMotion, HeldObject

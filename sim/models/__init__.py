@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Models: object types and robots as files that the simulator loads.
 
-`solids` turns the forms of a part into a visual surface and convex collision pieces, with the help
-of `meshes` and `convex`; `urdf` writes and assembles URDF files; `object_models` builds the model
-of an object type once and keeps it in the cache.
+`solids` turns the forms of a part into a visual surface and convex collision pieces, both made by
+`meshes`; `urdf` writes and assembles URDF files; `object_models` builds the model of an object type
+once and keeps it in the cache.
 """
 
 import lazy_loader

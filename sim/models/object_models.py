@@ -35,24 +35,17 @@ _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
 _CELL = 0.0015  # [m], small against any part
 _MAX_POINTS = 300_000  # enough for anything that fits into a hand
-_SOURCES = ("convex.py", "meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
+_SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
 
 
 @dataclass(frozen=True)
 class ObjectModel:
-    """An object type as the simulator knows it.
-
-    Attributes:
-        kind: the object type.
-        urdf: its description, with meshes beside it.
-        corners: part -> corners of all its convex pieces (n, 3), in the object's frame [m].
-        silhouette: the area that it shows to a camera above the table, on average [m^2].
-    """
+    """An object type as the simulator knows it."""
 
     kind: ObjectType
-    urdf: Path
-    corners: Mapping[str, Array]
-    silhouette: float
+    urdf: Path  # its description, with meshes beside it
+    corners: Mapping[str, Array]  # part -> corners of its pieces (n, 3), in the object's frame [m]
+    silhouette: float  # the area that it shows to a camera above the table, on average [m^2]
 
     @property
     def mounted(self) -> Path:
@@ -66,11 +59,7 @@ class ObjectModel:
 
 
 def object_model(kind: ObjectType, *, cache: Path | None = None) -> ObjectModel:
-    """Return the model of an object type, built when it is not in the cache yet.
-
-    Args:
-        kind: the object type.
-        cache: folder of the cache; `cache_folder()` when None.
+    """Return the model of an object type, built when it is not in the cache (a folder) yet.
 
     Raises:
         DataError: a mesh file of the object cannot be used.
@@ -89,9 +78,8 @@ def object_model(kind: ObjectType, *, cache: Path | None = None) -> ObjectModel:
 
 def _key(kind: ObjectType) -> str:
     here = Path(__file__).parent
-    files = (
-        s.form.path for p in kind.parts.values() for s in p.shape if isinstance(s.form, MeshFile)
-    )
+    forms = [solid.form for part in kind.parts.values() for solid in part.shape]
+    files = [form.path for form in forms if isinstance(form, MeshFile)]
     sources = [here / name for name in _SOURCES]
     # Only what the files depend on: a set, as of properties, reads differently in each process.
     parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
@@ -116,14 +104,9 @@ def write_model(kind: ObjectType, folder: Path) -> None:
     """Build a model and write its files into a folder."""
     from . import solids  # with scipy and trimesh, which take a second to import
 
-    built = {
-        name: [solids.build_solid(solid) for solid in part.shape]
-        for name, part in kind.parts.items()
-    }
-    links = [
-        _write_link(part, built[part.name], f"part{i}", folder)
-        for i, part in enumerate(kind.parts.values())
-    ]
+    parts = kind.parts.values()
+    built = {part.name: [solids.build_solid(solid) for solid in part.shape] for part in parts}
+    links = [_write_link(p, built[p.name], f"part{i}", folder) for i, p in enumerate(parts)]
     first, *others = kind.parts
     joints = [urdf.fixed_joint(first, name) for name in others]
     urdf.write_urdf(kind.name, [*links, *joints], folder / _URDF_FILE)
@@ -135,10 +118,10 @@ def write_model(kind: ObjectType, folder: Path) -> None:
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
     """Write the meshes of one part, and return its URDF link."""
-    from . import convex, meshes
+    from . import meshes
 
     pieces = [piece for geometry in built for piece in geometry.collision]
-    shrunk = [convex.hull(convex.shrink(piece, convex.MARGIN)) for piece in pieces]
+    shrunk = [meshes.hull(meshes.shrink(piece, meshes.MARGIN)) for piece in pieces]
     collision = f"{stem}_collision.obj"
     (folder / collision).write_text(meshes.grouped_obj(shrunk), encoding="ascii")
     visuals: list[str] = []
@@ -148,7 +131,7 @@ def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folde
             (folder / file).write_text(meshes.shaded_obj(geometry.visual), encoding="ascii")
             colour = solid.colour or part.colour
             visuals.append(urdf.visual(file, material, colour, shine=part.material.shine))
-    centre, inertia = convex.mass_properties(pieces, part.mass)
+    centre, inertia = meshes.mass_properties(pieces, part.mass)
     return urdf.part_link(part, collision, visuals, centre=centre, inertia=inertia)
 
 

@@ -23,7 +23,7 @@ from ...ontology.errors import DataError
 from ...ontology.geometry import MAX_LENGTH, Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from .. import poses
 from ..poses import Array
-from . import convex
+from . import meshes
 from .meshes import loft, triangulate
 
 VISUAL_SIDES, COLLISION_SIDES = 48, 24  # corners of a circle
@@ -37,15 +37,10 @@ MIN_MESH_SIZE = 0.002  # [m], a mesh smaller than this could not be seen
 
 @dataclass(frozen=True)
 class SolidGeometry:
-    """The geometry of one solid in the frame of its object.
+    """The geometry of one solid in the frame of its object."""
 
-    Attributes:
-        visual: the surface that cameras see; None when the solid is invisible.
-        collision: corners (n, 3) of the convex pieces that others touch.
-    """
-
-    visual: trimesh.Trimesh | None
-    collision: tuple[Array, ...]
+    visual: trimesh.Trimesh | None  # the surface that cameras see; None when it is invisible
+    collision: tuple[Array, ...]  # corners (n, 3) of the convex pieces that others touch
 
 
 def build_solid(solid: Solid) -> SolidGeometry:
@@ -63,7 +58,7 @@ def build_solid(solid: Solid) -> SolidGeometry:
 def _surface(form: Form) -> trimesh.Trimesh:
     match form:
         case Box():
-            return convex.hull(_box_corners(form))
+            return meshes.hull(_box_corners(form))
         case Lathe():
             return loft(_lathe_rings(form, form.sides or VISUAL_SIDES, VISUAL_STEPS))
         case Extrusion():
@@ -93,7 +88,7 @@ def _pieces(form: Form) -> Sequence[Array]:
 
 def _segments(rings: Sequence[Array]) -> list[Array]:
     """Return the hulls between each ring and the next, merged where that adds little."""
-    return convex.merge([np.vstack(pair) for pair in pairwise(rings)], tolerance=MERGE_TOLERANCE)
+    return meshes.merge([np.vstack(pair) for pair in pairwise(rings)], tolerance=MERGE_TOLERANCE)
 
 
 def _curve(points: Array, steps: int, *, closed: bool = False) -> Array:
@@ -164,7 +159,7 @@ def _vessel_pieces(lathe: Lathe) -> list[Array]:
             np.vstack([outer[i][pair], inner[i][pair], outer[i + 1][pair], inner[i + 1][pair]])
             for i in range(count - 1)
         ]
-        pieces += convex.merge(staves, tolerance=STAVE_TOLERANCE)
+        pieces += meshes.merge(staves, tolerance=STAVE_TOLERANCE)
     return pieces
 
 
@@ -179,20 +174,11 @@ def _plate_outline(plate: Extrusion, steps: int) -> Array:
 
 def _plate_rings(plate: Extrusion, steps: int) -> list[Array]:
     rim = _plate_outline(plate, steps)
-    if not plate.bevel:
-        return [_at_height(rim, sign * rim[:, 2]) for sign in (-1, 1)]
-    face = _inset(rim, plate.bevel)
-    side = rim[:, 2] - plate.bevel
-    return [
-        _at_height(face, -rim[:, 2]),
-        _at_height(rim, -side),
-        _at_height(rim, side),
-        _at_height(face, rim[:, 2]),
-    ]
-
-
-def _at_height(outline: Array, height: Array) -> Array:
-    return np.column_stack([outline[:, :2], height])
+    half, levels = rim[:, 2], [(rim, -rim[:, 2]), (rim, rim[:, 2])]
+    if plate.bevel:
+        face, side = _inset(rim, plate.bevel), half - plate.bevel
+        levels = [(face, -half), (rim, -side), (rim, side), (face, half)]
+    return [np.column_stack([outline[:, :2], height]) for outline, height in levels]
 
 
 def _inset(rim: Array, distance: float) -> Array:
@@ -211,7 +197,7 @@ def _plate_pieces(plate: Extrusion) -> list[Array]:
         np.vstack([ring[triangle] for ring in rings])
         for triangle in triangulate(_plate_outline(plate, COLLISION_STEPS)[:, :2])
     ]
-    return convex.merge(prisms, tolerance=MERGE_TOLERANCE)
+    return meshes.merge(prisms, tolerance=MERGE_TOLERANCE)
 
 
 # --- sweeps ---------------------------------------------------------------------------------
@@ -226,9 +212,8 @@ def _sweep_rings(sweep: Sweep, corners: int, steps: int) -> list[Array]:
     rows = list(zip(line[:, :3], line[:, 3:], ahead, strict=True))
     if sweep.rounded:
         domes = np.linspace(0, np.pi / 2, steps + 1)[1:]
-        rows = (
-            [_dome(rows[0], -a) for a in domes[::-1]] + rows + [_dome(rows[-1], a) for a in domes]
-        )
+        start = [_dome(rows[0], -angle) for angle in domes[::-1]]
+        rows = start + rows + [_dome(rows[-1], angle) for angle in domes]
     return [_section(sweep, corners, *row) for row in rows]
 
 
@@ -243,10 +228,8 @@ def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Arra
     side = np.array(sweep.side) - np.dot(sweep.side, ahead) * ahead
     side /= np.linalg.norm(side)
     angles = np.arange(corners) * 2 * np.pi / corners
-    across, up = (
-        np.sign(wave) * np.abs(wave) ** (2 / sweep.power)
-        for wave in (np.cos(angles), np.sin(angles))
-    )
+    waves = np.cos(angles), np.sin(angles)
+    across, up = (np.sign(wave) * np.abs(wave) ** (2 / sweep.power) for wave in waves)
     half = np.maximum(size / 2, 0.0)
     return centre + half[0] * across[:, None] * side + half[1] * up[:, None] * np.cross(ahead, side)
 

@@ -42,14 +42,9 @@ def write_urdf(name: str, elements: Sequence[str], path: Path) -> None:
 def part_link(
     part: PartType, collision: str, visuals: Sequence[str], *, centre: Array, inertia: Array
 ) -> str:
-    """Return the link of one part.
+    """Return the link of one part, with the file of its collision mesh and its visual elements.
 
-    Args:
-        part: of an object.
-        collision: file of its collision mesh.
-        visuals: its visual elements.
-        centre: of mass (3,) [m].
-        inertia: about that (3, 3) [kg m^2].
+    The centre of mass (3,) is in [m], the inertia about it (3, 3) in [kg m^2].
     """
     lines = [
         f"  <link name={quoteattr(part.name)}>",
@@ -113,21 +108,13 @@ def _numbers(values: Sequence[float] | Array) -> str:
 
 @dataclass(frozen=True)
 class Attachment:
-    """A hand from another file.
+    """A hand from another file."""
 
-    Attributes:
-        urdf: that file.
-        link: the link in it that is attached, with all that hangs on it.
-        carrier: the link of the arm that carries it.
-        at: where on that link [m].
-        turn: roll, pitch and yaw there [rad].
-    """
-
-    urdf: Path
-    link: str
-    carrier: str
-    at: tuple[float, float, float]
-    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    urdf: Path  # that file
+    link: str  # the link in it that is attached, with all that hangs on it
+    carrier: str  # the link of the arm that carries it
+    at: tuple[float, float, float]  # where on that link [m]
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  # roll, pitch and yaw there [rad]
 
 
 def robot_file(

@@ -148,7 +148,7 @@ class Bodies:
         return record.number, record.links[link]
 
     def link_ids(self, body: str, link: str | None = None) -> Iterable[tuple[int, int]]:
-        """PyBullet's numbers of a body and one of its links; of all its links when `link` is None."""
+        """PyBullet's numbers of a body and a link; of each of its links when `link` is None."""
         if link is not None:
             return (self.link_id(body, link),)
         record = self._record(body)

@@ -33,7 +33,7 @@ class Contacts:
     def find(
         self, body: str, link: str | None = None, *, other: str | None = None
     ) -> tuple[Contact, ...]:
-        """The contacts of a body in the last step; only of a link, or with a body, that is given."""
+        """A body's contacts in the last step: of one link, or with one other body, if given."""
         options = {"bodyA": self._bodies.number(body)}
         if link is not None:
             options["linkIndexA"] = self._bodies.link_id(body, link)[1]

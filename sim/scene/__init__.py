@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes: what is on the table, where, and the simulated world made of it.
 
-`scene` reads descriptions of scenes, `placement` finds a free place for each object, `world` is the
-table with its objects and time, and `sleeping` saves the time of computing objects that lie still.
+`scene` reads descriptions of scenes, `placement` finds a free place for each object, and `world` is
+the table with its objects and time; it saves the time of computing objects that lie still.
 """
 
 import lazy_loader

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .placement import Spot, place_objects
 from .scene import Placement, Scene, parse_scene
-from .sleeping import SleepManager
-from .world import World
+from .world import SleepManager, World
 
 __all__ = [
     "Placement",

@@ -30,25 +30,15 @@ MAX_ROUNDS = 60  # times that all are drawn again
 
 @dataclass(frozen=True)
 class Spot:
-    """The pose at which one object of a scene is dropped.
+    """The pose at which one object of a scene is dropped."""
 
-    Attributes:
-        placement: the object, with all that the scene left open filled in.
-        world_from_object: its pose (4, 4).
-        footprint: corners of the area that it covers (k, 2), counter-clockwise [m].
-    """
-
-    placement: Placement
-    world_from_object: Array
-    footprint: Array
+    placement: Placement  # with all that the scene left open filled in
+    world_from_object: Array  # (4, 4)
+    footprint: Array  # corners of the area that it covers (k, 2), counter-clockwise [m]
 
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Spot, ...]:
-    """Return a spot for every object of a scene, in the order of the scene.
-
-    Args:
-        scene: what goes on the table.
-        models: type -> its model.
+    """Return a spot for every object of a scene, in its order, with the models of all its types.
 
     Raises:
         SimulationError: there is no room for all, or two given positions overlap.
@@ -147,7 +137,6 @@ def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
 
 
 def _are_clear(first: Array, second: Array, gap: float) -> bool:
-    """Return whether two footprints are far enough apart."""
     gaps = np.maximum(
         first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
     )

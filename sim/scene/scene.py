@@ -42,15 +42,10 @@ MAX_COUNT = 12  # objects of a random scene: there is no room for more
 
 @dataclass(frozen=True)
 class Clutter:
-    """How full a table is.
+    """How full a table is."""
 
-    Attributes:
-        more: number of objects added to those that were named.
-        gap: smallest distance between two objects [m].
-    """
-
-    more: int
-    gap: float
+    more: int  # objects added to those that were named
+    gap: float  # smallest distance between two objects [m]
 
 
 CLUTTER = {"low": Clutter(2, 0.06), "medium": Clutter(4, 0.035), "high": Clutter(7, GAP)}
@@ -58,38 +53,23 @@ CLUTTER = {"low": Clutter(2, 0.06), "medium": Clutter(4, 0.035), "high": Clutter
 
 @dataclass(frozen=True)
 class Placement:
-    """One object of a scene.
+    """One object of a scene; the seed decides where its position, yaw or rest is None."""
 
-    Attributes:
-        name: of this object: "knife", "knife 2", ...
-        object: name of its type.
-        at: x, y of its frame on the table [m]; None where the seed decides.
-        yaw: its turn about the vertical [rad]; None where the seed decides.
-        rest: name of the way it lies or stands; None where the seed picks a usual one.
-        within: name of the object that it stands in, as a nail stands in its block; None for most.
-    """
-
-    name: str
-    object: str
-    at: tuple[float, float] | None = None
-    yaw: float | None = None
-    rest: str | None = None
-    within: str | None = None
+    name: str  # of this object: "knife", "knife 2", ...
+    object: str  # name of its type
+    at: tuple[float, float] | None = None  # x, y of its frame on the table [m]
+    yaw: float | None = None  # its turn about the vertical [rad]
+    rest: str | None = None  # name of the way it lies or stands
+    within: str | None = None  # name of the object that it stands in, as a nail in its block
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A description of what is on the table.
+    """A description of what is on the table."""
 
-    Attributes:
-        placements: the objects, each with its own name.
-        seed: from which everything left open is drawn.
-        gap: smallest distance between two objects [m].
-    """
-
-    placements: tuple[Placement, ...]
-    seed: int
-    gap: float = GAP
+    placements: tuple[Placement, ...]  # each with its own name
+    seed: int  # from which everything left open is drawn
+    gap: float = GAP  # smallest distance between two objects [m]
 
     @property
     def types(self) -> tuple[str, ...]:
@@ -103,7 +83,7 @@ def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> S
     Args:
         spec: a YAML file, `objects:knife,mug`, `random:SEED[:COUNT]` or `all`.
         seed: for everything that `spec` leaves open.
-        objects: the object types.
+        objects: the object types, by name.
 
     Raises:
         UnknownNameError: an object that is not known.
@@ -133,8 +113,10 @@ def scene_with(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectT
     Raises:
         UnknownNameError: a type that is not known.
     """
+    known = set(objects) - set(ROOM)
     for name in names:
-        _check_known(name, objects)
+        if name not in known:
+            raise UnknownNameError("object", name, known)
     plain = [Placement(name, name) for name in names]
     return Scene(_mounted(_with_unique_names(plain), objects), seed)
 
@@ -258,7 +240,9 @@ def _mounted(
         mount = objects[placement.object].mount
         if mount is None or placement.rest is not None:
             continue
-        support = _free_support(mount.support, result)
+        taken = {each.within for each in result}
+        free = (p for p in result if p.object == mount.support and p.name not in taken)
+        support = next(free, None)
         if support is None:
             name = _free_name(mount.support, result)
             support = Placement(name, mount.support, placement.at, placement.yaw)
@@ -273,19 +257,7 @@ def _mounted(
     return tuple(result)
 
 
-def _free_support(kind: str, placements: Sequence[Placement]) -> Placement | None:
-    taken = {placement.within for placement in placements}
-    supports = (p for p in placements if p.object == kind and p.name not in taken)
-    return next(supports, None)
-
-
 def _free_name(word: str, placements: Sequence[Placement]) -> str:
     taken = {placement.name for placement in placements}
     numbered = (f"{word} {number}" for number in count(2))
     return next(name for name in chain([word], numbered) if name not in taken)
-
-
-def _check_known(name: str, objects: Mapping[str, ObjectType]) -> None:
-    known = set(objects) - set(ROOM)
-    if name not in known:
-        raise UnknownNameError("object", name, known)

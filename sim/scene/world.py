@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated world: a table, the objects of a scene, and time.
+"""The simulated world: a table, the objects of a scene, and time; sleeping of still objects.
 
 A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot
 is not part of it: `robot` loads it into the same engine. Everything steps through `World.step`, so
@@ -35,11 +35,12 @@ ROLLING_FRICTION = 0.0003
 MOUNT_FORCE = 20_000.0  # [N], holds the socket of a nail in its block: more than any blow
 
 SETTLE_LIMIT = 3.0  # [s]
-STILL_STEPS = (
-    24  # between compared poses; speeds are no criterion, as those of light objects jitter
-)
+STILL_STEPS = 24  # between compared poses; the speeds of light objects jitter, also at rest
 STILL_SHIFT = 1e-4  # [m]
 STILL_TURN = 0.004  # [rad]
+
+CHECK_INTERVAL = 12  # steps between two checks: a twentieth of a second
+MOVED = 5e-4  # [m], an object that lies still moves less
 
 
 @dataclass(repr=False)
@@ -47,45 +48,27 @@ class World(AbstractContextManager["World"]):
     """The room with the objects of one scene.
 
     Use it in a `with` block, or `close` it.
-
-    Attributes:
-        scene: the description of it.
-        engine: the simulator.
-        objects: all object types, by name.
-        kinds: name of each object on the table -> its type.
-        models: type -> its model.
-        watcher: called after every step when it is not None.
     """
 
     scene: Scene
     engine: PhysicsEngine
-    objects: Mapping[str, ObjectType]
-    kinds: Mapping[str, ObjectType]
-    models: Mapping[str, ObjectModel]
-    watcher: Callable[[], None] | None = None
+    objects: Mapping[str, ObjectType]  # all object types, by name
+    kinds: Mapping[str, ObjectType]  # name of each object on the table -> its type
+    models: Mapping[str, ObjectModel]  # type -> its model
+    watcher: Callable[[], None] | None = None  # called after every step
     _supports: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
-        """Return a world with a scene on the table, after it has settled.
-
-        Args:
-            scene: what goes on the table.
-            objects: all object types, those of the room included.
-            gui: whether to show a window.
+        """Return a world with a scene on the table, after it has settled; with a window if `gui`.
 
         Raises:
             SimulationError: there is no room for all.
         """
         models = {name: object_model(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
         spots = place_objects(scene, models)
-        world = cls(
-            scene,
-            PhysicsEngine(gui=gui),
-            objects,
-            {spot.placement.name: objects[spot.placement.object] for spot in spots},
-            models,
-        )
+        kinds = {spot.placement.name: objects[spot.placement.object] for spot in spots}
+        world = cls(scene, PhysicsEngine(gui=gui), objects, kinds, models)
         world._furnish()
         for spot in sorted(spots, key=lambda spot: spot.placement.within is not None):
             world._add(spot)
@@ -93,11 +76,9 @@ class World(AbstractContextManager["World"]):
         return world
 
     def _furnish(self) -> None:
-        floor = poses.translation(0, 0, FLOOR_HEIGHT)
-        self.engine.bodies.load(FLOOR, self.models[FLOOR].urdf, floor, fixed=True)
-        self.engine.bodies.load(
-            TABLE, self.models[TABLE].urdf, poses.translation(*TABLE_CENTRE), fixed=True
-        )
+        for name, at in ((FLOOR, (0, 0, FLOOR_HEIGHT)), (TABLE, TABLE_CENTRE)):
+            world_from_base = poses.translation(*at)
+            self.engine.bodies.load(name, self.models[name].urdf, world_from_base, fixed=True)
         self.engine.contacts.set_surface(TABLE, rolling=ROLLING_FRICTION)
 
     def _add(self, spot: Spot) -> None:
@@ -202,3 +183,67 @@ def _are_close(before: Array, after: Array) -> bool:
     shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
     turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])
     return bool((shifts < STILL_SHIFT).all() and (turns < STILL_TURN).all())
+
+
+class SleepManager:
+    """Puts the loose objects of a world to sleep, and wakes those that are moved.
+
+    The engine does not compute an object that sleeps. It solves all objects together whose bounding
+    boxes overlap, each pressed on the table by a dozen contacts, so most of the time would go into
+    objects that do nothing. Contacts between two sleeping objects, which cannot change, are left
+    out too. An object that has moved is awake, and touches all others again, from that moment on.
+
+    Args:
+        world: whose objects; they lie still by now.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._awake: dict[str, Array] = {}  # where each object was at the last check (3,)
+        self._asleep: dict[str, Array] = {}
+        self._steps = 0
+        for name in world.loose:
+            self._put_to_sleep(name)
+
+    @property
+    def asleep(self) -> tuple[str, ...]:
+        """The names of the objects that sleep."""
+        return tuple(self._asleep)
+
+    def step(self, count: int) -> None:
+        """Let `count` steps pass in the world, and wake what is moved."""
+        for _ in range(count):
+            self._world.step()
+            self._steps = (self._steps + 1) % CHECK_INTERVAL
+            if self._steps == 0:
+                self._check()
+
+    def sleep_again(self, *, but: str) -> None:
+        """Put objects back to sleep that have come to lie still, but for one that will be moved."""
+        for name, before in list(self._awake.items()):
+            if name != but and np.abs(self._position(name) - before).max() < MOVED:
+                del self._awake[name]
+                self._put_to_sleep(name)
+
+    def _check(self) -> None:
+        for name, before in list(self._asleep.items()):
+            if np.abs(self._position(name) - before).max() > MOVED:
+                self._wake(name)
+        self._awake = {name: self._position(name) for name in self._awake}
+
+    def _put_to_sleep(self, name: str) -> None:
+        contacts = self._world.engine.contacts
+        for other in self._asleep:
+            contacts.enable(name, other, enabled=False)
+        contacts.enable_sleeping(name)
+        self._asleep[name] = self._position(name)
+
+    def _wake(self, name: str) -> None:
+        contacts = self._world.engine.contacts
+        self._awake[name] = self._asleep.pop(name)
+        contacts.disable_sleeping(name)
+        for other in self._asleep:
+            contacts.enable(name, other, enabled=True)
+
+    def _position(self, name: str) -> Array:
+        return self._world.engine.bodies.pose(name)[:3, 3]

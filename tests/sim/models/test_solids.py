@@ -13,7 +13,7 @@ from trimesh import Trimesh
 
 from hilt.ontology.geometry import Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from hilt.ontology.objects import load_objects
-from hilt.sim.models import convex
+from hilt.sim.models import meshes
 from hilt.sim.models.meshes import corner_normals, triangulate
 from hilt.sim.models.solids import build_solid
 
@@ -175,7 +175,7 @@ def test_shrinking_moves_every_face(sizes: list[float], distance: float):
     """A box shrunk by d is 2 d smaller in each direction."""
     corners = np.array(np.meshgrid(*([0.0, size] for size in sizes))).reshape(3, -1).T
 
-    shrunk = convex.shrink(corners, distance)
+    shrunk = meshes.shrink(corners, distance)
 
     assert np.ptp(shrunk, axis=0) == pytest.approx(np.array(sizes) - 2 * distance, abs=1e-6)
 
@@ -184,7 +184,7 @@ def test_shrinking_leaves_something_of_a_foil():
     """A piece thinner than twice the distance keeps a tenth of its thickness."""
     foil = np.array(np.meshgrid([0, 0.1], [0, 0.1], [0, 0.001])).reshape(3, -1).T
 
-    shrunk = convex.shrink(foil, 0.001)
+    shrunk = meshes.shrink(foil, 0.001)
 
     assert np.ptp(shrunk[:, 2]) == pytest.approx(0.0001, rel=0.01)
 
@@ -193,7 +193,7 @@ def test_inertia_of_a_box_is_the_textbooks():
     """A box of mass m has m (y^2 + z^2) / 12 about its x axis, wherever it is."""
     box = np.array(np.meshgrid([1.0, 1.2], [2.0, 2.4], [3.0, 3.6])).reshape(3, -1).T
 
-    centre, inertia = convex.mass_properties([box], 6.0)
+    centre, inertia = meshes.mass_properties([box], 6.0)
 
     assert centre == pytest.approx((1.1, 2.2, 3.3))
     assert np.diag(inertia) == pytest.approx(

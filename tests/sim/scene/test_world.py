@@ -11,7 +11,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.physics.engine import TIME_STEP
 from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
-from hilt.sim.scene.world import World
+from hilt.sim.scene.world import CHECK_INTERVAL, SleepManager, World
 
 pytestmark = pytest.mark.sim
 
@@ -145,3 +145,56 @@ def test_depth_of_what_stands_in_nothing_is_refused(carpentry: World):
     assert carpentry.support("hammer") is None
     with pytest.raises(UnknownNameError, match=r'object that stands in another "hammer".*nail'):
         carpentry.depth("hammer")
+
+
+@pytest.fixture
+def knife_and_mug() -> Iterator[World]:
+    """A knife and a mug."""
+    with World.build(parse_scene("objects:knife,mug", seed=3, objects=OBJECTS), OBJECTS) as made:
+        yield made
+
+
+def test_sleeping_objects_stay_where_they_are(knife_and_mug: World):
+    """A sleeping object has not moved by 2 mm or 0.1 degrees after a second."""
+    before = {name: knife_and_mug.pose(name) for name in knife_and_mug.kinds}
+
+    sleeping = SleepManager(knife_and_mug)
+    sleeping.step(240)
+
+    assert set(sleeping.asleep) == {"knife", "mug"}
+    for name, pose in before.items():
+        assert knife_and_mug.pose(name) == pytest.approx(pose, abs=2e-3)
+
+
+def test_moved_object_wakes_and_touches_sleeping_ones(knife_and_mug: World):
+    """A knife that falls on a sleeping mug touches it."""
+    sleeping = SleepManager(knife_and_mug)
+    above = poses.translation(0, 0, 0.12) @ knife_and_mug.pose("knife")
+    above[:2, 3] = knife_and_mug.points("mug")[:, :2].mean(axis=0)
+
+    knife_and_mug.engine.bodies.place("knife", above)
+    touched: set[str] = set()
+    for _ in range(10):
+        sleeping.step(CHECK_INTERVAL)
+        touched |= {
+            contact.other for contact in knife_and_mug.engine.contacts.find("knife", other="mug")
+        }
+
+    assert "knife" not in sleeping.asleep
+    assert touched == {"mug"}
+
+
+def test_settled_object_sleeps_again(knife_and_mug: World):
+    """Objects that were moved and lie still sleep again, but for the one that will be moved."""
+    sleeping = SleepManager(knife_and_mug)
+    for name in knife_and_mug.kinds:
+        knife_and_mug.engine.bodies.place(
+            name, poses.translation(0.01, 0, 0.0) @ knife_and_mug.pose(name)
+        )
+    sleeping.step(240)
+    assert not sleeping.asleep
+
+    sleeping.sleep_again(but="mug")
+
+    assert sleeping.asleep == ("knife",)
+    assert np.isfinite(knife_and_mug.pose("knife")).all()
