@@ -15,7 +15,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 from ..inference.affordance import Affordances
@@ -26,7 +25,7 @@ from ..nlu.language import Language
 from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType
 from . import protocols
-from .config import AgentConfig, open_base
+from .config import AgentConfig, actions_with, load_language, open_base
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
@@ -109,14 +108,9 @@ class Agent:
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
     ) -> Agent:
-        """Return an agent over a knowledge base.
+        """Return an agent over a knowledge base: `memory:`, a folder, or an endpoint.
 
-        Args:
-            location: `memory:`, a folder, or an endpoint; None for the user's own base.
-            config: scene, robot, language and inference; None for the defaults.
-            vision: replaces the simulator's vision.
-            motion: the motion that goes with it; without one the agent decides but does not act.
-            dialogue: a language part that is asked before Hilt's own.
+        Without a location it is the user's own base; the rest is as in the constructor.
 
         Raises:
             DataError: the scene, the objects, the noise, the actions or the lexicon are wrong.
@@ -125,19 +119,11 @@ class Agent:
         """
         config = config or AgentConfig()
         embodiment = Embodiment.from_config(config)
-        actions = config.load_actions()
+        actions = actions_with(config.actions)
         base = open_base(location, embodiment.household, actions)
-        language = config.load_language(embodiment.household)
-        return cls(
-            base,
-            language,
-            actions,
-            embodiment,
-            config,
-            vision=vision,
-            motion=motion,
-            dialogue=dialogue,
-        )
+        language = load_language(embodiment.household, config.lexicon)
+        parts = (base, language, actions, embodiment, config)
+        return cls(*parts, vision=vision, motion=motion, dialogue=dialogue)
 
     def hear(
         self,
@@ -166,12 +152,7 @@ class Agent:
         return reply
 
     def attempt(self, text: str, request: Request) -> tuple[GoalResult, str]:
-        """Carry out a request; return its result and the spoken answer.
-
-        Args:
-            text: the utterance that a film shows.
-            request: what to do.
-        """
+        """Carry out a request; return its result and the spoken answer."""
         if self._film:
             self._film.begin(text)
         result, said = self.dialogue.attempt(request)
@@ -192,9 +173,7 @@ class Agent:
 
     def state(self) -> str:
         """Return a hash of the state of the simulation; empty when there is none yet."""
-        if "body" not in self.__dict__:
-            return ""
-        return self.body.state_hash()
+        return self.body.state_hash() if "body" in self.__dict__ else ""
 
     def visible(self) -> tuple[str, ...]:
         """Return the objects in view; without noise those of the scene, in its order."""
@@ -235,12 +214,7 @@ class Agent:
 
     @contextmanager
     def in_scene(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
-        """Another agent for the block: with the same knowledge, in a scene of its own.
-
-        Args:
-            scene: what is on its table.
-            simulate: whether it has a simulated body.
-        """
+        """Another agent for the block: with the same knowledge, in a scene of its own."""
         other = Agent(
             self.base,
             self.dialogue.language,
@@ -255,10 +229,7 @@ class Agent:
 
     @contextmanager
     def filmed(self, path: Path) -> Generator[None]:
-        """Record a film of the block.
-
-        Args:
-            path: the film, complete when the block ends: .mp4, .gif, or .png for a strip.
+        """Record a film of the block, complete when it ends: .mp4, .gif, or .png for a strip.
 
         Raises:
             DataError: the file cannot be written.
@@ -290,12 +261,7 @@ class Agent:
     def __enter__(self) -> Agent:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

@@ -31,14 +31,7 @@ _DELIMITERS = " \t\n,.;:!?\"'"
 
 
 def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
-    """Converse until the lines end or `/quit` is entered.
-
-    Args:
-        agent: the agent.
-        out: where the conversation is shown.
-        source: the lines; prompted for when it is a terminal.
-        speaker: the first speaker.
-    """
+    """Converse until the lines end or `/quit` is entered."""
     chat = Chat(agent, out, speaker, is_interactive=source.isatty())
     if chat.is_interactive:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
@@ -101,7 +94,6 @@ class Chat:
             self.out.print(Text(f'Try: "{reply.hint}"', "dim"))
 
     def _set_speaker(self, speaker: str) -> Text:
-        """Change the speaker; return a message."""
         if not speaker:
             return Text(f"{self.speaker} is speaking. {SPEAKER} NAME lets somebody else speak.")
         try:
@@ -120,9 +112,9 @@ def _help() -> str:
 
 def _why(agent: Agent) -> RenderableType:
     last = agent.dialogue.last_done
-    if last is None or last.achievement is None:
+    if last is None or last.result is None:
         return Text("I have not done anything yet.")
-    return shown.goal_result(last.achievement, agent.quote)
+    return shown.goal_result(last.result, agent.quote)
 
 
 _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
@@ -134,12 +126,7 @@ _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
 
 
 def read_lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
-    """Yield the lines that are typed until the end of input; Ctrl-C discards a line.
-
-    Args:
-        prompt: returns the prompt.
-        words: returns the words that can be completed.
-    """
+    """Yield the lines that are typed until the end of input; Ctrl-C discards a line."""
     with _editing(user_state_path("hilt") / "history", words):
         while True:
             try:

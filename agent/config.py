@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# ruff: noqa: RUF009 - `_option` returns a field
 """The configuration of an agent: each option declared once, with its default, type and help.
 
 Python code writes `AgentConfig(scene="objects:knife,mug", simulate=False)`, a YAML file has the
@@ -8,7 +9,7 @@ same names as keys, and the command line makes its options from the same declara
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,123 +31,86 @@ FILES = (".yaml", ".yml")
 
 @dataclass(frozen=True)
 class Option:
-    """One option of an agent.
+    """One option of an agent: how it is declared in Python, YAML and on the command line.
 
     Attributes:
-        name: the field of `AgentConfig`, and the key in a YAML file.
         kind: the type of its value: str, int, bool, Path, or tuple for several texts.
         default: its value when nobody gives one.
         help: one line for the command line.
         flag: its name on the command line.
         metavar: how the command line shows its value; None for the name in capitals.
+        name: the field of `AgentConfig`, and the key in a YAML file.
     """
 
-    name: str
     kind: type
     default: Any
     help: str
-    flag: str
+    flag: str = ""
     metavar: str | None = None
+    name: str = ""
 
 
-def _about(kind: type, text: str, *, flag: str = "", metavar: str | None = None) -> dict[str, Any]:
-    """What the command line needs to know of a field, beside its name and default."""
-    return {"kind": kind, "help": text, "flag": flag, "metavar": metavar}
+def _option(*declared: Any, **more: Any) -> Any:
+    option = Option(*declared, **more)
+    return field(default=option.default, metadata={"option": option})
 
 
 @dataclass(frozen=True)
 class AgentConfig:
     """What an agent starts with: its scene, its robot, its language and its inference.
 
-    Attributes:
-        scene: what is on the table: a YAML file, `objects:knife,mug`, `random:SEED`, or `all`.
-        seed: the seed of everything random, at least 0.
-        objects: a YAML file with further object types.
-        actions: a YAML file with further actions.
-        lexicon: a YAML file with further words and phrases.
-        robot: `panda`, `kuka`, or `FILE.yaml:NAME`.
-        vision: the source of percepts: `mask`, `learned`, or `learned:FILE`.
-        noise: how perception fails, as `missed=0.1,confused=0.05`; empty for not at all.
-        simulate: whether there is a simulated robot; without one the agent only decides.
-        gui: whether the simulator shows a window.
-        induce: whether the agent also acts on rules that follow by similarity.
-        settings: the settings of the inference, or a YAML file with them.
-        overrides: single settings, as `fusion=dempster`; they replace those in `settings`.
-        contexts: what holds in this situation, as `place:kitchen` or `role:child=0.9`.
+    The help of each option says what it is. The seed is at least 0; `settings` may also be a value;
+    `overrides` replace single settings of it; files are YAML.
 
     Raises:
         DataError: a value is of the wrong type, or out of its range.
     """
 
-    scene: str = field(
-        default="all",
-        metadata=_about(
-            str, "What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
-        ),
+    scene: str = _option(
+        str, "all", "What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
     )
-    seed: int = field(default=0, metadata=_about(int, "The seed of everything random."))
-    objects: Path | None = field(
-        default=None, metadata=_about(Path, "A YAML file with further objects.")
+    seed: int = _option(int, 0, "The seed of everything random.")
+    objects: Path | None = _option(Path, None, "A YAML file with further objects.")
+    actions: Path | None = _option(Path, None, "A YAML file with further actions.")
+    lexicon: Path | None = _option(Path, None, "A lexicon file with further words and phrases.")
+    robot: str = _option(str, "panda", "The robot: panda, kuka, or one of a file, FILE.yaml:NAME.")
+    vision: str = _option(
+        str,
+        "mask",
+        "The source of percepts: the simulator's mask, or a detector learned from pictures.",
+        metavar="mask|learned[:FILE]",
     )
-    actions: Path | None = field(
-        default=None, metadata=_about(Path, "A YAML file with further actions.")
+    noise: str = _option(
+        str,
+        "",
+        "How perception fails: missed, confused, confidence (shares), depth_m (metres).",
+        metavar="KEY=VALUE,...",
     )
-    lexicon: Path | None = field(
-        default=None, metadata=_about(Path, "A lexicon file with further words and phrases.")
+    simulate: bool = _option(bool, True, "Move a simulated robot.", "--sim/--no-sim")
+    gui: bool = _option(bool, False, "Show the simulator's window.")
+    induce: bool = _option(bool, False, "Also act on rules that follow by similarity.")
+    settings: Settings | Path | None = _option(
+        Path, None, "A YAML file with settings of the inference."
     )
-    robot: str = field(
-        default="panda",
-        metadata=_about(str, "The robot: panda, kuka, or one of a file, FILE.yaml:NAME."),
+    overrides: tuple[str, ...] = _option(
+        tuple,
+        (),
+        "One setting of the inference: fusion=dempster, threshold.pass=0.1, ...",
+        "--set",
+        "NAME=VALUE",
     )
-    vision: str = field(
-        default="mask",
-        metadata=_about(
-            str,
-            "The source of percepts: the simulator's mask, or a detector learned from pictures.",
-            metavar="mask|learned[:FILE]",
-        ),
-    )
-    noise: str = field(
-        default="",
-        metadata=_about(
-            str,
-            "How perception fails: missed, confused, confidence (shares), depth_m (metres).",
-            metavar="KEY=VALUE,...",
-        ),
-    )
-    simulate: bool = field(
-        default=True, metadata=_about(bool, "Move a simulated robot.", flag="--sim/--no-sim")
-    )
-    gui: bool = field(default=False, metadata=_about(bool, "Show the simulator's window."))
-    induce: bool = field(
-        default=False, metadata=_about(bool, "Also act on rules that follow by similarity.")
-    )
-    settings: Settings | Path | None = field(
-        default=None, metadata=_about(Path, "A YAML file with settings of the inference.")
-    )
-    overrides: tuple[str, ...] = field(
-        default=(),
-        metadata=_about(
-            tuple,
-            "One setting of the inference: fusion=dempster, threshold.pass=0.1, ...",
-            flag="--set",
-            metavar="NAME=VALUE",
-        ),
-    )
-    contexts: tuple[str, ...] = field(
-        default=(),
-        metadata=_about(
-            tuple,
-            "What holds now: place:kitchen, role:guest; place:kitchen=0.9 where it is uncertain.",
-            flag="--context",
-            metavar="KIND:NAME[=DEGREE]",
-        ),
+    contexts: tuple[str, ...] = _option(
+        tuple,
+        (),
+        "What holds now: place:kitchen, role:guest; place:kitchen=0.9 where it is uncertain.",
+        "--context",
+        "KIND:NAME[=DEGREE]",
     )
 
     def __post_init__(self) -> None:
         for option in OPTIONS.values():
             value = getattr(self, option.name)
-            if not _fits(value, option) and not (option.name == "settings" and _is_settings(value)):
+            if not _fits(value, option):
                 raise DataError(
                     f"expected {_EXPECTED[option.kind]}, found {value!r}.",
                     source=f"AgentConfig.{option.name}",
@@ -166,32 +130,6 @@ class AgentConfig:
         values = {name: _read(each, OPTIONS[name], path.parent) for name, each in entries.items()}
         return cls(**values)
 
-    def load_household(self) -> Household:
-        """Return the object types: those that come with Hilt, and those of `objects`.
-
-        Raises:
-            DataError: the file is wrong.
-        """
-        from ..ontology.objects import load_household
-
-        return load_household(self.objects, added_to=household()) if self.objects else household()
-
-    def load_actions(self) -> Actions:
-        """Return the actions that come with Hilt, and those of `actions`.
-
-        Raises:
-            DataError: the file is wrong.
-        """
-        return actions_with(self.actions)
-
-    def load_language(self, kinds: Household) -> Language:
-        """Return the language, with the names of these object types and the words of `lexicon`.
-
-        Raises:
-            DataError: the file is wrong.
-        """
-        return load_language(kinds, self.lexicon)
-
     def load_settings(self) -> Settings:
         """Return the settings of the inference, with the overrides applied.
 
@@ -210,21 +148,17 @@ class AgentConfig:
 
 
 OPTIONS: Mapping[str, Option] = {
-    each.name: Option(
-        each.name,
-        each.metadata["kind"],
-        each.default,
-        each.metadata["help"],
-        each.metadata["flag"] or f"--{each.name}",
-        each.metadata["metavar"],
+    each.name: replace(
+        each.metadata["option"],
+        name=each.name,
+        flag=each.metadata["option"].flag or f"--{each.name}",
     )
     for each in fields(AgentConfig)
 }
 
 
 @cache
-def household() -> Household:
-    """Return the object types that come with Hilt."""
+def _own_household() -> Household:
     from ..ontology.objects import load_household
 
     return load_household()
@@ -250,12 +184,19 @@ def _read_language(kinds: Household, lexicon: Path | None) -> Language:
     return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
 
 
-def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
-    """Return the language, with the names of these object types.
+def household(path: Path | None = None) -> Household:
+    """Return the object types that come with Hilt, and those of a file.
 
-    Args:
-        kinds: the object types.
-        lexicon: a lexicon file with further words.
+    Raises:
+        DataError: the file is wrong; says where and what was expected.
+    """
+    from ..ontology.objects import load_household
+
+    return load_household(path, added_to=_own_household()) if path else _own_household()
+
+
+def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
+    """Return the language, with the names of these object types and the words of a lexicon file.
 
     Raises:
         DataError: the file is wrong; says where and what was expected.
@@ -316,17 +257,14 @@ def _fits(value: object, option: Option) -> bool:
         return isinstance(value, int) and not isinstance(value, bool) and value >= 0
     if option.kind is tuple:
         return isinstance(value, tuple) and all(isinstance(each, str) for each in value)
+    if option.name == "settings" and not isinstance(value, Path | None):
+        from ..inference.settings import Settings
+
+        return isinstance(value, Settings)
     return isinstance(value, option.kind) or (value is None and option.default is None)
 
 
-def _is_settings(value: object) -> bool:
-    from ..inference.settings import Settings
-
-    return isinstance(value, Settings)
-
-
 def _read(value: Field, option: Option, folder: Path) -> Any:
-    """Return the value of a key, as the option's type."""
     if option.kind is int:
         return value.integer(low=0)
     if option.kind is bool:

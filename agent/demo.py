@@ -44,7 +44,7 @@ class Example:
     @property
     def is_as_told(self) -> bool:
         """Whether every result is that of the paper."""
-        came = [reply.achievement for reply in self.commands if reply.achievement]
+        came = [reply.result for reply in self.commands if reply.result]
         parts = [each.decision.chosen_part for each in came if each.decision]
         touched = [each.world.touched for each in came]
         as_decided = not self.simulate or touched == [("blade",), ("handle",), ()]
@@ -62,13 +62,7 @@ class Example:
 
 
 def run(agent: Agent, progress: Console, folder: Path) -> Example:
-    """Run the example and write its pictures.
-
-    Args:
-        agent: the agent; its knowledge base may be empty.
-        progress: where the progress is shown.
-        folder: where pictures and the animation are written, when there is a simulator.
-    """
+    """Run the example and write its pictures."""
     with _progress(progress) as step:
         lessons = tuple(step(text, agent) for text in LESSONS)
         passed = step(COMMAND, agent, folder)
@@ -89,9 +83,9 @@ def show(example: Example, out: Console, agent: Agent) -> None:
 def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
     out.print(Panel(reply.text, style="cyan", expand=False))
     out.print(shown.turn(reply))
-    if reply.achievement:
-        out.print(shown.goal_result(reply.achievement, agent.quote))
-        for picture in reply.achievement.world.pictures:
+    if reply.result:
+        out.print(shown.goal_result(reply.result, agent.quote))
+        for picture in reply.result.world.pictures:
             out.print(f"wrote {picture}", markup=False)
 
 
@@ -104,8 +98,6 @@ def _progress(out: Console) -> Generator[_Step]:
 
 
 class _Step:
-    """Says one utterance, and advances the progress bar."""
-
     def __init__(self, bar: Progress, task: TaskID) -> None:
         self._bar, self._task = bar, task
 

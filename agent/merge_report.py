@@ -49,12 +49,6 @@ class MergeReport:
 def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool) -> MergeReport:
     """Add to a base what another one knows, as one unit.
 
-    Args:
-        base: what is written to.
-        other: what is read.
-        name: of the other base, for the history.
-        dry_run: only report what would change.
-
     Raises:
         ValidationError: the other base breaks a law; nothing has changed.
     """
@@ -71,8 +65,6 @@ def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool
 
 @dataclass
 class _Findings:
-    """Collects what a merge finds about each rule."""
-
     trust: dict[str, Interval]
     new: list[Rule] = field(default_factory=list[Rule])
     conflicts: list[Conflict] = field(default_factory=list[Conflict])

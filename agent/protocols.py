@@ -95,19 +95,9 @@ class Dialogue(Protocol):
     """Understands utterances and words the answers."""
 
     def understand(self, text: str, *, speaker: str) -> Meaning | None:
-        """Return the meaning of an utterance; None leaves it to Hilt's own grammar.
-
-        Args:
-            text: the utterance.
-            speaker: who said it.
-        """
+        """Return the meaning of an utterance; None leaves it to Hilt's own grammar."""
         ...
 
     def say(self, answer: SpokenAnswer, spoken: str) -> str:
-        """Return the wording of an answer.
-
-        Args:
-            answer: its key, its slots, and how the request ended.
-            spoken: the wording of Hilt.
-        """
+        """Return the wording of an answer."""
         ...

@@ -30,7 +30,7 @@ from .episodes.serialization import embodiment_from_json, file_from_json, reques
 from .execution.outcome import GoalResult, Json
 
 LAST = "last"
-COMPARED = ("outcome", "said", "decision", "steps", "world")
+COMPARED = ("outcome", "said", "decision", "steps", "world", "state")
 KEPT = {"request", "state", "circumstances", "after"}
 CIRCUMSTANCES = {"embodiment", "actions", "settings", "induces"}
 LISTED = 8  # ids that a message names
@@ -42,20 +42,20 @@ class Replay:
 
     Attributes:
         episode: the episode in the base.
-        before: its recorded result, from its document.
-        after: the result of the replay.
-        achievement: the same, as a value.
+        recorded: its recorded result, from its document.
+        repeated: the result of the replay.
+        result: the same, as a value.
     """
 
     episode: Episode
-    before: Json
-    after: Json
-    achievement: GoalResult
+    recorded: Json
+    repeated: Json
+    result: GoalResult
 
     @property
     def differences(self) -> tuple[str, ...]:
         """The differences, a line each; none when both are equal to the last bit."""
-        return tuple(_differences("", self.before, self.after))
+        return tuple(_differences("", self.recorded, self.repeated))
 
     def as_json(self) -> Json:
         """As `hilt replay --json` prints it."""
@@ -64,7 +64,7 @@ class Replay:
             "utterance": self.episode.text,
             "same": not self.differences,
             "differences": list(self.differences),
-            **self.after,
+            **self.repeated,
         }
 
 
@@ -159,14 +159,15 @@ def _run(
         Taxonomy.from_base(agent.base),
     )
     again = _again(episode)
-    came, said = agent.attempt(episode.text, request_from_json(again["request"]))
-    before = json.loads(episode.document)
-    after = came.as_json() | {"outcome": came.answer.ending, "said": said}
+    result, said = agent.attempt(episode.text, request_from_json(again["request"]))
+    recorded = json.loads(episode.document) | {"state": again["state"]}
+    ended = {"outcome": result.answer.ending, "said": said, "state": agent.state()}
+    repeated = json.loads(json.dumps(result.as_json() | ended))
     return Replay(
         episode,
-        {key: before[key] for key in COMPARED} | {"state": again["state"]},
-        _plain({key: after[key] for key in COMPARED} | {"state": agent.state()}),
-        came,
+        {key: recorded[key] for key in COMPARED},
+        {key: repeated[key] for key in COMPARED},
+        result,
     )
 
 
@@ -178,11 +179,6 @@ class Past(RuleView):
     def sequence(self) -> int:
         """The number of the last change."""
         return len(self.all)
-
-
-def _plain(document: Json) -> Json:
-    """The document after being written and read as JSON."""
-    return json.loads(json.dumps(document))
 
 
 def _differences(path: str, before: object, after: object) -> Iterator[str]:

@@ -31,8 +31,8 @@ def converse(*contexts: str) -> None:
         for sentence in SAID:
             reply = agent.hear(sentence)
             print(f"sam: {sentence}\nhilt: {reply.said}")
-            if sentence == SAID[0] and reply.achievement and reply.achievement.decision:
-                print(explain_choice(reply.achievement.decision.object))
+            if sentence == SAID[0] and reply.result and reply.result.decision:
+                print(explain_choice(reply.result.decision.object))
 
 
 def main() -> None:

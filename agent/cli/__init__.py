@@ -28,7 +28,7 @@ from ...ontology.errors import (
 
 # Each module adds its commands to `app`; help lists them in this order.
 from . import conversation, language, rules, files, history  # isort: skip
-from . import query, reasoning, scene, episodes, evaluate  # isort: skip
+from . import query, reasoning, scene, evaluate  # isort: skip
 from .common import FAILED, report_error
 from .options import app
 
@@ -36,18 +36,7 @@ WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
 MISSED = (NotFoundError, StoppedError)  # what was asked for in the right way, and not got
-COMMANDS = (
-    conversation,
-    language,
-    rules,
-    files,
-    history,
-    query,
-    reasoning,
-    scene,
-    episodes,
-    evaluate,
-)  # imported for what they add to `app`
+COMMANDS = (conversation, language, rules, files, history, query, reasoning, scene, evaluate)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -9,15 +9,17 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
+from .. import config
+from ..config import open_base
 from ..presentation.text import printable
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import Console, RenderableType
 
     from ...kb.knowledge_base import KnowledgeBase
     from ..agent import Agent
@@ -29,37 +31,25 @@ STDIN = "-"  # instead of a text
 MOST_MISTAKES = 20  # that are reported one by one
 
 
-def open_base(kb: str | None) -> KnowledgeBase:
-    """Open a knowledge base; None for the user's own."""
-    from .. import config
-
-    return config.open_base(kb)
-
-
 def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
-    """Open a knowledge base for reading; this neither waits for writers nor creates a base.
+    """Open a knowledge base (None: the user's own) for reading, without waiting for writers.
 
-    Args:
-        kb: its location; None for the user's own.
-        must_exist: whether a missing base is an error; otherwise an empty one is returned.
+    It is not created: a missing base counts as empty unless it must exist.
     """
     from ...kb.knowledge_base import KnowledgeBase
-    from .. import config
 
     location = kb or str(config.default_location())
     if location == "memory:" or location.startswith(("http://", "https://")):
-        return config.open_base(location)
+        return open_base(location)
     try:
         return KnowledgeBase.open(location, read_only=True)
     except StoreError:
         if _holds_something(Path(location).expanduser()):
-            return config.open_base(
-                location
-            )  # perhaps of an older format; else it reports what is wrong
+            return open_base(location)  # an older format, or it reports what is wrong
         if must_exist or ":" in location:
             raise
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
-    return config.open_base("memory:")
+    return open_base("memory:")
 
 
 def _holds_something(folder: Path) -> bool:
@@ -105,7 +95,6 @@ def converse(
 
 
 def _hint_at_trust(agent: Agent, reply: Reply) -> None:
-    """Tell a refused speaker how to become trusted."""
     if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
         name = shlex.quote(reply.speaker)
         typer.echo(
@@ -118,8 +107,8 @@ def _show_reply(agent: Agent, reply: Reply) -> None:
 
     out = terminal()
     out.print(console.turn(reply))
-    if reply.achievement and reply.achievement.steps:
-        out.print(console.goal_result(reply.achievement, agent.quote))
+    if reply.result and reply.result.steps:
+        out.print(console.goal_result(reply.result, agent.quote))
 
 
 def utterances(text: str) -> Iterator[str]:
@@ -144,13 +133,22 @@ def read_sparql(text_or_file: str) -> str:
         return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
     looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
     if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
-        try:
-            return Path(text_or_file).read_text(encoding="utf-8")
-        except OSError as error:
-            raise DataError(f"cannot be read: {error.strerror}.", source=text_or_file) from error
-        except UnicodeDecodeError as error:
-            raise DataError("expected UTF-8 text.", source=text_or_file) from error
+        return read_text(Path(text_or_file))
     return text_or_file
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file in UTF-8, without a byte order mark.
+
+    Raises:
+        DataError: it cannot be read, or is not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=str(path)) from error
 
 
 def print_json(document: object) -> None:
@@ -159,16 +157,37 @@ def print_json(document: object) -> None:
     sys.stdout.flush()
 
 
+def show(
+    found: Any, render: Callable[[Any], RenderableType], *, as_json: bool, soft_wrap: bool = False
+) -> None:
+    """Print a result, or a list of results, as JSON or as it is rendered for people."""
+    if not as_json:
+        terminal().print(render(found), soft_wrap=soft_wrap)
+    elif isinstance(found, Sequence):
+        print_json([each.as_json() for each in cast("Sequence[Any]", found)])
+    else:
+        print_json(found.as_json())
+
+
 def write_svg(path: Path, svg: str) -> None:
-    """Write a picture to a file.
+    """Write a picture to a file, whose name must end in .svg.
 
     Raises:
-        DataError: its name does not end in .svg, or it cannot be written.
+        DataError: it does not, or the file cannot be written.
     """
     if path.suffix.lower() != ".svg":
         raise DataError("expected a file ending in .svg.", source=str(path))
+    write_bytes(path, svg.encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file.
+
+    Raises:
+        DataError: it cannot be written.
+    """
     try:
-        path.write_text(svg, encoding="utf-8")
+        path.write_bytes(content)
     except OSError as error:
         raise DataError(f"cannot be written: {error.strerror}.", source=str(path)) from error
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from ..config import AgentConfig
-from .common import STDIN, converse, exit_with, open_for_reading, print_json, terminal
+from .common import STDIN, converse, exit_with, open_for_reading, print_json, show, terminal
 from .options import (
     EVERY,
     LANGUAGE,
@@ -104,7 +104,6 @@ def do(
 
 
 def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
-    """A recording of what is done in the block; nothing when no file is named."""
     if path is None:
         return nullcontext()
     if not agent.simulate:
@@ -153,7 +152,4 @@ def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
 
     with open_for_reading(kb) as base:
         found = base.words()
-    if as_json:
-        print_json([word.as_json() for word in found])
-    else:
-        terminal().print(console.words(found))
+    show(found, console.words, as_json=as_json)

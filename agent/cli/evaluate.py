@@ -24,28 +24,19 @@ Gap = Annotated[
 ]
 Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
 Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
-Curves = Annotated[
-    str | None, typer.Option("--curves", help="Noise curves, with commas between them.")
-]
-File = Annotated[Path | None, typer.Option("--file", help="The YAML file of a custom experiment.")]
+Curves = Annotated[str | None, typer.Option(help="Noise curves, with commas between them.")]
+File = Annotated[Path | None, typer.Option(help="The YAML file of a custom experiment.")]
 Workers = Annotated[
     int | None,
-    typer.Option(
-        "--workers", min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."
-    ),
+    typer.Option(min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."),
 ]
 Ray = Annotated[
-    str | None,
-    typer.Option(
-        "--ray", help='A Ray cluster: its address, "auto", or "local" for one of its own.'
-    ),
+    str | None, typer.Option(help='A Ray cluster: its address, "auto", or "local" for a new one.')
 ]
 Timeout = Annotated[
-    float, typer.Option("--timeout", min=0.1, help="Seconds after which a case's worker is killed.")
+    float, typer.Option(min=0.1, help="Seconds after which a case's worker is killed.")
 ]
-OutFolder = Annotated[
-    Path | None, typer.Option("--out", help="The folder for the journal and the results.")
-]
+OutFolder = Annotated[Path | None, typer.Option(help="The folder for the journal and the results.")]
 Reports = Annotated[
     list[Path] | None,
     typer.Option("--report", help="A file for the report: .html, .json or .csv; more than one."),
@@ -128,7 +119,6 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
 
 def _compare(first: Path, second: Path, *, as_json: bool) -> None:
-    """Show how two evaluations differ; exit code 1 when they do."""
     from ..evaluation.reports.comparison import compare
 
     found = compare(first, second)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
@@ -43,7 +42,7 @@ def export_(
     from ...kb.formats.transfer import export_file
 
     chosen = format_of(file, file_format, "turtle")
-    with open_for_reading(kb) as base, _progress("Writing", None) as advance:
+    with open_for_reading(kb) as base, _progress("Writing") as advance:
         count = export_file(base, file, format=file_format, rules_only=only_rules, progress=advance)
     things = counted(count, "rule" if chosen.name in RULE_FORMATS else "triple")
     typer.echo(f"Wrote {things} to {file}.", err=True)
@@ -100,8 +99,8 @@ def _size(file: str) -> int | None:
 
 
 @contextmanager
-def _progress(doing: str, total: int | None) -> Generator[Callable[[int], None]]:
-    """A bar on stderr while something long is done; nothing where nobody watches."""
+def _progress(doing: str, total: int | None = None) -> Generator[Callable[..., None]]:
+    """A bar on stderr, for a terminal only; yields what is called with the units done, and all."""
     from rich import progress
 
     out = terminal(stderr=True)
@@ -111,11 +110,14 @@ def _progress(doing: str, total: int | None) -> Generator[Callable[[int], None]]
         progress.TaskProgressColumn() if total else progress.MofNCompleteColumn(),
         progress.TimeElapsedColumn(),
     )
-    with progress.Progress(
-        *columns, console=out, transient=True, disable=not out.is_terminal
-    ) as bar:
+    quiet = not out.is_terminal
+    with progress.Progress(*columns, console=out, transient=True, disable=quiet) as bar:
         task = bar.add_task(doing, total=total)
-        yield lambda done: bar.update(task, completed=done)
+
+        def advance(done: int, whole: int | None = total) -> None:
+            bar.update(task, completed=done, total=whole)
+
+        yield advance
 
 
 @app.command(epilog=example("validate rules.ttl"))
@@ -124,9 +126,7 @@ def validate(
         str | None, typer.Argument(help="What import reads; by default the base itself.")
     ] = None,
     *,
-    file_format: Annotated[
-        str | None, typer.Option("--format", help="The format; by default that of the extension.")
-    ] = None,
+    file_format: FileFormat = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
@@ -159,7 +159,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
 
     staged = read_file(file, format=file_format)
     try:
-        with _checking() as progress:
+        with _progress("Checking") as progress:
             found = findings(staged, progress=progress)
     finally:
         staged.close()
@@ -169,7 +169,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
 def _findings_in_base(kb: str | None) -> list[Finding]:
     from ...kb.validation import findings
 
-    with open_for_reading(kb) as base, _checking() as progress:
+    with open_for_reading(kb) as base, _progress("Checking") as progress:
         return sorted(set(findings(base.store, progress=progress)))
 
 
@@ -179,18 +179,6 @@ def _text(file: str) -> str:
     if path.suffix.lower() not in WITH_LINES or path.stat().st_size > MOST_TEXT:
         return ""
     return path.read_text(encoding="utf-8", errors="replace")
-
-
-@contextmanager
-def _checking() -> Generator[Callable[[int, int], None]]:
-    """A bar on a terminal, and nothing elsewhere."""
-    from rich.progress import Progress
-
-    with Progress(
-        console=terminal(stderr=True), transient=True, disable=not sys.stderr.isatty()
-    ) as bar:
-        task = bar.add_task("Checking", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 @app.command(epilog=example("backup saved/"))

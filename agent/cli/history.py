@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands on what was said and how bases differ: history, forget, watch, diff, merge."""
+"""Commands on past utterances and episodes, and on differences between bases."""
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Iterator
 from itertools import islice
@@ -12,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError, HiltError
-from .common import exit_with, open_base, open_for_reading, print_json, terminal
-from .options import AsJson, Kb, Speaker, app, example
+from .common import exit_with, open_base, open_for_reading, print_json, show, spinner, terminal
+from .options import AsJson, Gui, Kb, Record, Speaker, app, example
 
 if TYPE_CHECKING:
     from ...kb.diff import RuleChange
@@ -40,16 +41,13 @@ def history(
 ) -> None:
     """List what was said, by whom, when, and what it did to the rules."""
     from ...kb.diff import find_rule
-    from ..presentation import history
+    from ..presentation import console
 
     with open_for_reading(kb) as base:
         rule = find_rule(base.reader, about) if about else None
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
         shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
-    if as_json:
-        print_json([utterance.as_json() for utterance in shown])
-    else:
-        terminal().print(history.history(shown))
+    show(shown, console.history, as_json=as_json)
 
 
 @app.command(epilog=example("forget last"))
@@ -96,13 +94,13 @@ def watch(
     as_json: AsJson = False,
 ) -> None:
     """Show changes as they happen, until Ctrl-C; others may go on teaching meanwhile."""
-    from ..presentation import history
+    from ..presentation import console
 
     out = terminal()
     try:
         for change in _changes(_location(kb), since, every, seconds):
             print_json(change.as_json()) if as_json else out.print(
-                history.change(change), soft_wrap=True
+                console.change(change), soft_wrap=True
             )
     except KeyboardInterrupt:
         return
@@ -116,14 +114,11 @@ def diff(
 ) -> None:
     """Show how what B believes differs from what A believes; exit code 1 when it does."""
     from ...kb.diff import compare_bases
-    from ..presentation import history
+    from ..presentation import console
 
     with _opened(one) as before, _opened(other) as after:
         found = compare_bases(before.reader, after.reader)
-    if as_json:
-        print_json(found.as_json())
-    else:
-        terminal().print(history.difference(found), soft_wrap=True)
+    show(found, console.difference, as_json=as_json, soft_wrap=True)
     exit_with(found.is_empty)
 
 
@@ -137,15 +132,63 @@ def merge(
 ) -> None:
     """Take over into A what B knows, whole or not at all, and tell what contradicts what."""
     from .. import merge_report
-    from ..presentation import history
+    from ..presentation import console
 
     opened = open_for_reading if dry_run else open_base
     with opened(into) as base, _opened(other) as source:
         found = merge_report.merge(base, source, name=other, dry_run=dry_run)
+    show(found, console.merge_result, as_json=as_json)
+
+
+@app.command(epilog=example("episodes --last 5"))
+def episodes(
+    *,
+    last: Annotated[int | None, typer.Option("--last", min=1, help="Only so many.")] = None,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """List what was done about commands: when, what found of it, with which object and part."""
+    from ..presentation import console
+
+    with open_for_reading(kb) as base:
+        found = list(base.episodes())
+    shown = found[-last:] if last else found
     if as_json:
-        print_json(found.as_json())
+        print_json([
+            {"id": one.id, "time": one.time and one.time.isoformat(), "speaker": one.speaker,
+             **json.loads(one.document)}
+            for one in shown
+        ])  # fmt: skip
     else:
-        terminal().print(history.merge_result(found))
+        terminal().print(console.episodes(shown))
+
+
+@app.command(epilog=example("replay last --record again.gif"))
+def replay(
+    which: Annotated[
+        str, typer.Argument(metavar="ID|last", help="An episode's id or the start of it.")
+    ],
+    *,
+    kb: Kb = None,
+    record: Record = None,
+    gui: Gui = False,
+    as_json: AsJson = False,
+) -> None:
+    """Run an episode again from its seed and its rules; exit code 1 when it comes out otherwise."""
+    from ..presentation import console
+    from ..replay import replay as run
+
+    with open_for_reading(kb) as base:
+        with spinner(f"Running {which} again"):
+            found = run(base, which, gui=gui, film=record)
+        show(
+            found,
+            lambda replayed: console.replay_result(
+                replayed, lambda said: base.utterance(said).text
+            ),
+            as_json=as_json,
+        )
+    exit_with(not found.differences)
 
 
 def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:

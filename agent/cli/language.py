@@ -11,24 +11,29 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from ...ontology.errors import DataError
-from .common import exit_with, print_json, report_error, terminal, utterances, write_svg
+from .common import (
+    exit_with,
+    print_json,
+    read_text,
+    report_error,
+    show,
+    terminal,
+    utterances,
+    write_svg,
+)
 from .options import AsJson, Speaker, UserLexicon, app, example
 
 if TYPE_CHECKING:
     from ...nlu.language import Session
-    from ...nlu.parsing.understanding import Understanding
 
 Said = Annotated[
     str | None, typer.Argument(metavar="TEXT", help='What to parse, or "-" for lines from stdin.')
 ]
-Before = Annotated[
-    list[str] | None, typer.Option("--before", help="What was said before; may be repeated.")
-]
+Before = Annotated[list[str] | None, typer.Option(help="What was said before; may be repeated.")]
 Jsonl = Annotated[
-    Path | None,
-    typer.Option("--jsonl", help='A file of {"text", "before": [..]} lines; a result line each.'),
+    Path | None, typer.Option(help='A file of {"text", "before": [..]} lines; a result line each.')
 ]
-Svg = Annotated[Path | None, typer.Option("--svg", help="Draw the derivation into this .svg file.")]
+Svg = Annotated[Path | None, typer.Option(help="Draw the derivation into this .svg file.")]
 
 
 @app.command(epilog=example('parse "pass it" --before "A knife is for cutting"'))
@@ -51,12 +56,15 @@ def parse(
     if jsonl is not None:
         _parse_file(session, jsonl, speaker)
         return
+    from ...nlu.parsing.derivation import draw_svg
+    from ..presentation import console
+
     session = session.after(before or (), speaker=speaker)
     understood = [session.hear(said, speaker=speaker)[0] for said in utterances(text or "")]
     for found in understood:
-        print_json(found.as_json()) if as_json else _print(found)
-        if svg is not None:
-            _draw(found, svg)
+        show(found, console.understanding, as_json=as_json)
+        if svg is not None and found.derivation is not None:
+            write_svg(svg, draw_svg(found.derivation))
     exit_with(all(found.reading is not None for found in understood))
 
 
@@ -123,19 +131,6 @@ def _session(lexicon: Path | None) -> Session:
     return Session(Language.load(extra_lexicon=lexicon))
 
 
-def _print(found: Understanding) -> None:
-    from ..presentation import console
-
-    terminal().print(console.understanding(found))
-
-
-def _draw(found: Understanding, path: Path) -> None:
-    from ...nlu.parsing.derivation import draw_svg
-
-    if found.derivation is not None:
-        write_svg(path, draw_svg(found.derivation))
-
-
 def _parse_file(session: Session, path: Path, speaker: str) -> None:
     """One result line for each line of the file, each in a session of its own."""
     for text, before in _lines(path):
@@ -144,13 +139,7 @@ def _parse_file(session: Session, path: Path, speaker: str) -> None:
 
 
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
-    try:
-        lines = path.read_text(encoding="utf-8-sig").split("\n")
-    except OSError as error:
-        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
-    except UnicodeDecodeError as error:
-        raise DataError("expected UTF-8 text.", source=str(path)) from error
-    for number, line in enumerate(lines, start=1):
+    for number, line in enumerate(read_text(path).split("\n"), start=1):
         if line.strip():
             yield _case(line, str(path), number)
 

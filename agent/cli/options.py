@@ -86,11 +86,7 @@ EVERY = tuple(OPTIONS)
 
 
 def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`.
-
-    Args:
-        names: fields of `AgentConfig`.
-    """
+    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`."""
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)

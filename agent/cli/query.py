@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -78,13 +79,8 @@ def update(
 
     opened = open_for_reading if dry_run else open_base
     with opened(kb) as base:
-        said = apply(
-            base,
-            read_sparql(sparql),
-            speaker=speaker,
-            limits=Limits(timeout, memory),
-            dry_run=dry_run,
-        )
+        text, limits = read_sparql(sparql), Limits(timeout, memory)
+        said = apply(base, text, speaker=speaker, limits=limits, dry_run=dry_run)
     if as_json:
         print_json({"updated": not dry_run, "sequence": said.sequence})
     else:
@@ -127,19 +123,11 @@ def _list(*, as_json: bool) -> None:
 
     named = [named_query(name) for name in query_names()]
     if as_json:
-        print_json(
-            [
-                {
-                    "name": one.name,
-                    "question": one.question,
-                    "parameters": [
-                        {"name": p.name, "kind": p.kind, "meaning": p.meaning}
-                        for p in one.parameters.values()
-                    ],
-                }
-                for one in named
-            ]
-        )
+        print_json([
+            {"name": one.name, "question": one.question,
+             "parameters": [asdict(each) for each in one.parameters.values()]}
+            for one in named
+        ])  # fmt: skip
         return
     from ..presentation import console
 

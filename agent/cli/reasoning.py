@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..config import AgentConfig
-from .common import exit_with, open_base, open_for_reading, print_json, terminal, write_svg
+from .common import exit_with, open_base, open_for_reading, print_json, show, terminal, write_svg
 from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def explain(
 
     with Agent.open(kb, replace(config, simulate=False)) as agent:
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
-        decision = reply.achievement.decision if reply.achievement else None
+        decision = reply.result.decision if reply.result else None
         changes = _changes(agent, decision)
         if svg and decision:
             write_svg(svg, proof_svg.draw_svg(decision))
@@ -55,7 +55,7 @@ def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
     """What would change the choice of the thing, and of the part, the smallest change first."""
     from ...inference.explanation import counterfactuals
 
-    nodes = [node for node in (decision.object, decision.part) if node] if decision else []
+    nodes = decision.inferences if decision else ()
     chosen = agent.affordances.settings
     found = [change for node in nodes for change in counterfactuals(node, chosen)]
     return sorted(found, key=lambda change: change.size)
@@ -69,10 +69,7 @@ def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
 
     with open_for_reading(kb) as base:
         found = find_conflicts(base.rules())
-    if as_json:
-        print_json([each.as_json() for each in found])
-    else:
-        terminal().print(console.conflicts(found))
+    show(found, console.conflicts, as_json=as_json)
 
 
 @app.command(epilog=example("induce --json"))
@@ -85,10 +82,7 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     household = load_household()
     with open_for_reading(kb) as base:
         found = find(base.rules(), household.objects, classes=household.classes)
-    if as_json:
-        print_json([each.as_json() for each in found])
-    else:
-        terminal().print(console.induced(found))
+    show(found, console.induced, as_json=as_json)
 
 
 @app.command(epilog=example("abduce affordance:cutting --given property:sharp"))
@@ -118,8 +112,5 @@ def abduce(
             given=known,
             taxonomy=Taxonomy.from_base(base),
         )
-    if as_json:
-        print_json([each.as_json() for each in found])
-    else:
-        terminal().print(console.hypotheses(found))
+    show(found, console.hypotheses, as_json=as_json)
     exit_with(bool(found))

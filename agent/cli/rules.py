@@ -11,7 +11,7 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.text import counted
-from .common import STDIN, open_base, open_for_reading, print_json, terminal
+from .common import STDIN, open_base, open_for_reading, print_json, show, write_bytes
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
@@ -49,12 +49,9 @@ def rules(
         according_to = according_to and base.match_speaker(according_to)
         source = base if is_now else view(base.reader, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
-    if as_json:
-        print_json([rule.as_json() for rule in found])
-    else:
-        from ..presentation import console
+    from ..presentation import console
 
-        terminal().print(console.rules(found))
+    show(found, console.rules, as_json=as_json)
 
 
 @app.command(epilog=example("trust anna 0.9"))
@@ -138,8 +135,4 @@ def _write(graph: MultiDiGraph[str], file: str) -> None:
     suffix = Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
         raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    data = draw_graph(graph, suffix[1:])
-    try:
-        Path(file).write_bytes(data)
-    except OSError as error:
-        raise DataError(f"cannot be written: {error.strerror}.", source=file) from error
+    write_bytes(Path(file), draw_graph(graph, suffix[1:]))

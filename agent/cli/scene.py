@@ -60,7 +60,6 @@ def _picture(body: Body, path: Path, *, names: bool) -> None:
 
 
 def _things(body: Body) -> list[dict[str, Any]]:
-    """What stands where: name, type, place [m], and what it stands in."""
     world = body.world
     return [
         {

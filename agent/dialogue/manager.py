@@ -24,7 +24,7 @@ from ...nlu.semantics.coreference import Discourse
 from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..execution.goal_manager import GoalManager
-from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
+from ..execution.outcome import Ending, ExecutionResult, GoalResult, Slot, SpokenAnswer
 from ..execution.request import Request
 from .questions import Knowledge, answer
 from .reply import Reply
@@ -143,13 +143,8 @@ class DialogueManager:
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply.
 
-        Args:
-            text: what was said.
-            speaker: who said it; capital letters do not matter.
-            only: "tell", "do" or "ask" to accept statements, commands or questions only.
-            heard: the confidence of the speech recogniser, in [0, 1].
-            keep: whether a command is written to the history and kept as an episode.
-            insist: words that are new although they resemble known ones.
+        The arguments are those of `Agent.hear`; `insist` has words that are new although they
+        resemble known ones.
 
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
@@ -159,7 +154,7 @@ class DialogueManager:
         self._discourse = understood.discourse
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
-            return self._answered(turn, SpokenAnswer(f"only_{only}", {}, "not_understood"))
+            return self._answered(turn, f"only_{only}", "not_understood")
         if understood.kind != "acknowledgement":
             self._pending = None
         return self._listeners[type(understood.meaning)](turn, understood.meaning)
@@ -178,9 +173,7 @@ class DialogueManager:
 
     def _learn(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
         if not self._trusts(turn.speaker):
-            return self._answered(
-                turn, SpokenAnswer("not_trusted", {"speaker": turn.speaker}, "refused")
-            )
+            return self._answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         taught = lesson_from_statement(self.base, said, turn.speaker, turn.heard, self._topic)
         spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
         self.base.believe(
@@ -231,14 +224,12 @@ class DialogueManager:
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
         if said.rule is None and self._just_acted:  # "never mind" means the action
-            return self._answered(turn, SpokenAnswer("forget_what", {}, "failed"))
+            return self._answered(turn, "forget_what", "failed")
         rule = self._to_forget(turn, said)
         if rule is not None and rule.speaker != turn.speaker:
-            return self._answered(
-                turn, SpokenAnswer("not_yours", {"speaker": rule.speaker}, "failed")
-            )
+            return self._answered(turn, "not_yours", "failed", speaker=rule.speaker)
         if rule is None:
-            return self._answered(turn, SpokenAnswer("nothing_to_forget", {}, "failed"))
+            return self._answered(turn, "nothing_to_forget", "failed")
         spoken = self._say(SpokenAnswer("forgotten", {"rule": self._in_words(rule)}))
         understood = turn.understood
         self.base.retract(rule.id, understood.text, understood.content, turn.speaker, answer=spoken)
@@ -256,15 +247,13 @@ class DialogueManager:
         self, turn: DialogueTurn, said: meaning.Command | meaning.ToolCommand
     ) -> Reply:
         if not self._trusts(turn.speaker):
-            return self._answered(
-                turn, SpokenAnswer("not_obeyed", {"speaker": turn.speaker}, "refused")
-            )
+            return self._answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.negated:
-            return self._answered(turn, _declined(said))
+            return self._spoken(turn, _declined(said))
         if turn.understood.unknown:
             words = turn.understood.unknown
             key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
-            return self._answered(turn, SpokenAnswer(key, {"words": words}, "asked"))
+            return self._answered(turn, key, "asked", words=words)
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
 
@@ -279,7 +268,7 @@ class DialogueManager:
 
     def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:
         result, spoken = self.attempt(request)
-        reply = replace(self._reply(turn, spoken), ending=result.answer.ending, achievement=result)
+        reply = replace(self._reply(turn, spoken), ending=result.answer.ending, result=result)
         self._record(reply, turn)
         self._record_episode(request, reply, turn.keep)
         self.last_done = reply
@@ -299,7 +288,7 @@ class DialogueManager:
         )
         found, rules = answer(said, knowledge)
         self._set_topic(rules)
-        return replace(self._answered(turn, found), rules=rules)
+        return replace(self._spoken(turn, found), rules=rules)
 
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
         pending = self._pending
@@ -312,11 +301,10 @@ class DialogueManager:
         if pending and said.ack == "no" and pending.no:
             return pending.no()
         key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
-        return self._answered(turn, SpokenAnswer(key))
+        return self._answered(turn, key, "done")
 
     def _ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
-        reply = replace(self._reply(turn, said.question), ending="asked")
-        self._record(reply, turn)
+        reply = self._recorded(turn, said.question, "asked")
         text, speaker = turn.understood.text, turn.speaker
         meant = self._corrected(turn, said)
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
@@ -341,9 +329,7 @@ class DialogueManager:
         return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]
 
     def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
-        reply = replace(self._reply(turn, said.message), ending="not_understood")
-        self._record(reply, turn)
-        return reply
+        return self._recorded(turn, said.message, "not_understood")
 
     # --- Helpers -----------------------------------------------------------------------------
 
@@ -358,9 +344,15 @@ class DialogueManager:
         trust = self.base.trust(speaker)
         return trust is not None and trust.upper > 0
 
-    def _answered(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
-        """Return the reply with this answer in words, and write the utterance to the history."""
-        reply = replace(self._reply(turn, self._say(answered)), ending=answered.ending)
+    def _answered(self, turn: DialogueTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
+        return self._spoken(turn, SpokenAnswer(key, slots, ending))
+
+    def _spoken(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
+        return self._recorded(turn, self._say(answered), answered.ending)
+
+    def _recorded(self, turn: DialogueTurn, spoken: str, ending: Ending) -> Reply:
+        """Return the reply with this answer, and write the utterance to the history."""
+        reply = replace(self._reply(turn, spoken), ending=ending)
         self._record(reply, turn)
         return reply
 
@@ -395,7 +387,6 @@ def _use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
 
 
 def _declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
-    """The answer to a negated command."""
     if isinstance(said, meaning.ToolCommand):
         return SpokenAnswer(
             "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"

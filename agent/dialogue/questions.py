@@ -46,7 +46,7 @@ class Knowledge:
     @property
     def decision(self) -> Decision | None:
         """What the last command chose; None where it did not get so far."""
-        return self.last.achievement.decision if self.last and self.last.achievement else None
+        return self.last.result.decision if self.last and self.last.result else None
 
 
 def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
@@ -255,7 +255,6 @@ def _why_not_part(part: str, known: Knowledge) -> Answered:
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
-    """The rules that say of a thing, or of a part, that it is not to be taken."""
     denied = (each for each in (made.denied if made else ()) if name in candidate_names(each))
     return tuple(rule for each in denied for rule in each.rules if not rule.asserts)
 
@@ -267,7 +266,6 @@ def _sources(rules: Sequence[Rule], known: Knowledge) -> dict[str, tuple[str, ..
 
 
 def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
-    """The rules that are the reason of what is asked for."""
     decision = known.decision
     if not question.object and not question.part:
         return [rule for rule in known.topic if rule.utterance]
@@ -315,7 +313,6 @@ def _reason(decision: Decision | None, name: str | None) -> str | None:
 
 
 def _wanted_use(last: Reply) -> str | None:
-    """What the thing of the last command was to be used for."""
     said = last.understanding.meaning
     if isinstance(said, ToolCommand):
         return said.tool.used_for

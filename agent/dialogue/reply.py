@@ -26,7 +26,7 @@ class Reply:
         said: the spoken answer.
         ending: how the request ended; "done" for a statement that is accepted.
         rules: the rules that were learned, or that the answer rests on.
-        achievement: the result of a command.
+        result: the result of a command.
         seed: the seed of everything random in it.
     """
 
@@ -36,7 +36,7 @@ class Reply:
     said: str
     ending: Ending
     rules: tuple[Rule, ...] = ()
-    achievement: GoalResult | None = None
+    result: GoalResult | None = None
     seed: int = 0
 
     @property
@@ -53,11 +53,11 @@ class Reply:
 
     def with_pictures(self, *files: str) -> Reply:
         """Return this reply with pictures of what was done, if anything was."""
-        came = self.achievement
+        came = self.result
         if came is None or not came.world.executed:
             return self
         world = replace(came.world, pictures=files)
-        return replace(self, achievement=replace(came, world=world))
+        return replace(self, result=replace(came, world=world))
 
     def as_tell_json(self) -> Json:
         """As `hilt tell --json` prints it."""
@@ -86,6 +86,6 @@ class Reply:
             "goal": self.understanding.content,
             "outcome": self.ending,
             "said": self.said,
-            **(self.achievement.as_json() if self.achievement else nothing),
+            **(self.result.as_json() if self.result else nothing),
             "seed": self.seed,
         }

@@ -47,15 +47,7 @@ def lesson_from_statement(
     heard: float,
     topic: Sequence[Rule] = (),
 ) -> Lesson:
-    """Return what a statement teaches to a base.
-
-    Args:
-        base: the base with the earlier rules.
-        said: the statement.
-        speaker: who said it.
-        heard: the confidence of the speech recogniser, in [0, 1].
-        topic: the rules that were mentioned last.
-    """
+    """Return what a statement teaches to a base."""
     as_said = tuple(rule_from_meaning(each, speaker) for each in said.rules)
     rules = tuple(rule_from_meaning(each, speaker, heard) for each in said.rules)
     before = _earlier(base, rules)
@@ -99,13 +91,7 @@ def can_replace(one: Rule, other: Rule) -> bool:
 
 
 def rule_to_retract(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
-    """Return the rule that a speaker retracts: the one that is named, else the last one taught.
-
-    Args:
-        base: the base with the rule.
-        said: the retraction.
-        speaker: who retracts it, and who must have taught it.
-    """
+    """Return the rule that a speaker retracts: the one that is named, else the last one taught."""
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
     if said.rule is not None:
         wanted = rule_from_meaning(said.rule, speaker)

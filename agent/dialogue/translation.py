@@ -20,13 +20,7 @@ from ..execution.request import Argument, Request
 
 
 def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
-    """Return the rule that a statement asserts, discounted by the confidence of the recogniser.
-
-    Args:
-        said: the meaning.
-        speaker: who said it.
-        heard: the confidence of the speech recogniser, in [0, 1].
-    """
+    """Return the rule that a statement asserts, discounted by the confidence of the recogniser."""
     interval = Interval(*said.confidence).discounted(heard)
     if isinstance(said, meaning.FunctionalRule):
         return functional(

@@ -44,13 +44,7 @@ class EpisodeRecorder:
         self._is_whole = True
 
     def record(self, request: Request, reply: Reply, keep: bool) -> None:
-        """Keep the result of a request.
-
-        Args:
-            request: what was asked.
-            reply: its result.
-            keep: False when it is not to be kept; no later command can then be run again.
-        """
+        """Keep the result of a request."""
         if keep:
             self._last = self._base.record_episode(
                 episode_from_reply(reply, self._again(request))
@@ -67,13 +61,8 @@ class EpisodeRecorder:
 
 
 def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
-    """Return the episode of a command: its steps, and the whole document as JSON.
-
-    Args:
-        reply: the reply to the command.
-        again: what is needed to run it again; None when it cannot be.
-    """
-    came = reply.achievement
+    """Return the episode of a command: its steps, and the whole document as JSON."""
+    came = reply.result
     decision = came.decision if came else None
     best = decision.object.best if decision else None
     world = came.world if came and came.world.executed else None

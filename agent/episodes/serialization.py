@@ -15,7 +15,7 @@ from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.errors import DataError
 from ...sim.scene.scene import Placement, Scene
-from ..config import AgentConfig
+from ..config import household
 from ..execution.embodiment import Embodiment
 from ..execution.outcome import Json
 from ..execution.request import Request
@@ -99,10 +99,6 @@ def embodiment_as_json(embodiment: Embodiment) -> Json:
 def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embodiment:
     """Return the embodiment that was kept.
 
-    Args:
-        kept: what `embodiment_as_json` returned, here or in an earlier version.
-        gui: whether the simulator shows a window.
-
     Raises:
         DataError: the user's own file of objects is gone, or was changed.
         UnknownNameError: the robot is gone.
@@ -111,7 +107,7 @@ def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embod
     scene = kept["scene"]
     return Embodiment(
         Scene(tuple(map(_placement, scene["placements"])), scene["seed"], scene["gap"]),
-        AgentConfig(objects=objects).load_household(),
+        household(objects),
         objects,
         kept["robot"],
         kept["vision"],

@@ -36,14 +36,7 @@ _MOTION = {  # reason of a motion report -> the answer with a part, and without
 
 
 def done(action: str, decision: Decision, speaker: str, recipient: str) -> SpokenAnswer:
-    """Return the answer to a command that was carried out.
-
-    Args:
-        action: the goal's tree.
-        decision: what was chosen, and why.
-        speaker: who asked.
-        recipient: who got it.
-    """
+    """Return the answer to a command that was carried out."""
     slots = _chosen(action, decision)
     if decision.patient:
         return SpokenAnswer("done_with_tool", slots)
@@ -103,7 +96,6 @@ def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:
 
 
 def _nothing(target: Target, inference: Inference) -> SpokenAnswer:
-    """The answer when nothing in view is suitable: denied, not in view, or nothing known."""
     if target.not_used_for:
         return _not_found("nothing_not_used_for", affordance=target.not_used_for)
     wanted = _wanted(target)
@@ -125,7 +117,6 @@ def _not_found(key: str, **slots: Slot) -> SpokenAnswer:
 
 
 def _wanted(target: Target) -> str | None:
-    """What a target must afford; None when it is named."""
     if target.affords:
         return str(target.affords)
     return target.used_for or target.not_used_for

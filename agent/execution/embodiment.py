@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from ...ontology.objects import Household
 from ...sim.scene.scene import Scene, parse_scene
-from ..config import AgentConfig
+from ..config import AgentConfig, household
 from ..protocols import Vision
 from .perception import PerfectVision
 
@@ -68,7 +68,7 @@ class Embodiment:
             DataError: the scene, the objects or the noise are wrong.
             UnknownNameError: there is no such object, robot or source of percepts.
         """
-        kinds = config.load_household()
+        kinds = household(config.objects)
         scene = parse_scene(config.scene, seed=config.seed, objects=kinds.objects)
         return cls(
             scene,

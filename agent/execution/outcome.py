@@ -146,18 +146,21 @@ class Decision:
         chosen = [candidate for candidate in (self.object.best, part) if candidate]
         return tuple(dict.fromkeys(rule for candidate in chosen for rule in candidate.rules))
 
+    @property
+    def inferences(self) -> tuple[Inference, ...]:
+        """The inference of the object, then that of the part if there is one."""
+        return (self.object, self.part) if self.part else (self.object,)
+
     def proofs(self) -> tuple[Proof, ...]:
         """The proofs of the object and of the part, or of the likeliest candidates."""
-        nodes = [each for each in (self.object, self.part) if each]
-        shown = [(*each.candidates, *each.absent)[:1] for each in nodes]
+        shown = [(*each.candidates, *each.absent)[:1] for each in self.inferences]
         return tuple(candidate.proof for first in shown for candidate in first)
 
     def proofs_as_json(self) -> list[Json]:
         """Every candidate of every node with its proof."""
-        nodes = [each for each in (self.object, self.part) if each]
         return [
             _candidate(candidate) | {"node": node.node, "proof": candidate.proof.as_json()}
-            for node in nodes
+            for node in self.inferences
             for candidate in (*node.candidates, *node.absent)
         ]
 
@@ -231,33 +234,22 @@ class ExecutionResult:
         """The `world` of `hilt do --json`."""
         if not self.executed:
             return {"executed": False}
-        return (
-            {
-                "executed": True,
-                "touched": list(self.touched),
-                "lifted_m": round(self.lifted_m, 4),
-                "held_s": round(self.held_s, 3),
-                "handed_over": self.handed_over,
-                "attempts": self.attempts,
-                "pictures": list(self.pictures),
-            }
-            | self._met()
-            | self._pounded()
-        )
-
-    def _met(self) -> Json:
-        if not self.handed_over_at:
-            return {}
-        numbers = [round(value, 4) + 0.0 for value in self.handed_over_at]
-        return {"handed_over_at": {"position_m": numbers[:3], "quaternion_xyzw": numbers[3:]}}
-
-    def _pounded(self) -> Json:
-        if self.nail_depth_mm is None:
-            return {}
-        return {
-            "nail_depth_mm": round(self.nail_depth_mm, 2),
-            "driven_mm": round(self.driven_mm, 2),
+        result: Json = {
+            "executed": True,
+            "touched": list(self.touched),
+            "lifted_m": round(self.lifted_m, 4),
+            "held_s": round(self.held_s, 3),
+            "handed_over": self.handed_over,
+            "attempts": self.attempts,
+            "pictures": list(self.pictures),
         }
+        if self.handed_over_at:
+            pose = [round(value, 4) + 0.0 for value in self.handed_over_at]
+            result["handed_over_at"] = {"position_m": pose[:3], "quaternion_xyzw": pose[3:]}
+        if self.nail_depth_mm is not None:
+            result["nail_depth_mm"] = round(self.nail_depth_mm, 2)
+            result["driven_mm"] = round(self.driven_mm, 2)
+        return result
 
 
 @dataclass(frozen=True)

@@ -128,7 +128,6 @@ class PrimitiveExecutor:
         return self._struck(report)
 
     def _skill(self, task: Task) -> SpokenAnswer | None:
-        """Perform a further primitive of the robot."""
         motion = self._motion
         if not isinstance(motion, Skills):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
@@ -158,7 +157,6 @@ class PrimitiveExecutor:
         return None if report.ok else self._not_driven(report.reason)
 
     def _not_driven(self, reason: str) -> SpokenAnswer:
-        """The answer when the patient was not driven in."""
         tool = self.tool or "thing"
         if reason in LOST:
             return SpokenAnswer("dropped", {"object": tool}, "failed", reason)

@@ -40,17 +40,7 @@ WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be trie
 
 @dataclass(frozen=True)
 class ExecutionContext:
-    """What the execution of a tree works with.
-
-    Attributes:
-        actions: the action trees.
-        affordances: inference over the rules.
-        vision: the vision of the robot.
-        motion: the motion of the robot; None decides but does not act.
-        grips: object -> the part that is made for holding it.
-        parts: object -> its known parts.
-        watchers: called at every node before and after its action.
-    """
+    """What the execution of a tree works with: the parts of a `GoalManager`."""
 
     actions: Actions
     affordances: Affordances
@@ -134,7 +124,6 @@ class TreeExecutor:
         return Goal(self._request.action, target, self._request.contexts)
 
     def _target(self, arguments: Mapping[str, Argument]) -> Target:
-        """The target of a node: its own argument, or what was found last."""
         targets = [value for value in arguments.values() if isinstance(value, Target)]
         return (targets or list(self._found) or [Target()])[-1]
 
@@ -218,7 +207,6 @@ class TreeExecutor:
         return None
 
     def _others(self, argument: Argument) -> list[Candidate]:
-        """The other candidates that may be tried instead of what was found."""
         found = self._found.get(argument) if isinstance(argument, Target) else None
         if found is None:
             return []
@@ -227,13 +215,11 @@ class TreeExecutor:
         return [each for each in others if each.verdict in WORTH_TRYING]
 
     def _reject(self, argument: Argument, failure: SpokenAnswer) -> None:
-        """Exclude an object that was chosen and tried without success."""
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
             self._rejected[found.percept.name] = RejectedCandidate(found.candidate, failure.cause)
 
     def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
-        """The failure of the first condition of a tree that does not hold."""
         if self._primitives is None:  # nothing is going to be done
             return None
         for condition in tree.requires:
@@ -313,7 +299,6 @@ class TreeExecutor:
     def _choose_part(
         self, percept: Percept, inference: Inference
     ) -> tuple[str | None, SpokenAnswer | None]:
-        """The part to grasp by, or the failure when it is not clear."""
         if self.decision:
             self.decision = replace(self.decision, part=inference)
         part = self._part(percept, inference)
@@ -360,7 +345,6 @@ class TreeExecutor:
 
 
 def _constraint(inference: Inference) -> Constraint | None:
-    """The constraint on the action: this object, and this part or other argument."""
     best = inference.best
     if best is None:
         return None

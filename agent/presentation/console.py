@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables and trees for the terminal: dialogue, rules, executions, decisions, query results.
+"""Tables and trees for the terminal: dialogue, rules, decisions, query results, history, merges.
 
 Each function turns a value of the agent into something that rich can print; rich chooses colours
 and width, so a pipe gets plain text. Nothing here prints.
@@ -8,8 +8,10 @@ and width, so a pipe gets plain text. Nothing here prints.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from datetime import datetime
 from itertools import islice
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -22,28 +24,54 @@ from ...inference.conflicts import Conflict
 from ...inference.explanation import Counterfactual
 from ...inference.induction import InducedRule
 from ...inference.types import Candidate
+from ...kb.diff import BaseDifference, RuleChange
+from ...kb.episodes import Episode
+from ...kb.history import Utterance
+from ...kb.interval import Interval
 from ...kb.learned_words import Word
 from ...kb.rdf.terms import Iri, Term
 from ...kb.rule import Rule
 from ...kb.sparql.named_queries import NamedQuery
-from ...kb.sparql.results import BooleanResult as Truth
-from ...kb.sparql.results import Solutions
+from ...kb.sparql.results import BooleanResult, Solutions
 from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
 from ..execution.outcome import Decision, ExecutionResult, GoalResult, WalkStep
 from .text import counted, printable
 
+if TYPE_CHECKING:
+    from ..merge_report import MergeReport
+    from ..replay import Replay
+
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are unique
 MOST_ROWS = 1000  # of a query result; the layout of more takes longer than the query
 
 
-def wrap_cells(table: Table) -> Table:
-    """Return the table with cells that wrap, so that nothing is cut off."""
+def _wrapped(table: Table) -> Table:
+    """The table with cells that wrap, so that nothing is cut off."""
     for column in table.columns:
         column.overflow = "fold"
     return table
+
+
+def _table(
+    columns: Sequence[str],
+    rows: Iterable[Iterable[str]],
+    *counts: str,
+    **more: Any,
+) -> Table:
+    """A table of plain texts; `counts` is the noun of its rows, and its plural if irregular."""
+    table = Table(*columns, **more)
+    for row in rows:
+        table.add_row(*map(escape, row))
+    if counts:
+        table.caption = counted(table.row_count, *counts)
+    return _wrapped(table)
+
+
+def _time(moment: datetime) -> str:
+    return moment.astimezone().strftime("%Y-%m-%d %H:%M:%S")
 
 
 def turn(reply: Reply) -> RenderableType:
@@ -53,31 +81,32 @@ def turn(reply: Reply) -> RenderableType:
     if reply.understanding.pragmatics:
         grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
     grid.add_row(Text("Hilt", "bold green"), Text(printable(reply.said)))
-    return wrap_cells(grid)
+    return _wrapped(grid)
 
 
 def understanding(found: Understanding) -> RenderableType:
     """How an utterance was understood: its derivation, predicate forms, and meaning."""
-    facts = Table(show_header=False)
-    for name, value in found.as_json().items():
-        if name not in {"text", "speaker", "addressee"}:
-            facts.add_row(name, escape(value if isinstance(value, str) else json.dumps(value)))
-    return Group(Text(str(found.derivation or "")), wrap_cells(facts))
+    facts = (
+        (name, value if isinstance(value, str) else json.dumps(value))
+        for name, value in found.as_json().items()
+        if name not in {"text", "speaker", "addressee"}
+    )
+    return Group(Text(str(found.derivation or "")), _table(("", ""), facts, show_header=False))
 
 
 def rules(found: Iterable[Rule]) -> Table:
     """A table of rules with interval and source."""
-    table = Table("id", "rule", "interval", "speaker", "utterance")
-    for rule in found:
-        table.add_row(
+    rows = (
+        (
             rule.id.removeprefix("rule/")[:SHOWN_DIGITS],
-            escape(rule_text(rule)),
-            escape(str(rule.interval)),
+            rule_text(rule),
+            str(rule.interval),
             rule.speaker,
             str(rule.utterance),
         )
-    table.caption = counted(table.row_count, "rule")
-    return wrap_cells(table)
+        for rule in found
+    )
+    return _table(("id", "rule", "interval", "speaker", "utterance"), rows, "rule")
 
 
 def rule_text(rule: Rule) -> str:
@@ -124,7 +153,7 @@ def decision(made: Decision, quote: Quote) -> Table:
     for candidate in made.part.candidates if made.part else ():
         part = candidate.argument.name if candidate.argument else ""
         _add_candidate(table, candidate, f"  by the {part}", quote)
-    return wrap_cells(table)
+    return _wrapped(table)
 
 
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
@@ -147,57 +176,50 @@ def _source(rule: Rule) -> str:
 
 def execution_result(happened: ExecutionResult) -> Table:
     """Return what happened in the world, a line each."""
-    table = Table(show_header=False, title="In the world", title_justify="left")
-    if not happened.executed:
-        table.add_row("executed", "no")
-        return table
-    table.add_row("fingers touched", ", ".join(happened.touched) or "nothing")
-    table.add_row("lifted", f"{happened.lifted_m:.3f} m")
-    table.add_row("held", f"{happened.held_s:.1f} s")
-    table.add_row("handed over", "yes" if happened.handed_over else "no")
-    table.add_row("closings of the hand", str(happened.attempts))
-    return wrap_cells(table)
+    lines = {
+        "fingers touched": ", ".join(happened.touched) or "nothing",
+        "lifted": f"{happened.lifted_m:.3f} m",
+        "held": f"{happened.held_s:.1f} s",
+        "handed over": "yes" if happened.handed_over else "no",
+        "closings of the hand": str(happened.attempts),
+    }
+    rows = (lines if happened.executed else {"executed": "no"}).items()
+    return _table(("", ""), rows, show_header=False, title="In the world", title_justify="left")
 
 
-def goal_result(came: GoalResult, quote: Quote) -> RenderableType:
+def goal_result(result: GoalResult, quote: Quote) -> RenderableType:
     """Return the whole result of a command: the execution, the decision, the world."""
-    parts: list[RenderableType] = [walk(came.steps)]
-    if came.decision and came.decision.object.candidates:
-        parts.append(decision(came.decision, quote))
-    parts.append(execution_result(came.world))
+    parts: list[RenderableType] = [walk(result.steps)]
+    if result.decision and result.decision.object.candidates:
+        parts.append(decision(result.decision, quote))
+    parts.append(execution_result(result.world))
     return Group(*parts)
 
 
 def explanation(reply: Reply, changes: Sequence[Counterfactual]) -> RenderableType:
     """A decision with its proofs, and what would change it."""
-    decision = reply.achievement.decision if reply.achievement else None
+    decision = reply.result.decision if reply.result else None
     parts: list[RenderableType] = [turn(reply)]
-    for inference in (decision.object, decision.part) if decision else ():
-        shown = (*inference.candidates, *inference.absent) if inference else ()
-        for candidate in shown:
+    for inference in decision.inferences if decision else ():
+        for candidate in (*inference.candidates, *inference.absent):
             about = f"{candidate.name} {candidate.argument or ''}".strip()
             parts.append(Text(f"{about}: {candidate.verdict}, {candidate.reason}", "bold"))
             parts.append(Text("\n".join(f"  {line}" for line in candidate.proof.lines())))
     if changes:
-        table = Table(
-            "if instead of", "it were", "about", "I would choose",
-            title="What would change my mind", title_justify="left",
-        )  # fmt: skip
-        for change in changes:
-            before, after = str(change.evidence.interval), str(change.after)
-            row = (before, after, change.evidence.about, change.chosen or "nothing")
-            table.add_row(*map(escape, row))
-        parts.append(table)
+        rows = (
+            (str(c.evidence.interval), str(c.after), c.evidence.about, c.chosen or "nothing")
+            for c in changes
+        )
+        columns = ("if instead of", "it were", "about", "I would choose")
+        title = "What would change my mind"
+        parts.append(_table(columns, rows, title=title, title_justify="left"))
     return Group(*parts)
 
 
 def conflicts(found: Sequence[Conflict]) -> RenderableType:
     """Rules that contradict each other, a pair a row."""
-    table = Table("conflict", "one says", "another says", caption=counted(len(found), "conflict"))
-    for each in found:
-        told = (_told(each.first), _told(each.second))
-        table.add_row(f"{each.weight:.4f}", *map(escape, told))
-    return wrap_cells(table)
+    rows = ((f"{c.weight:.4f}", _told(c.first), _told(c.second)) for c in found)
+    return _table(("conflict", "one says", "another says"), rows, "conflict")
 
 
 def _told(rule: Rule) -> str:
@@ -206,56 +228,48 @@ def _told(rule: Rule) -> str:
 
 def induced(found: Sequence[InducedRule]) -> RenderableType:
     """Return rules that follow by similarity, with their reasons."""
-    table = Table(
-        "rule", "interval", "from", "alike", "both have", caption=counted(len(found), "rule")
-    )
-    for each in found:
-        row = (
+    rows = (
+        (
             rule_text(each.rule),
             str(each.rule.interval),
             rule_text(each.source),
             f"{each.similarity:.2f}",
             ", ".join(each.shared),
         )
-        table.add_row(*map(escape, row))
-    return wrap_cells(table)
+        for each in found
+    )
+    return _table(("rule", "interval", "from", "alike", "both have"), rows, "rule")
 
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
     """Return hypotheses that explain a conclusion, the likeliest first."""
-    caption = counted(len(found), "hypothesis", "hypotheses")
-    table = Table("if it were", "while", "then", "told by", caption=caption)
-    for each in found:
-        features, contexts = (
-            ", ".join(sorted(map(str, s))) for s in (each.features, each.contexts)
+    rows = (
+        (
+            ", ".join(sorted(map(str, each.features))),
+            ", ".join(sorted(map(str, each.contexts))),
+            str(each.interval),
+            ", ".join(sorted({rule.speaker for rule in each.rules})),
         )
-        speakers = ", ".join(sorted({rule.speaker for rule in each.rules}))
-        table.add_row(features, contexts, escape(str(each.interval)), speakers)
-    return wrap_cells(table)
+        for each in found
+    )
+    return _table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
 
 
 def words(found: Sequence[Word]) -> Table:
     """Learned words with their teachers."""
-    table = Table(
-        "word", "is", "said as", "speaker", "utterance", caption=counted(len(found), "word")
-    )
-    for word in found:
-        row = (word.atom.name, word.atom.kind, word.said, word.speaker, str(word.utterance))
-        table.add_row(*map(escape, row))
-    return wrap_cells(table)
+    rows = ((w.atom.name, w.atom.kind, w.said, w.speaker, str(w.utterance)) for w in found)
+    return _table(("word", "is", "said as", "speaker", "utterance"), rows, "word")
 
 
-def results(found: Solutions | Truth) -> RenderableType:
+def results(found: Solutions | BooleanResult) -> RenderableType:
     """Return a query result: a table of rows, or yes or no."""
-    if isinstance(found, Truth):
+    if isinstance(found, BooleanResult):
         return Text("yes" if found.value else "no")
-    table = Table(*found.variables)
-    for row in islice(found, MOST_ROWS):
-        table.add_row(*(escape(short_term(term)) for term in row))
+    table = _table(found.variables, (map(short_term, row) for row in islice(found, MOST_ROWS)))
     count = counted(len(found), "row")
     if len(found) > MOST_ROWS:
         count += f", of which the first {MOST_ROWS} are shown; all of them: --format csv"
-    return Group(wrap_cells(table), Text(count))
+    return Group(table, Text(count))
 
 
 def short_term(term: Term | None) -> str:
@@ -267,8 +281,117 @@ def short_term(term: Term | None) -> str:
 
 def questions(named: Iterable[NamedQuery]) -> Table:
     """Return a table of the named queries, with their parameters."""
-    table = Table("name", "question", "--arg", box=None, pad_edge=False)
-    for one in named:
-        asked = "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values())
-        table.add_row(one.name, escape(one.question), asked)
-    return wrap_cells(table)
+    rows = (
+        (one.name, one.question, "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values()))
+        for one in named
+    )
+    return _table(("name", "question", "--arg"), rows, box=None, pad_edge=False)
+
+
+def history(found: Sequence[Utterance]) -> Table:
+    """Utterances with their effect, a row each."""
+    rows = (
+        (str(said.sequence), _time(said.time), said.speaker, printable(said.text), _effect(said))
+        for said in found
+    )
+    return _table(("", "when", "who", "said", "did"), rows, "utterance")
+
+
+def change(found: RuleChange) -> RenderableType:
+    """One utterance as it happens, with the rules that it touched below."""
+    said = found.utterance
+    head = Text.assemble(
+        (f"{said.sequence} ", "dim"), (said.speaker, "bold cyan"), f": {printable(said.text)}"
+    )
+    told = (("+", "green", found.told), ("-", "red", found.retracted + found.superseded))
+    lines = [Text(f"  {mark} {_weighed(r)}", style) for mark, style, rules in told for r in rules]
+    return Group(head, *lines)
+
+
+def difference(found: BaseDifference) -> RenderableType:
+    """Return the difference of two bases, as the lines of a patch."""
+    lines = list(_lines(found))
+    return Group(*lines) if lines else Text("They believe the same.")
+
+
+def episodes(found: Sequence[Episode]) -> Table:
+    """Return a table of episodes, a row each."""
+    rows = (
+        (
+            one.id,
+            _time(one.time) if one.time else "",
+            one.speaker,
+            one.text,
+            one.outcome,
+            " by the ".join(filter(None, (one.object, one.part))),
+        )
+        for one in found
+    )
+    return _table(("id", "when", "who", "said", "came", "chosen"), rows, "episode")
+
+
+def replay_result(found: Replay, quote: Quote) -> RenderableType:
+    """Return the result of a replay, and whether it equals the recorded one."""
+    shown: list[RenderableType] = [Text(found.episode.text, "bold")]
+    shown.append(Text(str(found.repeated["said"])))
+    if found.result.steps:
+        shown.append(goal_result(found.result, quote))
+    state = found.repeated["state"] or "nothing moved"
+    same = f"The same as in {found.episode.id}, bit for bit (state of the world: {state})."
+    shown += [Text(each, "red") for each in found.differences] or [Text(same, "green")]
+    return Group(*shown)
+
+
+def merge_result(report: MergeReport) -> RenderableType:
+    """Return the result of a merge: numbers, conflicts, and rules of different status."""
+    summary = report.summary
+    done = "Would take over" if report.dry_run else "Took over"
+    taken = f"{done} {counted(summary.new, 'rule')} ({summary.known} known already)"
+    lines: list[RenderableType] = [Text(f"{taken} and {counted(summary.utterances, 'utterance')}.")]
+    if summary.untrusted:
+        names = ", ".join(summary.untrusted)
+        lines.append(Text(f"Nobody trusts {names}; their rules weigh nothing."))
+    if report.conflicts:
+        lines.append(conflicts(report.conflicts))
+    lines += (
+        Text(f"{rule_text(rule)}: {rule.status} in the other; stays as it is here.")
+        for rule in report.kept
+    )
+    return Group(*lines)
+
+
+def _effect(said: Utterance) -> str:
+    counts = (
+        ("told", said.asserts), ("took back", said.retracts), ("replaced", said.supersedes),
+    )  # fmt: skip
+    done = ", ".join(f"{verb} {len(ids)}" for verb, ids in counts if ids)
+    return done or (said.kind if said.accepted else f"{said.kind}, not accepted")
+
+
+def _lines(found: BaseDifference) -> Iterator[Text]:
+    yield from _marked("- ", "red", map(_weighed, found.removed))
+    yield from _marked("+ ", "green", map(_weighed, found.added))
+    for each in found.altered:
+        was, now = (_state(rule) for rule in (each.before, each.after))
+        about = f"{rule_text(each.after)} ({each.after.speaker})"
+        yield Text(f"~ {about}: {was} -> {now}", "yellow")
+    for speaker, before, after in found.trust:
+        yield Text(f"~ trust in {speaker}: {_shown(before)} -> {_shown(after)}", "yellow")
+    yield from _marked("- word ", "red", (word.atom.name for word in found.words_removed))
+    yield from _marked("+ word ", "green", (word.atom.name for word in found.words_added))
+
+
+def _marked(mark: str, style: str, texts: Iterable[str]) -> Iterator[Text]:
+    return (Text(f"{mark}{text}", style) for text in texts)
+
+
+def _weighed(rule: Rule) -> str:
+    return f"{rule_text(rule)} {rule.interval} ({rule.speaker})"
+
+
+def _state(rule: Rule) -> str:
+    return str(rule.interval) if rule.status == "active" else rule.status
+
+
+def _shown(trust: Interval | None) -> str:
+    return str(trust) if trust else "none"

@@ -20,8 +20,6 @@ _LEGEND = {"told": "taught rule", "seen": "observation", "given": "context", "un
 
 
 class _Box(NamedTuple):
-    """A step with its place: the column of its middle, and its row."""
-
     proof: Proof
     column: float
     row: int

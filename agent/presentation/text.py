@@ -11,11 +11,6 @@ _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # but tab and new line
 def counted(number: int, one: str, several: str = "") -> str:
     """Return a number with its noun.
 
-    Args:
-        number: how many.
-        one: what each is called.
-        several: the plural, where it is not made with an s.
-
     >>> counted(1, "rule"), counted(0, "rule"), counted(2, "hypothesis", "hypotheses")
     ('1 rule', '0 rules', '2 hypotheses')
     """

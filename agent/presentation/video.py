@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...inference.affordance import FIND
-from ..execution.outcome import Constraint, WalkStep
+from ..execution.outcome import WalkStep
 
 if TYPE_CHECKING:
     from ...sim.body import Body
@@ -55,15 +54,10 @@ class Film:
         self._body.pick_and_place.on_plan = self._planned
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: Any) -> None:
         self._body.pick_and_place.on_plan = None
         self._goals.watchers.remove(self._at)
-        self._recorder.__exit__(kind, error, trace)
+        self._recorder.__exit__(*raised)
 
     def begin(self, utterance: str) -> None:
         """Something is said to the robot."""
@@ -83,13 +77,13 @@ class Film:
             return
         bound = step.constraint
         if bound:  # what the hand is bound to goes on holding
-            self._bound, self._interval = _in_words(bound.object, bound.part), _interval(bound)
+            self._bound = " by the ".join(filter(None, (bound.object, bound.part)))
+            self._interval = bound.lower, bound.upper
         self._write(node=step.node)
         if bound and step.node.endswith(FIND):
             self._recorder.pause(SHOW_FOUND)
 
     def _planned(self, name: str, part: str | None, plan: GraspPlan, taken: Grasp | None) -> None:
-        """The hand has thought of grasps, and takes one of them or none."""
         marks = [_mark(grasp, accepted=True) for grasp in plan.grasps]
         marks += [_mark(grasp, accepted=False) for grasp in plan.examples]
         if taken:
@@ -113,14 +107,6 @@ class Film:
             interval=self._interval if node else None,
         )
         self._recorder.caption = "\n".join(filter(None, (words, answer)))
-
-
-def _in_words(name: str, part: str | None) -> str:
-    return f"{name} by the {part}" if part else name
-
-
-def _interval(bound: Constraint) -> tuple[float, float]:
-    return bound.lower, bound.upper
 
 
 def _mark(grasp: Grasp, *, accepted: bool) -> GraspMark:

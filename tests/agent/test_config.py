@@ -147,7 +147,7 @@ def test_own_objects_are_understood_and_decided_about(mine: Path):
     ) as mind:
         learned = mind.hear("Rolling pins are used for flattening")
         mind.hear("To pass a rolling pin, grab it by the roller")
-        came = mind.hear("pass me something used for flattening").achievement
+        came = mind.hear("pass me something used for flattening").result
 
     assert [word.word for word in learned.understanding.new_words] == ["flattening"]
     assert came is not None
@@ -170,7 +170,7 @@ def test_own_object_is_grasped_by_the_part_that_was_told(mine: Path):
         "memory:", AgentConfig(scene="objects:rolling pin", objects=mine, seed=3)
     ) as robot:
         robot.hear("To pick up a rolling pin grab it by the grip")
-        came = robot.hear("pick up the rolling pin").achievement
+        came = robot.hear("pick up the rolling pin").result
 
     assert came is not None
     assert came.world.touched == ("grip",)
@@ -188,5 +188,5 @@ def test_eyes_that_are_not_sure_make_the_robot_ask(mine: Path):
 
     assert reply.ending == "asked"
     assert "not sure enough that what I see is a" in reply.said
-    assert reply.achievement is not None
-    assert not reply.achievement.world.executed
+    assert reply.result is not None
+    assert not reply.result.world.executed

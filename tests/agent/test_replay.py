@@ -74,8 +74,8 @@ def test_episode_comes_out_the_same_with_the_rules_of_then(base: KnowledgeBase):
     came = replay(base, "last")
 
     assert came.differences == ()
-    assert came.achievement.decision is not None
-    assert came.achievement.decision.chosen_part == "blade"
+    assert came.result.decision is not None
+    assert came.result.decision.chosen_part == "blade"
 
 
 def test_episode_after_a_yes_comes_out_the_same():
@@ -162,5 +162,5 @@ def test_second_command_of_a_conversation_is_run_again_bit_for_bit():
         came = replay(agent.base, "last")
 
     assert came.differences == ()
-    assert came.before["state"]
-    assert came.achievement.world.executed
+    assert came.recorded["state"]
+    assert came.result.world.executed

@@ -89,7 +89,7 @@ def judge_command(case: Case, truth: GroundTruth, reply: Reply) -> Result:
         "decided": right,
     }
     found_words = describe_choice(chosen, part)
-    achieved = reply.achievement
+    achieved = reply.result
     if achieved and achieved.world.executed:
         facts |= _execution_facts(achieved, truth, is_done=reply.is_done)
         if not facts["success"]:
@@ -101,7 +101,7 @@ def judge_command(case: Case, truth: GroundTruth, reply: Reply) -> Result:
 
 def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> Result:
     """Return the result of a command to grasp an object given by name."""
-    world = reply.achievement.world if reply.achievement else ExecutionResult()
+    world = reply.result.world if reply.result else ExecutionResult()
     facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, part)}
     facts["why"] = explain_reply(reply)
     facts["success"] = reply.is_done and facts["success"] is True
@@ -112,7 +112,7 @@ def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> Result:
 
 def _first_choice(reply: Reply, action: str) -> Candidate | None:
     """Return the choice at the first node of an action, before any alternative was tried."""
-    steps = reply.achievement.steps if reply.achievement else ()
+    steps = reply.result.steps if reply.result else ()
     best = (step.inference.best for step in steps if step.node.endswith(f"/{action}"))
     return next(best, None)
 
@@ -145,7 +145,7 @@ def _grasp_facts(world: ExecutionResult, taken: str, part: str) -> Json:
 
 def explain_reply(reply: Reply) -> list[str]:
     """Return the command and its answer, then every candidate with its verdict and proof."""
-    decision = reply.achievement.decision if reply.achievement else None
+    decision = reply.result.decision if reply.result else None
     return [reply.text, reply.said, *(_candidate_lines(decision) if decision else ())]
 
 

@@ -164,14 +164,14 @@ class _Trial:
 
 
 def _outcome(truth: GroundTruth, reply: Reply) -> Outcome:
-    decision = reply.achievement.decision if reply.achievement else None
+    decision = reply.result.decision if reply.result else None
     best = decision.object.best if decision else None
     # By its name: an object detected as another type still is what it is.
     chosen = best.name if best else None
     part = decision.chosen_part if decision else None
-    if reply.achievement is None or not truth.allows(chosen, part):
+    if reply.result is None or not truth.allows(chosen, part):
         return "wrong" if chosen else "declined"
-    return "right" if reply.is_done or not reply.achievement.world.executed else "wrong"
+    return "right" if reply.is_done or not reply.result.world.executed else "wrong"
 
 
 def _claim(curves: Sequence[Json]) -> Json:

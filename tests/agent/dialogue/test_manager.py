@@ -12,8 +12,8 @@ from hilt.agent.dialogue.reply import Reply
 
 def part(reply: Reply) -> str | None:
     """The part that a command decided on."""
-    assert reply.achievement is not None
-    return reply.achievement.decision.chosen_part if reply.achievement.decision else None
+    assert reply.result is not None
+    return reply.result.decision.chosen_part if reply.result.decision else None
 
 
 # --- The running example -------------------------------------------------------------------
@@ -52,8 +52,8 @@ def test_decision_rests_on_the_rules_that_were_told(taught: Agent):
     """The reasons name the rule of the object and the rule of the part."""
     reply = taught.hear("pass me something used for cutting")
 
-    assert reply.achievement is not None and reply.achievement.decision is not None
-    texts = [taught.base.utterance(r.utterance or 0).text for r in reply.achievement.decision.rules]
+    assert reply.result is not None and reply.result.decision is not None
+    texts = [taught.base.utterance(r.utterance or 0).text for r in reply.result.decision.rules]
     assert texts == [
         "A knife is used for cutting",
         "To pass a knife grab the knife by the blade",
@@ -64,8 +64,8 @@ def test_walk_has_four_operations_at_each_node_in_preorder(taught: Agent):
     """Each node says what was looked for, seen, concluded and done."""
     reply = taught.hear("pass me something used for cutting")
 
-    assert reply.achievement is not None
-    steps = {step.node: step for step in reply.achievement.steps}
+    assert reply.result is not None
+    steps = {step.node: step for step in reply.result.steps}
     assert list(steps) == [
         "pass", "pass/findObject", "pass/graspObject", "pass/moveTo", "pass/handOver",
     ]  # fmt: skip
@@ -123,8 +123,8 @@ def test_trust_can_be_given_and_counts(agent: Agent):
 
     reply = agent.hear("pass me something used for cutting")
 
-    assert reply.achievement is not None and reply.achievement.decision is not None
-    best = reply.achievement.decision.object.best
+    assert reply.result is not None and reply.result.decision is not None
+    best = reply.result.decision.object.best
     assert best is not None and best.interval.lower == pytest.approx(0.475)
 
 
@@ -340,7 +340,7 @@ def test_nonsense_changes_nothing_and_is_told(taught: Agent, text: str):
 
     assert reply.ending in {"not_understood", "asked"}
     assert reply.said
-    assert reply.achievement is None
+    assert reply.result is None
     assert taught.base.rules() == before
 
 
@@ -357,7 +357,7 @@ def test_forbidden_act_is_not_carried_out(taught: Agent):
     """A negated command is acknowledged and refused."""
     reply = taught.hear("do not pass me the knife")
 
-    assert (reply.ending, reply.achievement) == ("refused", None)
+    assert (reply.ending, reply.result) == ("refused", None)
 
 
 @pytest.mark.parametrize(
@@ -371,7 +371,7 @@ def test_listening_for_one_kind_refuses_the_others(taught: Agent, only: str, tex
     reply = taught.hear(text, only=only)
 
     assert reply.ending == "not_understood"
-    assert reply.achievement is None
+    assert reply.result is None
     assert taught.base.rules() == before
 
 
@@ -397,8 +397,8 @@ def test_command_leaves_an_episode_with_its_reasons(taught: Agent):
     (episode,) = taught.base.episodes()
 
     assert (episode.object, episode.part, episode.outcome) == ("knife", "blade", "done")
-    assert reply.achievement is not None and reply.achievement.decision is not None
-    assert set(episode.rules) == {rule.id for rule in reply.achievement.decision.rules}
+    assert reply.result is not None and reply.result.decision is not None
+    assert set(episode.rules) == {rule.id for rule in reply.result.decision.rules}
 
 
 # --- Corrections, confirmations, words ------------------------------------------------------
@@ -434,7 +434,7 @@ def test_yes_counts_only_right_after_the_question(agent: Agent, between: str):
     agent.hear("pass me something used for pounding")
     agent.hear(between)
 
-    assert agent.hear("yes").achievement is None
+    assert agent.hear("yes").result is None
 
 
 def test_only_who_was_asked_can_say_yes(agent: Agent):
@@ -443,7 +443,7 @@ def test_only_who_was_asked_can_say_yes(agent: Agent):
     agent.hear("A mug is used for pounding", speaker="kim")
     agent.hear("pass me something used for pounding")
 
-    assert agent.hear("yes", speaker="kim").achievement is None
+    assert agent.hear("yes", speaker="kim").result is None
     assert agent.hear("yes").ending == "done"
 
 
@@ -471,9 +471,9 @@ def test_what_was_badly_heard_is_asked_about_first(agent: Agent):
 @pytest.mark.parametrize("text", ["pass me the knife", "could you pass me the knife?"])
 def test_a_badly_heard_command_is_not_carried_out(agent: Agent, text: str):
     """That it is wanted is as sure as it was heard, and less by the rule for indirect requests."""
-    assert agent.hear(text, heard=0.9).achievement is not None
-    assert agent.hear(text, heard=0.4).achievement is None
-    assert agent.hear("no").achievement is None
+    assert agent.hear(text, heard=0.9).result is not None
+    assert agent.hear(text, heard=0.4).result is None
+    assert agent.hear("no").result is None
 
 
 def test_new_words_are_usable_at_once(agent: Agent):

@@ -29,8 +29,8 @@ def concluded(lessons: list[tuple[str, str]]) -> dict[tuple[str, str], Interval]
         for sentence, speaker in lessons:
             assert agent.hear(sentence, speaker=speaker).is_done, sentence
         reply = agent.hear("pass me something used for cutting")
-    assert reply.achievement is not None and reply.achievement.decision is not None
-    decision = reply.achievement.decision
+    assert reply.result is not None and reply.result.decision is not None
+    decision = reply.result.decision
     assert decision.part is not None
     return {
         (candidate.name, str(candidate.argument)): candidate.interval

@@ -20,8 +20,8 @@ ALONE = "objects:knife"
 def world(agent: Agent, command: str) -> ExecutionResult:
     """What happened in the world when something was asked for."""
     reply = agent.hear(command)
-    assert reply.achievement is not None, reply.said
-    return reply.achievement.world
+    assert reply.result is not None, reply.said
+    return reply.result.world
 
 
 @pytest.mark.parametrize(
@@ -50,8 +50,8 @@ def test_robot_does_not_move_for_what_it_was_not_told():
         reply = agent.hear("pass me something used for cutting")
 
     assert (reply.ending, reply.said) == ("failed", "I don't see anything for cutting.")
-    assert reply.achievement is not None
-    assert reply.achievement.world == ExecutionResult()
+    assert reply.result is not None
+    assert reply.result.world == ExecutionResult()
 
 
 def test_robot_does_not_look_for_a_part_that_is_not_there():
@@ -60,8 +60,8 @@ def test_robot_does_not_look_for_a_part_that_is_not_there():
         reply = agent.hear("pass me the knife by the stem")
 
     assert (reply.ending, reply.said) == ("failed", "A knife has no stem.")
-    assert reply.achievement is not None
-    assert not reply.achievement.world.touched
+    assert reply.result is not None
+    assert not reply.result.world.touched
 
 
 def test_same_seed_gives_the_same_run():

@@ -141,8 +141,8 @@ def robot(
 
 def tool(reply: Reply) -> str | None:
     """What the command was carried out with."""
-    assert reply.achievement is not None and reply.achievement.decision is not None
-    best = reply.achievement.decision.object.best
+    assert reply.result is not None and reply.result.decision is not None
+    best = reply.result.decision.object.best
     return best.object if best else None
 
 

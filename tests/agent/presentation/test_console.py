@@ -8,14 +8,14 @@ import pytest
 from rich.console import Console, RenderableType
 
 from hilt.agent.agent import Agent
-from hilt.agent.presentation import console, history
+from hilt.agent.presentation import console
 
 NARROW = 24  # characters
 
 SHOWN: dict[str, Callable[[Agent], RenderableType]] = {
     "turn": lambda agent: console.turn(agent.hear("to pass a knife grab the knife by the blade")),
     "rules": lambda agent: console.rules(agent.base.rules()),
-    "history": lambda agent: history.history(tuple(agent.base.history())),
+    "history": lambda agent: console.history(tuple(agent.base.history())),
 }
 
 
@@ -25,7 +25,7 @@ def test_what_somebody_said_commands_no_terminal(agent: Agent):
     reply = agent.hear("hello\x1b[2J\x07 there")
     agent.base.believe("\x1b]0;title\x07", "", "sam", [])
 
-    Console(file=text).print(console.turn(reply), history.history(tuple(agent.base.history())))
+    Console(file=text).print(console.turn(reply), console.history(tuple(agent.base.history())))
 
     assert "there" in text.getvalue() and "title" in text.getvalue()
     assert not {"\x1b", "\x07"} & {*text.getvalue()}
