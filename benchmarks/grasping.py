@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well the body grasps: each object by each part, from many random poses.
+"""Measure grasping: each object by each part, from many random poses.
 
     python benchmarks/grasping.py --seed 1000                       # all of it: about 900 episodes
     python benchmarks/grasping.py --seed 1000 --poses 1             # a slice of all of it
     python benchmarks/grasping.py --settings alone,crowd --poses 4
     python benchmarks/grasping.py --settings alone --only knife/blade,mug --verbose
 
-An episode builds a scene from its seed, sees, grasps the object by the part, lifts it, holds it for
-a second and hands it over; nothing but physical contact holds. Counted are: `right`, closings of
-both fingers that touched only that part; `first`, lifted 10 cm or more and held for the second
-although the hand closed only once; `ok`, the same with up to two more closings; `given`, handed
-over and held there. Processor time is that of the whole episode in a process that has run one
-before: building the world, loading the robot, seeing, planning, stepping. Beside it stands what
-stepping costs a robot that stands still in the same scene for as many steps.
+An episode builds a scene from its seed, detects the object, grasps it by the part, lifts it, holds
+it for a second and hands it over; it is held by physical contact only. The tables count: `right`,
+closings of both fingers that touched only that part; `first`, objects lifted by 10 cm or more and
+held for a second after one closing; `ok`, the same after up to three closings; `given`, objects
+handed over and still held then. Processor time is that of a whole episode, from building the world
+to the last step, in a process that has run one before. For comparison, the same number of steps is
+timed with a robot that stands still in the same scene.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ from hilt.sim.vision.noise import Noise
 
 @dataclass(frozen=True)
 class Setting:
-    """Under what circumstances things are grasped.
+    """The conditions of an episode.
 
     Attributes:
-        poses: random ones of each object and part.
+        poses: number of random poses of each object and part.
         crowd: whether all objects are on the table.
-        free: whether no part is asked for.
+        free: whether the hand may choose the part.
         depth_m: standard deviation of the depth of each pixel [m].
-        robot: which one.
+        robot: name of the robot.
     """
 
     poses: int
@@ -65,7 +65,7 @@ SETTINGS = {
 
 
 def main() -> None:
-    """Run what the command line asks for, and print the tables."""
+    """Run the settings of the command line, and print the tables."""
     options = _options()
     objects = load_objects()
     run(SETTINGS["alone"], "knife", "blade", options.seed, objects=objects)  # warms the process up
@@ -95,15 +95,15 @@ def run(
     objects: Mapping[str, ObjectType],
     bare: bool = False,
 ) -> Episode:
-    """One episode: `name` by `part`; an empty part leaves the choice to the hand.
+    """Return one episode of grasping `name` by `part`; an empty part leaves the choice to the hand.
 
     Args:
-        setting: under what circumstances.
+        setting: the conditions.
         name: of the object.
         part: of it.
         seed: of the scene and of all choices.
         objects: the types there are.
-        bare: whether to measure also what bare stepping costs.
+        bare: whether to time bare stepping as well.
     """
     scene = scene_with(graspable(objects) if setting.crowd else (name,), seed=seed, objects=objects)
     noise = Noise(depth_m=setting.depth_m, seed=seed)
@@ -127,7 +127,7 @@ def run(
 
 
 def _reports(body: Body, name: str, part: str | None) -> tuple[MotionReport, ...]:
-    """What came of grasp, lift and hand-over, as far as it came."""
+    """Return the reports of grasp, lift and hand-over, up to the first that failed."""
     percepts = body.search([f"object:{name}"])
     if not percepts:
         return (MotionReport("grasp", ok=False, reason="nothing_seen"),)

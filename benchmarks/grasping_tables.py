@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Episodes of grasping, and the tables that are made of them."""
+"""Results of grasping episodes, and Markdown tables of them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from hilt.sim.manipulation.report import MotionReport
 
 @dataclass(frozen=True)
 class Episode:
-    """What came of one episode.
+    """The result of one episode.
 
     Attributes:
-        object, part: what was to be grasped, and by what; an empty part is any.
+        object, part: the object to grasp, and the part to grasp it by; an empty part is any.
         seed: of the scene.
-        reports: of grasp, lift and hand-over, as far as it came.
+        reports: of grasp, lift and hand-over, up to the first that failed.
         cpu_s: processor time [s].
         shares: kind of work -> processor time [s].
-        steps: of the simulator.
-        bare_s: processor time of so many bare steps [s]; None where it was not measured.
+        steps: number of simulator steps.
+        bare_s: processor time of as many bare steps [s]; None if not measured.
     """
 
     object: str
@@ -35,7 +35,7 @@ class Episode:
 
     @property
     def last(self) -> MotionReport:
-        """The report of the last thing that was tried."""
+        """The report of the last motion."""
         return self.reports[-1]
 
     @property
@@ -45,12 +45,12 @@ class Episode:
 
     @property
     def wrong(self) -> int:
-        """How often the fingers closed on something else than the part."""
+        """The number of closings on something other than the part."""
         return self._failures.count("wrong_part")
 
     @property
     def closed(self) -> int:
-        """How often the fingers closed on anything."""
+        """The number of closings on anything."""
         return self.last.attempts - self._failures.count("missed")
 
     @property
@@ -59,22 +59,22 @@ class Episode:
 
     @property
     def ok(self) -> bool:
-        """Whether the thing was lifted and held by the part."""
+        """Whether the object was lifted and held by the part."""
         return self.lift is not None and self.lift.ok
 
     @property
     def first(self) -> bool:
-        """Whether that needed but one closing."""
+        """Whether it was lifted and held after a single closing."""
         return self.lift is not None and self.lift.ok and self.lift.attempts == 1
 
     @property
     def given(self) -> bool:
-        """Whether it was handed over."""
+        """Whether the object was handed over."""
         return self.last.action == "hand_over" and self.last.ok
 
     @property
     def trouble(self) -> str:
-        """What went wrong, also what was made good again; empty when nothing did."""
+        """All failures, recovered ones included; empty when there were none."""
         what = [*self._failures]
         if not self.last.ok:
             what.append(f"{self.last.action}: {self.last.reason}")
@@ -91,7 +91,7 @@ class Episode:
 
 
 def pair_table(episodes: Sequence[Episode]) -> str:
-    """One row for each object and part, with what went wrong."""
+    """Return a table with a row for each object and part, and their failures."""
     rows = [
         "| object/part | poses | right | first | ok | given | CPU s | troubles |",
         "|---" * 8 + "|",
@@ -110,7 +110,7 @@ def pair_table(episodes: Sequence[Episode]) -> str:
 
 
 def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
-    """One row for each setting."""
+    """Return a table with a row for each setting."""
     rows = [
         "| setting | episodes | right part of closings | first try | with regrasps | given "
         "| slip p95 | neighbour moved | CPU s |",
@@ -134,7 +134,7 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
 
 
 def time_table(measured: Mapping[str, Sequence[Episode]]) -> str:
-    """Where the processor time of an episode goes, a column for each kind of work."""
+    """Return a table of processor time, with a column for each kind of work."""
     kinds = list(next(iter(measured.values()))[0].shares)
     head = ["setting", *kinds, "all", "steps", "as many bare steps"]
     rows = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
@@ -149,7 +149,7 @@ def time_table(measured: Mapping[str, Sequence[Episode]]) -> str:
 
 
 def contrast_table(episodes: Sequence[Episode]) -> str:
-    """On which part the best grasp lands when none is asked for."""
+    """Return a table of the parts that the hand chooses when no part is given."""
     rows = ["| object | best grasp lands on |", "|---|---|"]
     for name in dict.fromkeys(e.object for e in episodes):
         group = [e for e in episodes if e.object == name and e.lift is not None]
@@ -160,7 +160,7 @@ def contrast_table(episodes: Sequence[Episode]) -> str:
 
 
 def _slip_mm(episodes: Sequence[Episode]) -> float:
-    """The slip of lift and hold that 95 of 100 do not exceed [mm]."""
+    """Return the 95th percentile of the slip of lift and hold [mm]."""
     slips = sorted(e.lift.slip_m for e in episodes if e.lift is not None and e.lift.ok)
     return slips[round(0.95 * (len(slips) - 1))] * 1e3 if slips else 0.0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How deep nails go, with a hammer and with what there is when there is no hammer.
+"""Measure how deep a nail is driven with a hammer, and with other tools.
 
     python benchmarks/pounding.py --runs 40 --seed 1000
     python benchmarks/pounding.py --runs 5 --tools shoe/upper
@@ -27,13 +27,13 @@ DEEP_ENOUGH = 0.010  # [m]
 
 @dataclass(frozen=True)
 class Run:
-    """What came of one run.
+    """The result of one run.
 
     Attributes:
         seed: of the scene.
         depth_m: how deep the nail went [m].
-        blows: how many there were.
-        trouble: what ended it early; empty when nothing did.
+        blows: number of blows.
+        trouble: the failure that ended it early; empty when there was none.
         cpu_s: processor time [s].
     """
 
@@ -45,7 +45,7 @@ class Run:
 
 
 def main() -> None:
-    """Run what the command line asks for, and print the table."""
+    """Run the tools and seeds of the command line, and print the table."""
     parser = argparse.ArgumentParser(description="Measure pounding.")
     parser.add_argument("--runs", type=int, default=40, help="with each tool (default 40)")
     parser.add_argument("--seed", type=int, default=0, help="the first seed (default 0)")
@@ -64,7 +64,7 @@ def main() -> None:
 
 
 def pound(tool: str, part: str, seed: int, *, objects: Mapping[str, ObjectType]) -> Run:
-    """One run with a tool that is held by a part."""
+    """Return the result of one run with a tool that is held by a part."""
     started = process_time()
     scene = parse_scene(f"objects:{tool},nail", seed=seed, objects=objects)
     with Body(scene, objects, seed=seed) as body:
@@ -75,7 +75,7 @@ def pound(tool: str, part: str, seed: int, *, objects: Mapping[str, ObjectType])
 
 
 def _strike(body: Body, tool: str, part: str) -> tuple[str, int]:
-    """Take the tool and strike; what went wrong, and how many blows there were."""
+    """Grasp the tool and strike; return the failure, if any, and the number of blows."""
     report = body.grasp(body.search([f"object:{tool}"])[0], part)
     if report.ok:
         report = body.lift()

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the processor time of an episode goes: a watch on the functions that do the work."""
+"""A stopwatch that measures the processor time of each kind of work in an episode."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
 from time import process_time
-from types import TracebackType
 from typing import Any
 
 from hilt.sim.grasping import scoring, selection
@@ -31,9 +30,9 @@ WATCHED: tuple[tuple[str, Any, str], ...] = (
 
 
 class Stopwatch:
-    """Counts processor time by kind of work inside its `with` block.
+    """Measures processor time by kind of work inside its `with` block.
 
-    What a watched function spends in another one counts only for that other one.
+    The time that a measured function spends in another measured one counts only for that one.
 
     Attributes:
         seconds: kind of work -> processor time [s].
@@ -51,12 +50,7 @@ class Stopwatch:
             setattr(owner, name, self._watched(kind, original))
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for (_, owner, name), original in zip(WATCHED, self._originals, strict=True):
             setattr(owner, name, original)
 
@@ -74,7 +68,7 @@ class Stopwatch:
         return timed
 
     def _book(self) -> None:
-        """Put the time since the last call down to what runs now."""
+        """Add the time since the last call to the kind of work that runs now."""
         now = process_time()
         if self._running:
             self.seconds[self._running[-1]] += now - self._since

@@ -12,10 +12,10 @@ and red, accepted ones green, the chosen one thick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from math import radians
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -186,11 +186,10 @@ def add_caption(picture: Picture, text: str, *, lines: int = 0) -> Picture:
     bar = round(size * (1.35 * (lines or len(broken)) + 0.8))
     image = Image.new("RGB", (width, height + bar), CAPTION_BACKGROUND)
     image.paste(Image.fromarray(picture), (0, 0))
-    draw, font = _drawing(image, size)
+    draw, font = ImageDraw.Draw(image), ImageFont.load_default(size)
     for number, line in enumerate(broken):
-        draw.text(
-            (size, height + size * (0.3 + 1.35 * number)), line, font=font, fill=CAPTION_COLOUR
-        )
+        place = (size, height + size * (0.3 + 1.35 * number))
+        draw.text(place, line, font=font, fill=CAPTION_COLOUR)
     return np.asarray(image)
 
 
@@ -202,23 +201,14 @@ def caption_size(picture: Picture) -> int:
 def wrap_caption(picture: Picture, text: str) -> list[str]:
     """Return a text in lines that fit below a picture."""
     size = caption_size(picture)
-    draw, font = _drawing(Image.new("RGB", (1, 1)), size)
-    length = partial(draw.textlength, font=font)
-    return _wrap(text, length, picture.shape[1] - 2 * size)
-
-
-def _drawing(image: Any, size: int) -> tuple[Any, Any]:
-    return ImageDraw.Draw(image), ImageFont.load_default(size)
-
-
-def _wrap(text: str, length: Callable[[str], float], width: float) -> list[str]:
-    """Return the text in lines that are no longer than `width`, in pixels."""
+    font: Any = ImageFont.load_default(size)
+    width = picture.shape[1] - 2 * size
     lines: list[str] = []
     for paragraph in text.splitlines() or [""]:
         lines.append("")
         for word in paragraph.split():
             longer = f"{lines[-1]} {word}".strip()
-            if length(longer) <= width or not lines[-1]:
+            if font.getlength(longer) <= width or not lines[-1]:
                 lines[-1] = longer
             else:
                 lines.append(word)
@@ -230,29 +220,16 @@ def _wrap(text: str, length: Callable[[str], float], width: float) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class GraspMark:
-    """A grasp to draw.
+    """A grasp to draw."""
 
-    Attributes:
-        world_from_grip: (4, 4), origin between the pads, y along the closing, z ahead.
-        opening: between the fingers [m].
-        accepted: whether it is possible.
-        chosen: whether it is the one that is carried out.
-    """
-
-    world_from_grip: Array
-    opening: float
-    accepted: bool
-    chosen: bool = False
+    world_from_grip: Array  # (4, 4), origin between the pads, y along the closing, z ahead
+    opening: float  # between the fingers [m]
+    accepted: bool  # whether it is possible
+    chosen: bool = False  # whether it is the one that is carried out
 
 
 def draw_grasps(picture: Picture, camera: Camera, marks: Sequence[GraspMark]) -> Picture:
-    """Return a picture with grasps drawn into it.
-
-    Args:
-        picture: what the camera sees (height, width, 3).
-        camera: the point of view.
-        marks: the grasps; accepted ones are drawn over the others.
-    """
+    """Return a picture that a camera took with grasps drawn into it, accepted ones on top."""
     size = max(1, round(picture.shape[0] / 360))
     overlay, draw = _overlay(picture)
     for mark in sorted(marks, key=lambda mark: (mark.chosen, mark.accepted)):
@@ -270,20 +247,12 @@ def _hand(mark: GraspMark) -> tuple[Array, Array]:
     half = mark.opening / 2
     fingers = np.array([[0, -half, 0], [0, -half, -FINGER], [0, half, -FINGER], [0, half, 0]])
     wrist = np.array([[0, 0, -FINGER], [0, 0, -STEM]])
-    return (
-        poses.transform(mark.world_from_grip, fingers),
-        poses.transform(mark.world_from_grip, wrist),
-    )
+    world_from_grip = mark.world_from_grip
+    return poses.transform(world_from_grip, fingers), poses.transform(world_from_grip, wrist)
 
 
 def draw_names(picture: Picture, camera: Camera, places: Mapping[str, Array]) -> Picture:
-    """Return a picture with names written above places.
-
-    Args:
-        picture: what the camera sees (height, width, 3).
-        camera: the point of view.
-        places: name -> the place (3,) in the world [m].
-    """
+    """Return a picture that a camera took with names above their places (3,) in the world [m]."""
     overlay, draw = _overlay(picture)
     font: Any = ImageFont.load_default(max(11, picture.shape[0] // 42) * OVERSAMPLING)
     labels: list[Label] = []

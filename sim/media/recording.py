@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -74,7 +73,8 @@ class Recorder:
         speed: float = SPEED,
     ) -> None:
         check_writable(path, RECORDING_SUFFIXES)
-        _check_encoder(path)
+        if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
+            raise MissingExtraError("sim", "imageio-ffmpeg")
         self.caption = ""
         self.tint: tuple[str, str] | None = None
         self.grasps: Sequence[GraspMark] = ()
@@ -89,14 +89,9 @@ class Recorder:
         self._world.watcher = self._watch
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self._world.watcher = None
-        if error is None:
+        if kind is None:
             if self._last != self._moment:
                 self.take()
             self._write()
@@ -114,7 +109,10 @@ class Recorder:
 
     def take(self, at: Array | None = None) -> None:
         """Take one picture now, from near a place (3,) in the world [m] when it is given."""
-        camera = self._camera if at is None else self._near(at)
+        camera = self._camera
+        if at is not None:
+            x, y, z = (float(each) for each in at)
+            camera = closeup((x, y, z), width=camera.width, height=camera.height)
         picture = take_picture(
             self._world.engine, camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
         )
@@ -128,10 +126,6 @@ class Recorder:
         self._freezes.append(len(self._taken))
         self.take(at)
         self._taken += self._taken[-1:] * (round(seconds * self._rate) - 1)
-
-    def _near(self, at: Array) -> Camera:
-        x, y, z = (float(each) for each in at)
-        return closeup((x, y, z), width=self._camera.width, height=self._camera.height)
 
     @property
     def pictures(self) -> list[Picture]:
@@ -189,11 +183,6 @@ def caption(
     kept = " ".join(filter(None, (constraint, certain)))
     moment = ": ".join(filter(None, (node, kept)))
     return "\n".join(filter(None, (f'"{utterance}"' if utterance else "", moment)))
-
-
-def _check_encoder(path: Path) -> None:
-    if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
-        raise MissingExtraError("sim", "imageio-ffmpeg")
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
