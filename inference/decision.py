@@ -70,13 +70,10 @@ class DecisionRule:
             reason += f"; inherited, {applied.distance} step{plural} up"
         if applied.overruled:
             reason += "; a nearer rule goes before " + ", ".join(map(repr, applied.overruled))
-        name, kind, distance, overruled = (
-            seen.name,
-            seen.object,
-            applied.distance,
-            applied.overruled,
+        inherited, overruled = applied.distance, applied.overruled
+        return Candidate(
+            seen.name, seen.object, argument, proof, sure, verdict, reason, inherited, overruled
         )
-        return Candidate(name, kind, argument, proof, sure, verdict, reason, distance, overruled)
 
     def _verdict(self, interval: Interval, is_unknown: bool) -> Verdict:
         if is_unknown:

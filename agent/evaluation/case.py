@@ -78,26 +78,15 @@ class Result:
         Raises:
             KeyError, TypeError, ValueError: it is not such a document.
         """
-        return cls(
-            key=str(document["key"]),
-            right=bool(document["right"]),
-            kind=cast("Kind", document["kind"]),
-            principle=int(cast("int", document["principle"])),
-            found=str(document["found"]),
-            expected=str(document["expected"]),
-            facts=dict(cast("Json", document["facts"])),
-        )
+        key, found, expected = (str(document[name]) for name in ("key", "found", "expected"))
+        kind, principle = cast("Kind", document["kind"]), int(cast("int", document["principle"]))
+        facts = dict(cast("Json", document["facts"]))
+        return cls(key, bool(document["right"]), kind, principle, found, expected, facts)
 
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A result with the values that differ from run to run.
-
-    Attributes:
-        result: the result of the case.
-        cpu_s: the processor time [s].
-        attempts: how often the case was started.
-    """
+    """A result with its processor time [s] and how often the case was started."""
 
     result: Result
     cpu_s: float

@@ -18,6 +18,7 @@ all results in one file that others can check.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -70,10 +71,7 @@ class AllScenariosExperiment(Experiment):
             *(("grasps", (code,)) for code in codes),
             *(("teaching", (number,)) for number in range(self.taught)),
             *(("situations", (n, action)) for n in range(self.traced) for action in actions),
-            *(
-                ("choices", (block.ranked, block.levels))
-                for block in weak_order_blocks(self.objects)
-            ),
+            *(("choices", (each.ranked, each.levels)) for each in weak_order_blocks(self.objects)),
         ]
         return [
             Case(self.name, "/".join([what, *map(str, numbers)]), {what: list(numbers)})
@@ -92,11 +90,8 @@ class AllScenariosExperiment(Experiment):
 
     def files(self, results: Sequence[Result]) -> Mapping[str, Json]:
         """Return the certificate."""
-        pinned: Json = {
-            "seed": self.seed,
-            "threshold": Settings.load().threshold,
-            "tolerance": EPSILON,
-        }
+        threshold = Settings.load().threshold
+        pinned: Json = {"seed": self.seed, "threshold": threshold, "tolerance": EPSILON}
         return {"certificate.json": make_certificate(self._space, self._facts(results), pinned)}
 
     @cached_property
@@ -127,8 +122,8 @@ class AllScenariosExperiment(Experiment):
     @staticmethod
     def _facts(results: Sequence[Result]) -> dict[str, list[Json]]:
         """Return kind of cases -> their facts, in the order of the cases."""
-        found: dict[str, list[Json]] = {}
+        found: dict[str, list[Json]] = defaultdict(list)
         for result in results:
             if result.kind == "check":  # errors are left out: then the certificate is incomplete
-                found.setdefault(result.key.partition("/")[0], []).append(result.facts)
+                found[result.key.partition("/")[0]].append(result.facts)
         return found

@@ -33,14 +33,7 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..case import Case
-from ..scenarios import (
-    ACTIONS,
-    CONTEXTS,
-    LEVELS,
-    Scenario,
-    functional_sentence,
-    grasp_sentence,
-)
+from ..scenarios import ACTIONS, CONTEXTS, LEVELS, Scenario, functional_sentence, grasp_sentence
 from .decisions import DecisionExperiment
 
 MAX_SCENES = 10_000
@@ -50,11 +43,7 @@ Levels = Mapping[str, tuple[str, ...]]
 
 @dataclass(frozen=True)
 class CustomExperiment(DecisionExperiment):
-    """The experiment of a file.
-
-    Attributes:
-        file: the path of the file; every worker reads it.
-    """
+    """The experiment of a file; every worker reads it."""
 
     name: ClassVar[str] = "custom"
     file: str = ""
@@ -94,14 +83,7 @@ class CustomExperiment(DecisionExperiment):
 
 @dataclass(frozen=True)
 class CustomSpec:
-    """The content of a file.
-
-    Attributes:
-        kinds: all object types.
-        scenarios: the scenario, and its mirror image if requested.
-        scenes: the objects of each scene.
-        actions: the actions of the commands.
-    """
+    """The content of a file: object types, scenarios, the objects of each scene, and actions."""
 
     kinds: Household
     scenarios: tuple[Scenario, ...]
@@ -110,11 +92,7 @@ class CustomSpec:
 
 
 def load_custom(path: Path, *, seed: int = 0) -> CustomSpec:
-    """Read the file of an experiment.
-
-    Args:
-        path: the file.
-        seed: the seed of its random scenes.
+    """Read the file of an experiment, whose random scenes are drawn from the seed.
 
     Raises:
         DataError: the file is invalid; gives the position and what was expected.
@@ -127,15 +105,11 @@ def load_custom(path: Path, *, seed: int = 0) -> CustomSpec:
     if "household" in top:
         kinds = read_household(top["household"], added_to=kinds)
     scenario = _ScenarioReader(kinds, load_language(kinds)).scenario(top)
-    objects = tuple(scenario.grasps)
-    mirrored = "mirrored" in top and top["mirrored"].truth()
+    scenes = tuple(_scenes(top["scenes"], tuple(scenario.grasps), seed))
+    is_mirrored = "mirrored" in top and top["mirrored"].truth()
+    scenarios = (scenario, scenario.mirrored("B")) if is_mirrored else (scenario,)
     actions = top["actions"].texts(choices=ACTIONS) if "actions" in top else tuple(ACTIONS)
-    return CustomSpec(
-        kinds,
-        (scenario, scenario.mirrored("B")) if mirrored else (scenario,),
-        tuple(_scenes(top["scenes"], objects, seed)),
-        actions,
-    )
+    return CustomSpec(kinds, scenarios, scenes, actions)
 
 
 @dataclass(frozen=True)

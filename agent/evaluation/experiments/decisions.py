@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import cast
 
@@ -21,6 +22,7 @@ from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
+from ...execution.outcome import Json
 from ..case import Case, Result
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, Scenario, command, load_scenarios
@@ -34,7 +36,6 @@ class DecisionExperiment(Experiment):
     """Scenarios x scenes x commands.
 
     Attributes:
-        seed: the random seed.
         sim: whether a simulated robot executes its decisions.
         gap: smallest distance between two objects on its table [m].
     """
@@ -55,27 +56,14 @@ class DecisionExperiment(Experiment):
     def commands(
         self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
     ) -> Iterator[Case]:
-        """Yield a case for each command: 15 for a scenario of the paper.
+        """Yield a case for each command in a scene: 15 for a scenario of the paper.
 
-        Args:
-            scenario: the scenario that is taught.
-            name: the name of the scene in the keys.
-            scene: the objects on the table.
-            seed: the seed of their poses and of the robot.
+        `name` is the name of the scene in the keys; the seed is that of the poses and the robot.
         """
-        for affordance in scenario.affordances:
-            for action in self.actions:
-                yield Case(
-                    self.name,
-                    f"{scenario.name}/{name}/{action}/{affordance}",
-                    {
-                        "scenario": scenario.name,
-                        "scene": list(scene),
-                        "action": action,
-                        "affordance": affordance,
-                        "seed": seed,
-                    },
-                )
+        spec: Json = {"scenario": scenario.name, "scene": list(scene), "seed": seed}
+        for affordance, action in product(scenario.affordances, self.actions):
+            key = f"{scenario.name}/{name}/{action}/{affordance}"
+            yield Case(self.name, key, spec | {"action": action, "affordance": affordance})
 
     def run(self, case: Case) -> Result:
         """Give the command to an agent that was taught the scenario and has the scene."""
@@ -85,18 +73,14 @@ class DecisionExperiment(Experiment):
         truth = GroundTruth.from_scenario(scenario, spec["action"], spec["affordance"], objects)
         reply = self._reply(case, simulate=self.sim)
         result = judge_command(case, truth, reply)
-        # Camera images cannot be reproduced later; without simulation the explanation can.
-        return (
-            replace(result, facts=result.facts | {"why": explain_reply(reply)})
-            if self.sim
-            else result
-        )
+        if self.sim:  # camera images cannot be reproduced later, so the explanation is kept
+            return replace(result, facts=result.facts | {"why": explain_reply(reply)})
+        return result
 
     def explain(self, case: Case, result: Result) -> str:
         """Return the proofs: those kept by a simulated run, or else by running the case again."""
-        return super().explain(case, result) or "\n".join(
-            explain_reply(self._reply(case, simulate=False))
-        )
+        kept = super().explain(case, result)
+        return kept or "\n".join(explain_reply(self._reply(case, simulate=False)))
 
     def picture(self, objects: Sequence[str], seed: int, path: Path) -> Path:
         """Write a picture of the initial scene and return its path."""
@@ -121,9 +105,7 @@ class DecisionExperiment(Experiment):
 
     @cached_property
     def _taught_agents(self) -> Mapping[str, Agent]:
-        return {
-            name: teach(scenario, self.new_agent()) for name, scenario in self.scenarios.items()
-        }
+        return {name: teach(each, self.new_agent()) for name, each in self.scenarios.items()}
 
 
 def teach(scenario: Scenario, agent: Agent) -> Agent:

@@ -47,9 +47,8 @@ class GroundTruth:
         is_top = best <= scenario.best(affordance, scenario.grasps)
         principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
         grasps = scenario.grasps.items() if action in CONTEXTS else ()
-        return cls(
-            best, principle, {name: parts[action] for name, parts in grasps if action in parts}
-        )
+        wanted = {name: parts[action] for name, parts in grasps if action in parts}
+        return cls(best, principle, wanted)
 
     @property
     def kind(self) -> Kind:
@@ -94,9 +93,8 @@ def judge_command(case: Case, truth: GroundTruth, reply: Reply) -> Result:
         facts |= _execution_facts(achieved, truth, is_done=reply.is_done)
         if not facts["success"]:
             right, found_words = False, f"{found_words}, not carried out"
-    return Result(
-        case.key, right, truth.kind, truth.principle, found_words, truth.describe(), facts
-    )
+    expected = truth.describe()
+    return Result(case.key, right, truth.kind, truth.principle, found_words, expected, facts)
 
 
 def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> Result:

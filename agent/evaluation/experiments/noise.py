@@ -28,7 +28,7 @@ from ..case import Case, Result
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, Scenario, command, load_scenarios
 from .ground_truth import GroundTruth
-from .noise_curves import CURVES, Curve, curve_points
+from .noise_curves import CURVES, OUTCOMES, Curve, curve_points
 
 OTHER = "eve"  # the second teacher
 Outcome = Literal["right", "wrong", "declined"]
@@ -85,22 +85,13 @@ class NoiseExperiment(Experiment):
         trial_run = _Trial(curve, line, value, trial, self.seed, self.sim)
         outcomes = list(trial_run.outcomes())
         counted = Counter(outcome for outcome, _ in outcomes)
-        commands = sum(counted.values())
-        facts: Json = {"commands": commands, **{o: counted[o] for o in ("right", "wrong")}}
+        facts: Json = {"commands": len(outcomes), **{name: counted[name] for name in OUTCOMES}}
+        facts["why"] = [f"{outcome}: {text}" for outcome, text in outcomes if outcome != "right"]
         must = value == 0 and line in curve.sound
-        return Result(
-            case.key,
-            not must or counted["right"] == commands,
-            "check",
-            0,
-            f"{counted['right']} of {commands} right",
-            "all right" if must else "any number",
-            facts
-            | {
-                "declined": counted["declined"],
-                "why": [f"{outcome}: {text}" for outcome, text in outcomes if outcome != "right"],
-            },
-        )
+        is_right = not must or counted["right"] == len(outcomes)
+        found = f"{counted['right']} of {len(outcomes)} right"
+        expected = "all right" if must else "any number"
+        return Result(case.key, is_right, "check", 0, found, expected, facts)
 
     def summary(self, results: Sequence[Result]) -> Json:
         """Return the curves, and whether they agree with the claim of the paper."""
@@ -114,8 +105,6 @@ class NoiseExperiment(Experiment):
 
 @dataclass(frozen=True)
 class _Trial:
-    """A trial at one point of a curve."""
-
     curve: Curve
     line: str
     value: float
@@ -187,9 +176,7 @@ def _claim(curves: Sequence[Json]) -> Json:
     return {"lowered_by_sensors": of_sensors, "lowered_by_others": others, "holds": not others}
 
 
-@lru_cache(maxsize=1)
-def _scenarios() -> tuple[Scenario, Scenario]:
-    return load_scenarios()
+_scenarios = lru_cache(maxsize=1)(load_scenarios)
 
 
 @lru_cache(maxsize=1)
@@ -244,14 +231,9 @@ Words = list[str]
 
 
 def garble(text: str, how: str, rate: float, rng: Random, vocabulary: Sequence[str]) -> str:
-    """Return a sentence with recognition errors.
+    """Return a sentence with recognition errors in a share of its words (`rate`, in [0, 1]).
 
-    Args:
-        text: the sentence.
-        how: "misheard", "dropped" or "swapped".
-        rate: the share of words affected, in [0, 1].
-        rng: the random generator.
-        vocabulary: the words that replace misheard ones.
+    Words are "misheard" (replaced by words of the vocabulary), "dropped" or "swapped".
     """
     return " ".join(_GARBLINGS[how](text.split(), rate, rng, vocabulary))
 

@@ -129,13 +129,7 @@ Z = 1.959964  # quantile for a confidence of 95 %
 
 @dataclass(frozen=True)
 class ConfidenceInterval:
-    """A proportion with its 95 % confidence interval.
-
-    Attributes:
-        share: the proportion, in [0, 1].
-        lower: lower bound, in [0, share].
-        upper: upper bound, in [share, 1].
-    """
+    """A proportion in [0, 1] with its 95 % confidence interval [lower, upper]."""
 
     share: float
     lower: float
@@ -143,14 +137,10 @@ class ConfidenceInterval:
 
 
 def wilson_interval(successes: float, count: float) -> ConfidenceInterval:
-    """Return the proportion of successes with Wilson's score interval.
+    """Return the proportion of successes, which need not be integers, with Wilson's interval.
 
     >>> wilson_interval(9, 10)
     ConfidenceInterval(share=0.9, lower=0.5958499..., upper=0.9821237...)
-
-    Args:
-        successes: number of successes; need not be an integer.
-        count: sample size; above 0.
     """
     share = successes / count
     weight = 1 + Z * Z / count
@@ -164,9 +154,7 @@ def wilson_interval(successes: float, count: float) -> ConfidenceInterval:
 def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceInterval:
     """Return the proportion of successes over trials, with its interval at the effective size.
 
-    Args:
-        successes: successes of each trial, in [0, per_trial]; at least one trial.
-        per_trial: number of samples in each trial.
+    `successes` are those of each trial (at least one), in [0, per_trial].
     """
     count = len(successes) * per_trial
     share = sum(successes) / count

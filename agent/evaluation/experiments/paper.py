@@ -24,14 +24,7 @@ MAX_SCENES = 255  # the non-empty subsets of eight objects
 
 @dataclass(frozen=True)
 class PaperExperiment(DecisionExperiment):
-    """The evaluation of the paper.
-
-    Attributes:
-        seed: the seed of the scenes and of the poses on the table.
-        sim: whether a simulated robot executes its decisions.
-        gap: smallest distance between two objects on its table [m].
-        scenes: number of scenes, at most `MAX_SCENES`.
-    """
+    """The evaluation of the paper, with at most `MAX_SCENES` scenes, drawn from the seed."""
 
     name: ClassVar[str] = "paper"
     scenes: int = 10
@@ -82,11 +75,7 @@ class SituationsExperiment(DecisionExperiment):
         return [
             case
             for scenario in self.scenarios.values()
-            for scene in _subsets(sorted(scenario.grasps))
+            for size in range(len(scenario.grasps) + 1)
+            for scene in combinations(sorted(scenario.grasps), size)
             for case in self.commands(scenario, "+".join(scene) or "empty", scene, self.seed)
         ]
-
-
-def _subsets(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    for size in range(len(names) + 1):
-        yield from combinations(names, size)

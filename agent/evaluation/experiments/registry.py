@@ -22,12 +22,10 @@ EXPERIMENTS: Mapping[str, str] = {
 
 
 def make_experiment(name: str, options: Mapping[str, object]) -> Experiment:
-    """Return the experiment of a name.
+    """Return the experiment of a name, with the given options.
 
-    Args:
-        name: one of `EXPERIMENTS`, or "package.module:Class" for a class of your own, whose `name`
-            is the same text.
-        options: values for its fields; the others keep their defaults.
+    The name is one of `EXPERIMENTS`, or "package.module:Class" for a class of your own, whose
+    `name` is the same text.
 
     Raises:
         UnknownNameError: there is no experiment, or no option, of that name.

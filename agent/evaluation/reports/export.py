@@ -27,13 +27,7 @@ COLUMNS = ("key", "right", "kind", "principle", "found", "expected", "cpu_s")
 def write_report(
     path: Path, experiment: Experiment, cases: Sequence[Case], report: EvaluationReport
 ) -> None:
-    """Write a report in the format given by the suffix of the file name.
-
-    Args:
-        path: a file name that ends in .html, .json or .csv.
-        experiment: the experiment.
-        cases: all of its cases.
-        report: their results, in the same order.
+    """Write the report of all cases, in their order, as .html, .json or .csv.
 
     Raises:
         DataError: there is no such format.

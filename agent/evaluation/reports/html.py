@@ -27,13 +27,7 @@ COLUMNS = ("x", "accuracy", "lower", "upper", "decisions", "right", "wrong", "de
 
 @dataclass(frozen=True)
 class EmbeddedPicture:
-    """A picture that is embedded in a page.
-
-    Attributes:
-        caption: its caption.
-        data: PNG or JPEG, encoded in base64.
-        kind: "png" or "jpeg".
-    """
+    """A picture with its caption, embedded in a page as base64 of its kind ("png" or "jpeg")."""
 
     caption: str
     data: str
@@ -46,13 +40,7 @@ def render_page(
     report: EvaluationReport,
     pictures: Iterable[EmbeddedPicture] = (),
 ) -> str:
-    """Return the HTML page of a report.
-
-    Args:
-        experiment: the experiment.
-        cases: all of its cases.
-        report: their results, in the same order.
-        pictures: pictures of its scenes.
+    """Return the HTML page of the report of all cases, in their order, with pictures of scenes.
 
     Raises:
         MissingExtraError: jinja2 or matplotlib is not installed.

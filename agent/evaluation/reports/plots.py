@@ -16,11 +16,9 @@ DASHES = ("-", "--", ":", "-.")  # for lines that coincide
 
 
 def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
-    """Return the SVG element of a plot of accuracy against one quantity.
+    """Return the SVG element of a plot of accuracy against the quantity of the label.
 
-    Args:
-        label: the label of the horizontal axis.
-        lines: name -> points, each with `x`, `accuracy`, `lower` and `upper`.
+    A line is a list of points, each with `x`, `accuracy`, `lower` and `upper`.
 
     Raises:
         MissingExtraError: matplotlib is not installed.
@@ -50,9 +48,7 @@ def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
         axes.tick_params(length=0, colors="#3d4755")
         if len(lines) > 1:
             axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), frameon=False)
-        file = io.StringIO()
-        figure.savefig(
-            file, format="svg", metadata=dict.fromkeys(["Creator", "Date", "Format", "Type"])
-        )
+        file, metadata = io.StringIO(), dict.fromkeys(["Creator", "Date", "Format", "Type"])
+        figure.savefig(file, format="svg", metadata=metadata)
     svg = file.getvalue()
     return svg[svg.index("<svg") :]

@@ -18,14 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EvaluationReport:
-    """The results of a run.
-
-    Attributes:
-        name: the name of the experiment.
-        options: the options of the experiment.
-        runs: the results of its cases, in their order.
-        summary: the summary by the experiment itself.
-    """
+    """The results of an experiment with its options; `runs` are in the order of the cases."""
 
     name: str
     options: Mapping[str, object]
@@ -55,12 +48,13 @@ class EvaluationReport:
     def counts(self) -> Json:
         """Return the values that are equal in every run of the experiment."""
         kinds = Counter(result.kind for result in self.results)
+        wrong = [result for result in self.results if not result.right]
         grasps = [r.facts["right_part"] for r in self.results if "right_part" in r.facts]
         executed = [r.facts["success"] for r in self.results if "success" in r.facts]
         return {
             "name": self.name,
             "runs": len(self.results),
-            "right": sum(result.right for result in self.results),
+            "right": len(self.results) - len(wrong),
             "by_principle": self._by_principle(),
             "unique": kinds["unique"],
             "ties": kinds["tie"],
@@ -70,9 +64,7 @@ class EvaluationReport:
             "succeeded": sum(bool(each) for each in executed),
             "grasps": len(grasps),
             "right_part": sum(bool(each) for each in grasps),
-            "wrong": [
-                f"{r.key}: {r.found}; expected {r.expected}" for r in self.results if not r.right
-            ],
+            "wrong": [f"{r.key}: {r.found}; expected {r.expected}" for r in wrong],
             "seed": self.options.get("seed", 0),
             "options": dict(self.options),
             **self.summary,

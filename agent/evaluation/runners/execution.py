@@ -33,8 +33,8 @@ def make_runner(
 
     Args:
         workers: how many cases run at the same time; None is one, or all processors of a cluster.
-        ray: the address of a Ray cluster, "auto" for the one this machine belongs to, or "local"
-            to start one.
+        ray: the address of a Ray cluster, "auto" for the one of this machine, or "local" for a new
+            one.
         timeout_s: how long a case may take before its worker is killed [s].
 
     Raises:
@@ -55,7 +55,7 @@ def run_experiment(
     journal: RunJournal | None = None,
     console: Console | None = None,
 ) -> tuple[CaseRun, ...]:
-    """Run an experiment, or resume it.
+    """Run an experiment, or resume it, and return the results of all cases in their order.
 
     Args:
         experiment: the experiment.
@@ -63,9 +63,6 @@ def run_experiment(
         runner: runs the cases; None runs them in this process.
         journal: where results are written as they come; the cases it contains are not run again.
         console: where the progress is shown; None shows none.
-
-    Returns:
-        The results of all cases, in their order.
     """
     cases = experiment.cases() if cases is None else cases
     runs = dict(journal.runs) if journal else {}
@@ -99,11 +96,8 @@ def show_progress(
 ) -> Generator[Callable[[], None]]:
     """Show a progress bar during a block, which gets a function to call after each case.
 
-    Args:
-        name: the label of the bar.
-        total: number of cases.
-        finished: how many cases are finished already.
-        console: where the bar is shown; nothing is shown if it is None or not a terminal.
+    `finished` of the `total` cases are finished already. Nothing is shown if the console is None or
+    not a terminal.
     """
     if console is None or not console.is_terminal:
         yield lambda: None

@@ -18,10 +18,10 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
-from typing import IO, cast
+from typing import cast
 
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
@@ -32,14 +32,8 @@ JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
 FORMAT = 1
 
 
-class RunJournal:
-    """The journal of a run, opened for writing; use it in a `with` block.
-
-    Args:
-        folder: the folder of the run.
-        experiment: the experiment.
-        cases: all its cases.
-        resume: whether to resume a run that is in the folder.
+class RunJournal(AbstractContextManager["RunJournal"]):
+    """The journal of a run in a folder, opened for writing; use it in a `with` block.
 
     Raises:
         DataError: the folder contains a run that is not to be resumed, or another run.
@@ -54,7 +48,7 @@ class RunJournal:
     ) -> None:
         self.folder = folder
         self.runs: dict[str, CaseRun] = {}
-        header = run_header(experiment, cases)
+        header = _header(experiment, cases)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             # Unbuffered, so that no result is lost if this process is killed.
@@ -68,15 +62,7 @@ class RunJournal:
             self._file.close()
             raise
 
-    def __enter__(self) -> RunJournal:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         os.fsync(self._file.fileno())
         self._file.close()
 
@@ -86,15 +72,13 @@ class RunJournal:
         self.runs[run.result.key] = run
 
     def finish(self, cases: Sequence[Case], files: Mapping[str, Json] | None = None) -> None:
-        """Write the files of a complete run, each of them atomically.
+        """Write the results of all cases, in their order, and the files of the experiment.
 
-        Args:
-            cases: all cases, in their order.
-            files: the documents of the experiment itself, by file name.
+        Each file is written atomically.
         """
         runs = [self.runs[case.key] for case in cases]
-        lines = (to_json_line(each.result.as_json()) for each in runs)
-        _replace(self.folder / RESULTS, "".join(f"{line}\n" for line in lines))
+        lines = (f"{to_json_line(each.result.as_json())}\n" for each in runs)
+        _replace(self.folder / RESULTS, "".join(lines))
         _replace(self.folder / TIMES, _times(runs))
         for name, document in (files or {}).items():
             _replace(self.folder / name, f"{to_json_line(document)}\n")
@@ -119,10 +103,8 @@ class RunJournal:
             self._write(header)
             return
         if not resume:
-            raise DataError(
-                "contains a run already. Continue it with --resume, or name another folder.",
-                source=str(self.folder),
-            )
+            problem = "contains a run already. Continue it with --resume, or name another folder."
+            raise DataError(problem, source=str(self.folder))
         self._check(_parsed(self._path, 1, whole[0]), header)
         for number, line in enumerate(whole[1:], start=2):
             run = _read_run(self._path, number, line)
@@ -132,12 +114,9 @@ class RunJournal:
     def _check(self, found: Json, header: Json) -> None:
         for name, value in header.items():
             if found.get(name) != value:
-                raise DataError(
-                    f'belongs to another run: its "{name}" is {json.dumps(found.get(name))}, '
-                    f"not {json.dumps(value)}. Name another folder.",
-                    source=self._path,
-                    line=1,
-                )
+                values = f"{json.dumps(found.get(name))}, not {json.dumps(value)}"
+                problem = f'belongs to another run: its "{name}" is {values}. Name another folder.'
+                raise DataError(problem, source=self._path, line=1)
 
     @property
     def _path(self) -> str:
@@ -152,24 +131,21 @@ class RunJournal:
             raise StoreError(f'"{self._path}" cannot be written: {error.strerror}.') from error
 
 
-def run_header(experiment: Experiment, cases: Iterable[Case]) -> Json:
+def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
     """Return what identifies a run: the experiment, its options and its cases."""
     digest = hashlib.sha256()
-    count = 0
     for case in cases:
         digest.update(f"{to_json_line(case.as_json())}\n".encode())
-        count += 1
     return {
         "format": FORMAT,
         "experiment": experiment.name,
         "options": json.loads(to_json_line(experiment.options)),
-        "cases": count,
+        "cases": len(cases),
         "digest": digest.hexdigest(),
     }
 
 
 def _whole_lines(content: bytes) -> tuple[list[bytes], bytes]:
-    """Return the complete lines, and the incomplete last one."""
     *lines, last = content.splitlines(keepends=True) or [b""]
     return ([*lines, last], b"") if last.endswith(b"\n") else (lines, last)
 
@@ -205,7 +181,6 @@ def _times(runs: Sequence[CaseRun]) -> str:
 
 def _replace(path: Path, text: str) -> None:
     beside = path.with_name(f"{path.name}.part")
-    file: IO[str]
     with beside.open("w", encoding="utf-8", newline="\n") as file:
         file.write(text)
         file.flush()

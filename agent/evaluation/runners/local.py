@@ -33,10 +33,8 @@ class SerialRunner:
 class ProcessRunner:
     """Runs cases in a pool of processes (started by "spawn" on every platform).
 
-    Attributes:
-        workers: number of processes.
-        timeout_s: how long a case may take before its process is killed [s].
-        attempts: how often a case is started whose process dies or times out.
+    A process is killed when its case takes longer than `timeout_s` [s]. A case whose process dies
+    or times out is started `attempts` times.
     """
 
     workers: int
@@ -93,7 +91,5 @@ def _next_finished(finished: SimpleQueue[Started], pending: set[Future[list[str]
             return finished.get(timeout=START_S)
         except Empty:
             if not any(future.running() for future in pending):
-                raise WorkersError(
-                    f"No worker process has started in {START_S:g} s. "
-                    "Run with one worker to see why."
-                ) from None
+                problem = f"No worker process has started in {START_S:g} s."
+                raise WorkersError(f"{problem} Run with one worker to see why.") from None

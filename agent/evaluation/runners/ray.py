@@ -58,10 +58,8 @@ class RayRunner:
         timeout_s: float = TIMEOUT_S,
         attempts: int = ATTEMPTS,
     ) -> None:
-        self.address = address
-        self.workers = workers
-        self.timeout_s = timeout_s
-        self.attempts = attempts
+        self.address, self.workers = address, workers
+        self.timeout_s, self.attempts = timeout_s, attempts
         self._ray = _import_ray()
 
     def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
@@ -152,12 +150,12 @@ class _Run:
         """Retry the cases of a lost chunk one by one: a single case may be the cause."""
         if len(chunk.cases) > 1:
             self._retries.extend(_Chunk([case]) for case in chunk.cases)
-        elif chunk.attempts + 1 < self._cluster.attempts:
-            self._retries.append(_Chunk(chunk.cases, chunk.attempts + 1))
+            return
+        attempts = chunk.attempts + 1
+        if attempts < self._cluster.attempts:
+            self._retries.append(_Chunk(chunk.cases, attempts))
         else:
-            yield lost_case(
-                chunk.cases[0], f"{why}, {chunk.attempts + 1} times", chunk.attempts + 1
-            )
+            yield lost_case(chunk.cases[0], f"{why}, {attempts} times", attempts)
 
     def _stop_overdue(self) -> None:
         for reference, chunk in self._running.items():

@@ -21,12 +21,9 @@ Facts = Mapping[str, Sequence[Json]]
 
 
 def make_certificate(space: ScenarioSpace, facts: Facts, pinned: Json) -> Json:
-    """Return the certificate of a run.
+    """Return the certificate of a run over a space, with the settings that were used (`pinned`).
 
-    Args:
-        space: the space that was verified.
-        facts: kind of cases -> their facts, in the order of the cases.
-        pinned: the settings used.
+    `facts` maps each kind of cases to their facts, in the order of the cases.
     """
     return {
         "format": FORMAT,
@@ -52,31 +49,19 @@ def count_totals(space: ScenarioSpace, facts: Facts) -> Json:
     A rule state is a way to teach the cells of one affordance, with a scene; its outcome is that
     there is no right choice, a unique one, or ties.
     """
+    choices = cast("Sequence[dict[str, int]]", facts.get("choices", ()))
     counted = {
         "words": len(space.cells) * len(LEVELS) + len(space.commands()) + 2 ** len(space.objects),
         "scores": len(space.cells) * (space.full + 1),
-        "choices": sum(_count(block, outcome) for block in _choices(facts) for outcome in OUTCOMES),
+        "choices": sum(block[outcome] for block in choices for outcome in OUTCOMES),
         "grasps": len(space.objects) * len(CONTEXTS) * (space.full + 1) ** 2,
     }
     return {
         "cases": counted | {"all": sum(counted.values())},
         "situations": 2 ** len(space.objects) * len(space.commands()),
         "rules": len(space.cells) * len(LEVELS),
-        "rule_states": {outcome: _states(space, facts, outcome) for outcome in OUTCOMES},
+        "rule_states": {  # m levels can be any m non-zero codes
+            outcome: sum(block[outcome] * comb(space.full, block["levels"]) for block in choices)
+            for outcome in OUTCOMES
+        },
     }
-
-
-def _choices(facts: Facts) -> Sequence[Json]:
-    return facts.get("choices", ())
-
-
-def _count(block: Json, outcome: str) -> int:
-    return cast("int", block[outcome])
-
-
-def _states(space: ScenarioSpace, facts: Facts, outcome: str) -> int:
-    """Return the number of rule states with an outcome: m levels can be any m non-zero codes."""
-    return sum(
-        _count(block, outcome) * comb(space.full, cast("int", block["levels"]))
-        for block in _choices(facts)
-    )

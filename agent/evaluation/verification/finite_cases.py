@@ -8,11 +8,13 @@ as bit masks.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import astuple
 from functools import cached_property
 
 from ....inference.evidence import Operators
 from ....inference.types import Candidate, Target
+from ....kb.interval import VACUOUS
 from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....nlu.language import Language
 from ....nlu.semantics import meaning
@@ -38,11 +40,7 @@ FINDING = "pointTo"  # the action that only finds an object
 
 
 class TaughtSpace:
-    """A space of learning scenarios, with the language that teaches them.
-
-    Args:
-        space: the space.
-    """
+    """A space of learning scenarios, with the language that teaches them."""
 
     def __init__(self, space: ScenarioSpace) -> None:
         self.space = space
@@ -97,12 +95,7 @@ def check_words(taught_space: TaughtSpace) -> CheckResult:
     """Check the rules of all sentences, the goals of all commands, and perception of all scenes."""
     space = taught_space.space
     taught = [
-        [
-            space.sentence(*key),
-            space.index[Cell.from_rule(rule)],
-            rule.interval.lower,
-            rule.interval.upper,
-        ]
+        [space.sentence(*key), space.index[Cell.from_rule(rule)], *astuple(rule.interval)]
         for key, rule in taught_space.rules.items()
     ]
     asked = [_command(taught_space, text) for text, *_ in space.commands()]
@@ -111,10 +104,9 @@ def check_words(taught_space: TaughtSpace) -> CheckResult:
         [space.sentence(cell, level), space.index[cell], CONFIDENCES[level], 1.0]
         for cell, level in taught_space.rules
     ]
-    wrong = _differences(taught, wanted) + _differences(
-        asked, [list(each) for each in space.commands()]
-    )
-    wrong += _differences(seen, range(len(seen)))
+    commands = [list(each) for each in space.commands()]
+    pairs = ((taught, wanted), (asked, commands), (seen, range(len(seen))))
+    wrong = [line for found, right in pairs for line in differences(found, right)]
     return {"sentences": taught, "commands": asked, "scenes": seen}, wrong
 
 
@@ -137,7 +129,8 @@ def _seen(space: ScenarioSpace, mask: int) -> int:
     return space.mask([percept.object for percept in found if percept.confidence == 1.0])
 
 
-def _differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
+def differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
+    """Return a line for each pair of items that differ."""
     pairs = zip(found, wanted, strict=True)
     return [f"{one}, not {other}" for one, other in pairs if one != other]
 
@@ -152,19 +145,16 @@ def check_scores(taught_space: TaughtSpace, shift: int) -> CheckResult:
     Each score must be the same, to the last bit, with all objects in the scene and if only its own
     cell was taught; and evaluating its proof again must give the same interval.
     """
+    cells, objects = taught_space.space.cells, taught_space.space.objects
     codes = taught_space.space.shifted(shift)
     with taught_space.taught_agent(codes) as taught:
-        found = [_score(taught_space, taught, cell) for cell in taught_space.space.cells]
-        in_full_scene = [
-            _score_in_full_scene(taught_space, taught, cell) for cell in taught_space.space.cells
-        ]
+        found = [_score(taught_space, taught, cell) for cell in cells]
+        full = [_candidate_of(cell, _decide(taught, cell, objects)) for cell in cells]
     wrong: list[str] = []
-    for cell, code, (candidate, row), other in zip(
-        taught_space.space.cells, codes, found, in_full_scene, strict=True
-    ):
+    for cell, code, (candidate, row), other in zip(cells, codes, found, full, strict=True):
         with taught_space.agent_taught_cell(cell, code) as taught:
             alone, _ = _score(taught_space, taught, cell)
-        is_same = _interval(candidate) == _interval(other) == _interval(alone)
+        is_same = _bounds(candidate) == _bounds(other) == _bounds(alone)
         if not is_same or row[0] != belief(code) or not _is_proof_valid(candidate):
             wrong.append(f"{cell} at code {code} has {row}")
     return {"rows": [row for _, row in found]}, wrong
@@ -180,20 +170,8 @@ def _score(
     if candidate is None:
         return None, [*NOT_CONCLUDED, 0, read]
     based_on = taught_space.cell_mask(Cell.from_rule(rule) for rule in candidate.rules)
-    interval = candidate.interval
-    numbers = (interval.lower, interval.upper, candidate.certainty)
-    return candidate, [
-        *(round(n, DIGITS) for n in numbers),
-        int(candidate.accepted),
-        based_on,
-        read,
-    ]
-
-
-def _score_in_full_scene(
-    taught_space: TaughtSpace, taught: TaughtAgent, cell: Cell
-) -> Candidate | None:
-    return _candidate_of(cell, _decide(taught, cell, taught_space.space.objects))
+    numbers = [round(n, DIGITS) for n in (*_bounds(candidate), candidate.certainty)]
+    return candidate, [*numbers, int(candidate.accepted), based_on, read]
 
 
 def _decide(taught: TaughtAgent, cell: Cell, scene: Sequence[str]) -> TracedDecision:
@@ -213,17 +191,16 @@ def _candidate_of(cell: Cell, decided: TracedDecision) -> Candidate | None:
     return found[0] if found and found[0].rules else None
 
 
-def _interval(candidate: Candidate | None) -> tuple[float, float]:
-    interval = candidate.interval if candidate else None
-    return (interval.lower, interval.upper) if interval else (0.0, 1.0)
+def _bounds(candidate: Candidate | None) -> tuple[float, float]:
+    interval = candidate.interval if candidate else VACUOUS
+    return interval.lower, interval.upper
 
 
 def _is_proof_valid(candidate: Candidate | None) -> bool:
     """Whether evaluating the proof again gives the interval of the candidate."""
     if candidate is None:
         return True
-    again = candidate.proof.evaluate(Operators())
-    return (again.lower, again.upper) == _interval(candidate)
+    return candidate.proof.evaluate(Operators()) == candidate.interval
 
 
 # --- Grasps ------------------------------------------------------------------------------------
@@ -234,9 +211,8 @@ def check_grasps(taught_space: TaughtSpace, first: int) -> CheckResult:
 
     A row contains the bit mask of the acceptable parts for each object and context.
     """
-    rows = [
-        _grasp_row(taught_space, first, second) for second in range(taught_space.space.full + 1)
-    ]
+    codes = range(taught_space.space.full + 1)
+    rows = [_grasp_row(taught_space, first, second) for second in codes]
     wrong = [
         f"codes {first} and {second} give {mask}"
         for second, row in enumerate(rows)
@@ -254,14 +230,11 @@ def _grasp_row(taught_space: TaughtSpace, first: int, second: int) -> list[int]:
         for cell in space.cells
     ]
     with taught_space.taught_agent(codes) as taught:
-        return list(_grasped(space, taught))
-
-
-def _grasped(space: ScenarioSpace, taught: TaughtAgent) -> Iterator[int]:
-    for name in space.objects:
-        for context in CONTEXTS:
-            decided = taught.decide(context, Target(object=name), [name])
-            yield parts_mask(space, name, decided)
+        return [
+            parts_mask(space, name, taught.decide(context, Target(object=name), [name]))
+            for name in space.objects
+            for context in CONTEXTS
+        ]
 
 
 def parts_mask(space: ScenarioSpace, name: str, decided: TracedDecision) -> int:

@@ -21,15 +21,9 @@ from ....kb.rule import Rule
 from ...agent import Agent
 from ...config import AgentConfig
 from ..scenarios import ACTIONS, CONTEXTS
-from .finite_cases import CheckResult, TaughtSpace, highest_codes, parts_mask
+from .finite_cases import CheckResult, TaughtSpace, differences, highest_codes, parts_mask
 from .space import CONFIDENCES, Cell, Codes, ScenarioSpace, code_of
-from .taught_agent import (
-    GraphStatement,
-    TaughtAgent,
-    TracedDecision,
-    acceptable_candidates,
-    belief_statements,
-)
+from .taught_agent import GraphStatement, TaughtAgent, acceptable_candidates, belief_statements
 
 
 def scenario_codes(space: ScenarioSpace, seed: int) -> Codes:
@@ -46,13 +40,12 @@ def check_teaching(taught_space: TaughtSpace, seed: int) -> CheckResult:
     shuffled = rng.sample(once, len(once))
     doubled = rng.sample(once * 2, len(once) * 2)
     bases = [_teach(sentences) for sentences in (once, shuffled, doubled)]
-    held = [list(_read_back(space, rules)) for rules, _ in bases]
+    held = [_read_back(space, rules) for rules, _ in bases]
     wrong = [f"{codes} is read back as {each}" for each in held if each != list(codes)]
     if not bases[0] == bases[1] == bases[2]:
         wrong.append("the beliefs depend on the order of teaching")
-    if bases[0][1] != frozenset[GraphStatement]().union(
-        *(taught_space.statements_of(each) for each in once)
-    ):
+    apart = (taught_space.statements_of(each) for each in once)
+    if bases[0][1] != frozenset[GraphStatement]().union(*apart):
         wrong.append("the beliefs are not the union of the beliefs from each sentence")
     return {"codes": codes, "held": held, "told": [len(once), len(shuffled), len(doubled)]}, wrong
 
@@ -66,12 +59,12 @@ def _teach(sentences: Sequence[str]) -> tuple[frozenset[Rule], frozenset[GraphSt
         return rules, belief_statements(agent.base)
 
 
-def _read_back(space: ScenarioSpace, rules: frozenset[Rule]) -> Iterator[int]:
+def _read_back(space: ScenarioSpace, rules: frozenset[Rule]) -> list[int]:
     names = {(number, 1.0): level for level, number in CONFIDENCES.items()}
     levels: dict[Cell, list[str]] = {cell: [] for cell in space.cells}
     for rule in rules:
         levels[Cell.from_rule(rule)].append(names[rule.interval.lower, rule.interval.upper])
-    yield from (code_of(levels[cell]) for cell in space.cells)
+    return [code_of(levels[cell]) for cell in space.cells]
 
 
 def check_situations(taught_space: TaughtSpace, seed: int, action: int) -> CheckResult:
@@ -85,7 +78,7 @@ def check_situations(taught_space: TaughtSpace, seed: int, action: int) -> Check
     with taught_space.taught_agent(codes) as taught:
         lines = list(_lines(taught_space, taught, list(ACTIONS)[action]))
     truth = [_expected_line(space, codes, list(ACTIONS)[action], *line[:2]) for line in lines]
-    wrong = [f"{one}, not {other}" for one, other in zip(lines, truth, strict=True) if one != other]
+    wrong = differences(lines, truth)
     text = "".join(f"{' '.join(map(str, line))}\n" for line in lines)
     counts = [sum(min(line[2].bit_count(), 2) == n for line in lines) for n in range(3)]
     facts = {"codes": codes, "none": counts[0], "unique": counts[1], "ties": counts[2]}
@@ -100,14 +93,9 @@ def _lines(taught_space: TaughtSpace, taught: TaughtAgent, action: str) -> Itera
     for mask in range(2 ** len(space.objects)):
         for number, affordance in enumerate(space.affordances):
             decided = taught.decide(action, Target(used_for=affordance), space.scene(mask))
-            yield mask, number, *_outcome(taught_space, decided)
-
-
-def _outcome(taught_space: TaughtSpace, decided: TracedDecision) -> tuple[int, int, int]:
-    space = taught_space.space
-    names = [each.object for each in acceptable_candidates(decided.object)]
-    parts = parts_mask(space, names[0], decided) if names else 0
-    return space.mask(names), parts, taught_space.cell_mask(decided.read)
+            names = [each.object for each in acceptable_candidates(decided.object)]
+            parts = parts_mask(space, names[0], decided) if names else 0
+            yield mask, number, space.mask(names), parts, taught_space.cell_mask(decided.read)
 
 
 def _expected_line(

@@ -56,12 +56,9 @@ class Cell:
 
 @dataclass(frozen=True)
 class ScenarioSpace:
-    """The objects, affordances and parts about which rules can be taught.
+    """The objects (in the order of every scene), affordances and parts that rules are about.
 
-    Attributes:
-        objects: the objects, in the order of every scene.
-        affordances: the affordances.
-        parts: object -> its two parts.
+    Each object has two parts.
     """
 
     objects: tuple[str, ...]
@@ -80,13 +77,9 @@ class ScenarioSpace:
     @cached_property
     def cells(self) -> tuple[Cell, ...]:
         """All cells: those of affordances by object, then those of grasps."""
-        functional = [Cell(name, each) for name in self.objects for each in self.affordances]
-        grasps = [
-            Cell(name, part, context)
-            for name in self.objects
-            for context in CONTEXTS
-            for part in self.parts[name]
-        ]
+        functional = (Cell(name, each) for name in self.objects for each in self.affordances)
+        held = ((name, context) for name in self.objects for context in CONTEXTS)
+        grasps = (Cell(name, part, context) for name, context in held for part in self.parts[name])
         return (*functional, *grasps)
 
     @cached_property

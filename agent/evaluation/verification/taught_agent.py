@@ -14,9 +14,9 @@ alike in all learning scenarios that agree on R and teach something about the sa
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, fields
 from functools import cache
-from types import TracebackType
 from typing import TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
@@ -43,7 +43,6 @@ PROVENANCE = (DERIVED_FROM, GENERATED_AT)
 _objects = cache(lambda: load_household().objects)
 _actions = cache(load_actions)
 
-
 STATED = frozenset({"interval", "speaker", "utterance", "time", "status", "trust", "id", "support"})
 
 
@@ -60,14 +59,7 @@ class TracingRule(Rule):
 
 
 class TracingSource:
-    """A source of rules that records which cells are read.
-
-    Args:
-        source: the source of the rules.
-
-    Attributes:
-        read: the cells read since this set was last cleared.
-    """
+    """A source of rules that records in `read` which cells are read."""
 
     def __init__(self, source: RuleSource) -> None:
         self.source = source
@@ -80,13 +72,12 @@ class TracingSource:
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """Return the rules of the source as tracing rules."""
-        return [self._tracing_rule(rule) for rule in self.source.rules_at_nodes(nodes)]
-
-    def _tracing_rule(self, rule: Rule) -> Rule:
-        values = {each.name: getattr(rule, each.name) for each in fields(Rule)}
-        tracing = TracingRule(**values)
-        tracing.__dict__["record"] = self.read
-        return tracing
+        found: list[Rule] = []
+        for rule in self.source.rules_at_nodes(nodes):
+            tracing = TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
+            tracing.__dict__["record"] = self.read
+            found.append(tracing)
+        return found
 
 
 @dataclass(frozen=True)
@@ -104,44 +95,28 @@ class TracedDecision:
     read: frozenset[Cell]
 
 
-class TaughtAgent:
+class TaughtAgent(AbstractContextManager["TaughtAgent"]):
     """An agent with a knowledge base of given rules; close it after use."""
 
     def __init__(self, rules: Iterable[Rule]) -> None:
         self.base = open_base("memory:")
         self.base.believe("", "", DEFAULT_SPEAKER, rules)
         self._source = TracingSource(self.base)
-        self._affordances = Affordances(
-            self._source, Settings.load(), Taxonomy.from_base(self.base)
-        )
+        taxonomy = Taxonomy.from_base(self.base)
+        self._affordances = Affordances(self._source, Settings.load(), taxonomy)
 
     def decide(self, action: str, target: Target, scene: Sequence[str]) -> TracedDecision:
-        """Decide about a command, with perfect detection of the scene.
-
-        Args:
-            action: the action tree ("pass").
-            target: the target of the command.
-            scene: the objects on the table.
-        """
+        """Decide about a command, with perfect detection of the objects in the scene."""
         things = Scene(tuple(Placement(name, name) for name in scene), seed=0)
-        manager = GoalManager(
-            _actions(), self._affordances, PerfectVision(things, _objects()), motion=None
-        )
+        vision = PerfectVision(things, _objects())
+        manager = GoalManager(_actions(), self._affordances, vision, motion=None)
         self._source.read.clear()
         result = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER))
         read = frozenset(self._source.read)
         found: Decision | None = result.decision
         return TracedDecision(found and found.object, found and found.part, read)
 
-    def __enter__(self) -> TaughtAgent:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.base.close()
 
 

@@ -34,11 +34,7 @@ NO_RULE = Proof("unknown", VACUOUS)
 
 
 class OpaqueScore:
-    """A score that can only be compared with others.
-
-    Args:
-        level: its rank; higher is better.
-    """
+    """A score that can only be compared with others; a higher level is better."""
 
     __slots__ = ("_key",)
 
@@ -75,11 +71,7 @@ class OpaqueScore:
 
 @dataclass(frozen=True)
 class OpaqueOperators(Operators):
-    """The operators, with opaque scores as ranks of intervals.
-
-    Attributes:
-        scores: interval -> its score.
-    """
+    """The operators, with opaque scores as ranks of intervals."""
 
     scores: Mapping[Interval, OpaqueScore] = field(default_factory=dict[Interval, OpaqueScore])
 
@@ -164,12 +156,7 @@ def _surjections(places: int, levels: int, used: frozenset[int]) -> Iterator[tup
 
 
 class _Chooser:
-    """The choice at a find node among candidates that differ only in their score.
-
-    Args:
-        objects: number of objects.
-        levels: number of different scores.
-    """
+    """The choice at a find node among objects that differ only in their score, one of `levels`."""
 
     def __init__(self, objects: int, levels: int) -> None:
         # The intervals only identify scores: nothing reads them. Candidates without a rule get
@@ -189,10 +176,8 @@ class _Chooser:
             for row, how in zip(self._candidates, standing, strict=True)
             if how != ABSENT
         ]
-        return sum(
-            self._bits[id(each)]
-            for each in acceptable_candidates(self._decision.ranked(candidates))
-        )
+        chosen = acceptable_candidates(self._decision.ranked(candidates))
+        return sum(self._bits[id(each)] for each in chosen)
 
 
 def _candidate(proof: Proof) -> Candidate:
