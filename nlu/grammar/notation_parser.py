@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import reduce
 from pathlib import Path
-from typing import Literal, cast
+from typing import Literal, cast, get_args
 
 from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
@@ -47,7 +47,8 @@ def parse(field: Field, start: Start) -> Value:
         # Lark declares that it returns a tree, but it returns what `_Builder` makes.
         return cast("Value", _PARSER.parse(text, start=start))
     except UnexpectedInput as error:
-        offset = _offset(text, error)
+        at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
+        offset = len(text) if at_end else error.pos_in_stream or 0
         rest = text[offset : offset + 12]
         found = f'"{rest}"' if rest else "the end"
         raise DataError(
@@ -103,21 +104,14 @@ _PARSER = Lark(
     parser="lalr",
     transformer=_Builder(),
     maybe_placeholders=False,
-    start=["entry", "unary", "rule", "category", "term", "type"],
+    start=list(get_args(Start)),
 )
 
 
-def _offset(text: str, error: UnexpectedInput) -> int:
-    at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
-    return len(text) if at_end else error.pos_in_stream or 0
-
-
 def _expected(before: str, start: Start) -> str:
-    """The terminals that may follow the correct beginning of a text, in words."""
     parser = _PARSER.parse_interactive(before, start=start)
     parser.exhaust_lexer()
-    return " or ".join(sorted(map(_shown, parser.accepts())))
-
-
-def _shown(terminal: str) -> str:
-    return _SHOWN.get(terminal) or f'"{_PARSER.get_terminal(terminal).pattern.value}"'
+    following = parser.accepts()
+    return " or ".join(
+        sorted(_SHOWN.get(t) or f'"{_PARSER.get_terminal(t).pattern.value}"' for t in following)
+    )

@@ -120,13 +120,6 @@ def compose(outer: Value, inner: Value) -> Value:
     return lambda argument: outer(inner(argument))
 
 
-def apply_all(function: Term, *arguments: Term) -> Term:
-    """A function applied to several arguments, one after the other."""
-    for argument in arguments:
-        function = Apply(function, argument)
-    return function
-
-
 def replace_constants(term: Term, names: Mapping[str, str]) -> Term:
     """The term with constants renamed, as the templates of verbs and nouns need it."""
     match term:

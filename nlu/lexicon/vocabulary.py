@@ -86,12 +86,3 @@ def household_vocabulary(objects: Mapping[str, ObjectType] | None = None) -> Voc
         properties=tuple(sorted(properties)),
         people=("sam",),
     )
-
-
-def vocabulary_of(words: tuple[NewWord, ...]) -> Vocabulary:
-    """Learned words as a vocabulary."""
-
-    def named(role: str) -> tuple[str, ...]:
-        return tuple(word.word for word in words if word.role == role)
-
-    return Vocabulary(named("object"), named("part"), named("affordance"), named("context"))
