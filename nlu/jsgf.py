@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Grammar of a language for speech recognisers, in the JSpeech Grammar Format (W3C 2000).
 
-It has the sentences that Hilt itself would use, with every name in every place where it may stand,
-so whatever a recogniser hears by it is understood. Hilt understands much more than that.
+It has the sentences that Hilt itself generates, with every name in every slot that it fits, so that
+every text that a recogniser finds with it is understood. Hilt understands many other texts, too.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
+from .generation.templates import SLOT
 from .language import Language
 
 HEADER = "#JSGF V1.0 UTF-8;\ngrammar hilt;\n"
 
-_SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 _SILENT = re.compile(r"[.,?!]")
 
 # Names come from the entries of the lexicon: the rule, and the categories of its entries.
@@ -50,7 +50,7 @@ _FILLED: Mapping[str, str] = {
     "command": "<act> <target>",
 }
 
-# What is done, by how the name of a command's sentence begins; any act else.
+# The acts of a command, by the first word of its shape; of all other shapes any act.
 _ACTS: Mapping[str, str] = {"give": "<giving>", "patient": "<tool_act>"}
 
 
@@ -60,11 +60,15 @@ def grammar_of(language: Language) -> str:
     kinds = ("rule", "command", "question", "reply")
     lines = [HEADER, f"public <utterance> = {_either(f'<{kind}>' for kind in kinds)};"]
     rules = [sections["rules"][key] for key in ("functional", "action")]
+    replies = (*sections["replies"].values(), sections["rules"]["last_taken_back"])
     lines += [
         _rule("rule", map(_filled, rules)),
         _rule("command", _commands(sections["commands"])),
         _rule("question", map(_filled, sections["questions"].values())),
-        _rule("reply", map(_filled, (*sections["replies"].values(), _last(sections["rules"])))),
+        _rule(
+            "reply",
+            map(_filled, replies),
+        ),
         _rule("target", _targets(sections["targets"])),
         _rule(
             "often", sorted(word for each in language.builder.qualifiers.values() for word in each)
@@ -80,8 +84,7 @@ def grammar_of(language: Language) -> str:
 
 def _commands(templates: Mapping[str, str]) -> Iterator[str]:
     for shape, text in templates.items():
-        act = next((rule for kind, rule in _ACTS.items() if shape.startswith(kind)), "<act>")
-        yield _filled(text).replace("<act>", act)
+        yield _filled(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
 
 
 def _targets(templates: Mapping[str, str]) -> Iterator[str]:
@@ -89,10 +92,6 @@ def _targets(templates: Mapping[str, str]) -> Iterator[str]:
         # Something that has no property at all would be anything.
         filled = _filled(text)
         yield filled.replace("[<property>]", "<property>") if shape == "props" else filled
-
-
-def _last(rules: Mapping[str, str]) -> str:
-    return rules["last_taken_back"]
 
 
 def _tools(language: Language) -> Iterator[str]:
@@ -103,7 +102,7 @@ def _filled(template: str) -> str:
     def slot(found: re.Match[str]) -> str:
         return _FILLED.get(f"{found[1]}:{found[2]}") or _FILLED[found[1]]
 
-    return " ".join(_SILENT.sub(" ", _SLOT.sub(slot, template)).split())
+    return " ".join(_SILENT.sub(" ", SLOT.sub(slot, template)).split())
 
 
 def _names(language: Language, kinds: frozenset[str]) -> list[str]:

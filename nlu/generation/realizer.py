@@ -7,14 +7,13 @@ parts of it are filled. Articles, plurals and verbs come from the inflection and
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import MappingProxyType
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import read_yaml
 from ..semantics.meaning import (
     ANY_OBJECT,
     Acknowledgement,
@@ -29,11 +28,9 @@ from ..semantics.meaning import (
     Statement,
     ToolCommand,
 )
-from .templates import AnswerTemplates
+from .templates import SLOT, AnswerTemplates
 
 SECTIONS = ("rules", "targets", "commands", "questions", "replies")
-
-_SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 
 
 @dataclass(frozen=True)
@@ -43,9 +40,9 @@ class Realizer:
     Attributes:
         sentences: by section, and by the shape of the meaning.
         answers: how things and acts are called.
-        words: the usual word for each confidence; none for the one that needs no word.
+        words: the usual word for each confidence, empty for the default one.
         uses: the affordance that each act with a tool needs.
-        giving: the act that is done for somebody.
+        giving: the act that has a recipient.
     """
 
     sentences: Mapping[str, Mapping[str, str]]
@@ -120,13 +117,8 @@ class Realizer:
         return self._say("commands", "negated part" if "part" in slots else "negated", command=text)
 
     def _target(self, target: ObjectReference) -> str:
-        slots = _given(
-            {
-                "object": target.object,
-                "used_for": target.used_for,
-                "not_used_for": target.not_used_for,
-            }
-        )
+        names = ("object", "used_for", "not_used_for")
+        slots = _given({name: getattr(target, name) for name in names})
         (shape,) = slots
         if target.object == ANY_OBJECT:
             shape = "props"
@@ -142,7 +134,7 @@ class Realizer:
         templates = self.sentences[section]
         if shape not in templates:
             raise UnknownNameError(f"sentence among the {section}", shape, templates)
-        text = _SLOT.sub(lambda found: self._slot(slots[found[1]], found[2]), templates[shape])
+        text = SLOT.sub(lambda found: self._slot(slots[found[1]], found[2]), templates[shape])
         return " ".join(text.split()).replace(" ,", ",") if text.strip(" .") else text
 
     def _slot(self, value: str, form: str | None) -> str:
@@ -156,22 +148,15 @@ def load_realizer(
 ) -> Realizer:
     """Load the sentences of a language.
 
-    Args:
-        path: the YAML file.
-        answers: how things and acts are called.
-        words: the usual word for each confidence.
-        uses: the affordance that each act with a tool needs.
-
     Raises:
         DataError: the file is not as expected; says where.
     """
     sections = read_yaml(path).entries(required=SECTIONS, optional=())
-    sentences = {name: _texts(field) for name, field in sections.items()}
+    sentences = {
+        name: MappingProxyType({key: each.text() for key, each in field.entries().items()})
+        for name, field in sections.items()
+    }
     return Realizer(MappingProxyType(sentences), answers, words, uses)
-
-
-def _texts(field: Field) -> Mapping[str, str]:
-    return MappingProxyType({key: each.text() for key, each in field.entries().items()})
 
 
 def _given(slots: Mapping[str, str | None]) -> dict[str, str]:

@@ -25,19 +25,15 @@ Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
 MOST_OF_NEVER = 0.1
 """The upper bound up to which a rule is said to hold never, and above it seldom."""
 
-_SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
+SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
+"""A slot of a template: its name, and its form if it asks for one."""
 _LISTED = frozenset({"list", "things", "quotes", "names"})
 _SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _LISTED
 
 
 @dataclass(frozen=True)
 class AnswerTemplate:
-    """The template of one answer.
-
-    Attributes:
-        slots: the names that it is filled with.
-        say: the text, with `{slot}` or `{slot:form}`.
-    """
+    """The text of one answer, with `{slot}` or `{slot:form}`, and the names of its slots."""
 
     slots: tuple[str, ...]
     say: str
@@ -91,7 +87,7 @@ class AnswerTemplates:
     tool_acts: Mapping[str, str]
 
     def say(self, key: str, **slots: Slot) -> str:
-        """Return an answer with its slots filled; its first letter is a capital.
+        """Return an answer with its slots filled, beginning with a capital letter.
 
         Raises:
             UnknownNameError: there is no such answer, or a slot is missing or one too many.
@@ -103,11 +99,7 @@ class AnswerTemplates:
         return text[:1].upper() + text[1:]
 
     def slots(self, key: str) -> tuple[str, ...]:
-        """The names of the slots of an answer.
-
-        Raises:
-            UnknownNameError: there is no such answer.
-        """
+        """The names of the slots of an answer; `UnknownNameError` if there is no such answer."""
         if key not in self.answers:
             raise UnknownNameError("answer", key, self.answers)
         return self.answers[key].slots
@@ -148,7 +140,7 @@ class AnswerTemplates:
 
     def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
         """Fill the slots of a template."""
-        return _SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
+        return SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
 
     def _form(self, value: Slot, form: str | None) -> str:
         forms: Mapping[str, Callable[[str], str]] = {
@@ -195,13 +187,13 @@ def load_answers(
 def _answer(field: Field) -> AnswerTemplate:
     parts = field.entries(required=("slots", "say"), optional=())
     slots, say = parts["slots"].texts(), parts["say"].text()
-    for name, form in _SLOT.findall(say):
+    for name, form in SLOT.findall(say):
         if name not in slots:
             raise parts["say"].fail(f'uses "{name}", but the slots are {", ".join(slots)}.')
         if form and form not in _SLOT_FORMS:
             known = ", ".join(sorted(_SLOT_FORMS))
             raise parts["say"].fail(f'there is no form "{form}"; expected one of {known}.')
-    unused = {*slots} - {name for name, _ in _SLOT.findall(say)}
+    unused = {*slots} - {name for name, _ in SLOT.findall(say)}
     if unused:
         raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
     return AnswerTemplate(slots, say)

@@ -33,19 +33,14 @@ class AtomicCategory:
 
 @dataclass(frozen=True, slots=True)
 class Functor:
-    """A category that gives `result` once it has found `argument`.
-
-    Attributes:
-        result: what comes out.
-        argument: what is sought.
-        forward: whether it is sought to the right.
-        composes: whether the slash allows harmonic composition.
-    """
+    """A category that gives `result` once it has found `argument`."""
 
     result: Category
     argument: Category
     forward: bool
+    """Whether the argument is sought to the right."""
     composes: bool = False
+    """Whether the slash allows harmonic composition."""
 
     def __str__(self) -> str:
         slash = ("/" if self.forward else "\\") + ("^" if self.composes else "")
@@ -56,11 +51,7 @@ Category: TypeAlias = AtomicCategory | Functor
 
 
 def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
-    """The type of the meanings that a category has.
-
-    Args:
-        category: the category.
-        atoms: the type of each atom, by name.
+    """The type of the meanings of a category, from the type of each atom by name.
 
     Raises:
         KeyError: an atom is not known; its only argument is the name.
@@ -68,11 +59,6 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
     if isinstance(category, AtomicCategory):
         return atoms[category.name]
     return FunctionType(type_of(category.argument, atoms), type_of(category.result, atoms))
-
-
-def sought(category: Category) -> Category | None:
-    """What the category still needs next, None for an atom."""
-    return category.argument if isinstance(category, Functor) else None
 
 
 def _bracketed(category: Category) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from enum import Enum
-from functools import cached_property
+from functools import cache, cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
 from .categories import AtomicCategory, Category, Functor
@@ -46,17 +46,12 @@ class _Way(NamedTuple):
 
 
 class ConstructionWords(NamedTuple):
-    """What a category has to do with the words of constructions.
-
-    Attributes:
-        is_words: it stands for certain words, and nothing else.
-        needs: the signs of the words that it takes as arguments.
-        changes: the same of each category that it may change to.
-    """
+    """Whether a category stands only for certain words of constructions, and which it takes."""
 
     is_words: bool
     needs: frozenset[Sign]
     changes: tuple[frozenset[Sign], ...]
+    """The words that each category takes to which it may change."""
 
 
 _NOWHERE = _Way(None, -1, -1, False)
@@ -67,7 +62,14 @@ MAX_REMEMBERED = 20_000
 
 
 class Combinator:
-    """The table of what combines to what; it grows with use, up to `MAX_REMEMBERED` entries."""
+    """The table of what combines to what; it grows with use, up to `MAX_REMEMBERED` entries.
+
+    Attributes:
+        turn: what the category of a sign has to do with the words of constructions.
+        changes: the signs that a sign may become without a neighbour, each with its rule.
+        combine: all that two neighbouring signs give, each with its rule.
+        join: all that two neighbouring cells give: (result, left, right, rule).
+    """
 
     def __init__(self, unary: Iterable[Unary]) -> None:
         self._changes: dict[Category, list[Unary]] = {}
@@ -77,29 +79,24 @@ class Combinator:
         # For each sign the plain sign of its category, and of what it seeks and gives, if anything.
         self._plain: list[Sign] = []
         self._ways: list[_Way] = []
-        self._pairs: dict[tuple[Sign, Sign], tuple[tuple[Sign, Combination], ...]] = {}
-        self._cells: dict[tuple[tuple[Sign, ...], tuple[Sign, ...]], tuple[Joined, ...]] = {}
-        self._unary: dict[Sign, tuple[tuple[Sign, Unary], ...]] = {}
-        self._turns: dict[Sign, ConstructionWords] = {}
+        self.turn = cache(self._turn)
+        self.changes = cache(self._changed)
+        self.combine = lru_cache(MAX_REMEMBERED)(self._combined)
+        self.join = lru_cache(MAX_REMEMBERED)(self._joined)
         for change in unary:
             self.add(change)
 
     def add(self, change: Unary) -> None:
-        """Know one more change of category."""
+        """Add a change of category that needs no word."""
         known = self._changes.setdefault(change.source, [])
         if change not in known:
             known.append(change)
-            self._unary.clear()
-            self._turns.clear()
+            self.turn.cache_clear()
+            self.changes.cache_clear()
             self.__dict__.pop("wanted_by_changes", None)
 
     def sign(self, category: Category, origin: Combination | None = None) -> Sign:
-        """The number of a category that came out of a rule.
-
-        Args:
-            category: the category.
-            origin: the composition that gave it, None for everything else.
-        """
+        """The number of a category, of a composed one together with its composition."""
         number = self._numbers.get((category, origin))
         if number is None:
             number = self._numbers[category, origin] = len(self._categories)
@@ -117,20 +114,15 @@ class Combinator:
         """The category that a number stands for."""
         return self._categories[sign]
 
-    def turn(self, sign: Sign) -> ConstructionWords:
-        """What a category has to do with the words of constructions."""
-        found = self._turns.get(sign)
-        if found is None:
-            category = self._categories[sign]
-            is_words = isinstance(category, AtomicCategory) and category.is_words
-            changes = (self._needs(change.target) for change in self._changes.get(category, ()))
-            found = ConstructionWords(is_words, self._needs(category), tuple(changes))
-            self._turns[sign] = found
-        return found
+    def _turn(self, sign: Sign) -> ConstructionWords:
+        category = self._categories[sign]
+        is_words = isinstance(category, AtomicCategory) and category.is_words
+        changes = (self._needs(change.target) for change in self._changes.get(category, ()))
+        return ConstructionWords(is_words, self._needs(category), tuple(changes))
 
     @cached_property
     def wanted_by_changes(self) -> frozenset[Sign]:
-        """The words that a category seeks which something else changed to."""
+        """The words that the targets of changes of category seek."""
         return frozenset(
             need
             for source, changes in self._changes.items()
@@ -142,29 +134,11 @@ class Combinator:
     def _needs(self, category: Category) -> frozenset[Sign]:
         return frozenset(self.sign(each) for each in _words_sought(category))
 
-    def changes(self, sign: Sign) -> tuple[tuple[Sign, Unary], ...]:
-        """What a category may become without a neighbour."""
-        found = self._unary.get(sign)
-        if found is None:
-            category = self._categories[sign]
-            found = tuple(
-                (self.sign(rule.target), rule) for rule in self._changes.get(category, ())
-            )
-            self._unary[sign] = found
-        return found
+    def _changed(self, sign: Sign) -> tuple[tuple[Sign, Unary], ...]:
+        rules = self._changes.get(self._categories[sign], ())
+        return tuple((self.sign(rule.target), rule) for rule in rules)
 
-    def join(self, left: tuple[Sign, ...], right: tuple[Sign, ...]) -> tuple[Joined, ...]:
-        """All that two neighbouring cells give: (result, left, right, rule)."""
-        key = (left, right)
-        found = self._cells.get(key)
-        if found is None:
-            if len(self._cells) >= MAX_REMEMBERED:
-                self._cells.clear()
-            found = tuple(self._joined(left, right))
-            self._cells[key] = found
-        return found
-
-    def _joined(self, left: tuple[Sign, ...], right: tuple[Sign, ...]) -> Iterator[Joined]:
+    def _joined(self, left: tuple[Sign, ...], right: tuple[Sign, ...]) -> tuple[Joined, ...]:
         # Only functors combine, and most neighbours are not what they seek: look at the few others.
         lefts, rights = self._by_plain(left), self._by_plain(right)
         ways = self._ways
@@ -180,9 +154,11 @@ class Combinator:
             if ways[other].forward is False
             for one in lefts.get(ways[other].sought, ())
         ]
-        for one, other in dict.fromkeys(pairs):
-            for result, rule in self.combine(one, other):
-                yield result, one, other, rule
+        return tuple(
+            (result, one, other, rule)
+            for one, other in dict.fromkeys(pairs)
+            for result, rule in self.combine(one, other)
+        )
 
     def _by_plain(self, signs: tuple[Sign, ...]) -> dict[Sign, list[Sign]]:
         """The signs by what they are, and where they compose by what they give."""
@@ -193,16 +169,8 @@ class Combinator:
                 found.setdefault(self._ways[sign].given, []).append(sign)
         return found
 
-    def combine(self, left: Sign, right: Sign) -> tuple[tuple[Sign, Combination], ...]:
-        """All that two neighbouring categories give."""
-        key = (left, right)
-        found = self._pairs.get(key)
-        if found is None:
-            if len(self._pairs) >= MAX_REMEMBERED:
-                self._pairs.clear()
-            found = tuple(self._combinations(left, right))
-            self._pairs[key] = found
-        return found
+    def _combined(self, left: Sign, right: Sign) -> tuple[tuple[Sign, Combination], ...]:
+        return tuple(self._combinations(left, right))
 
     def _combinations(self, left: Sign, right: Sign) -> Iterator[tuple[Sign, Combination]]:
         one, other = self._categories[left], self._categories[right]

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Constructions: whole turns of phrase with gaps, as lexical entries of a categorial grammar.
+r"""Constructions: phrases with gaps as lexical entries of a categorial grammar (Steedman 2000).
 
-`"{a:K} is a job for {x:NP}"` is written as people say it. Its first words become an entry that
-takes the gaps, and a category of its own for each further run of words, as its arguments: here
-`(R/NP)\K` for "is a job for". So a construction combines by application like any other word, and
-the chart knows nothing of it. After lexicalised construction grammar (Steedman 2000).
+Of `"{a:K} is a job for {x:NP}"` the first words become an entry that takes the gaps as its
+arguments, and every further run of words with a category of its own: here `(R/NP)\K` for "is a job
+for". So a construction combines by application like any word, without a special case in the chart.
 """
 
 from __future__ import annotations
@@ -22,12 +21,7 @@ from .terms import Lambda, Term, bind
 
 @dataclass(frozen=True)
 class Gap:
-    """A place in a construction: `{x:NP}`, or `{NP}` where its meaning does not matter.
-
-    Attributes:
-        name: how the term calls its meaning, empty where it does not.
-        category: what goes there.
-    """
+    """A gap of a construction, `{x:NP}`; its name is empty if the term does not use its meaning."""
 
     name: str
     category: Category
@@ -35,14 +29,14 @@ class Gap:
 
 @dataclass(frozen=True)
 class Run:
-    """Words of a construction that stand together, as a pattern."""
+    """Adjacent words of a construction, as a pattern."""
 
     text: str
     name = ""
 
     @property
     def category(self) -> Category:
-        """What these words are, and no others."""
+        """The category that only these words have."""
         return AtomicCategory(f'"{self.text}"')
 
 
@@ -55,8 +49,8 @@ class Construction:
 
     Attributes:
         pieces: its gaps and runs of words, in order.
-        result: what the whole is.
-        term: what the whole means, with the names of the gaps in it.
+        result: the category of the whole phrase.
+        term: its meaning, in which the names of the gaps are constants.
     """
 
     pieces: tuple[Piece, ...]
@@ -65,7 +59,7 @@ class Construction:
 
     @cached_property
     def anchor(self) -> int:
-        """The place of what takes the rest: the first words, or else the first nameless gap."""
+        """The index of the head: the first run of words, or else the first nameless gap."""
         for place, piece in enumerate(self.pieces):
             if isinstance(piece, Run):
                 return place
@@ -73,17 +67,17 @@ class Construction:
 
     @property
     def head(self) -> Piece:
-        """What takes the rest."""
+        """The piece that takes the others as arguments."""
         return self.pieces[self.anchor]
 
     @property
     def gaps(self) -> tuple[Gap, ...]:
-        """The gaps whose meanings the term has, by name."""
+        """The gaps whose meanings the term uses."""
         return tuple(piece for piece in self.pieces if isinstance(piece, Gap) and piece.name)
 
     @cached_property
     def category(self) -> Category:
-        """The category of the head; of a gap, what it changes to."""
+        """The category of the head, or if that is a gap, the category that it changes to."""
         category = self.result
         for place in self._taken_last_first():
             forward = place > self.anchor
@@ -91,14 +85,14 @@ class Construction:
         return category
 
     def functor(self) -> Term:
-        """The term of the head; of a gap, the function from what it means to that."""
+        """The term of the head, or if that is a gap, the function from its meaning to the term."""
         term = self.term
         for place in self._taken_last_first():
             term = _taking(self.pieces[place], term)
         return term if isinstance(self.head, Run) else _taking(self.head, term)
 
     def _taken_last_first(self) -> Iterator[int]:
-        # What is taken last is the innermost of the category and of the term.
+        # The last argument taken is the innermost one of the category and of the term.
         yield from range(self.anchor)
         yield from range(len(self.pieces) - 1, self.anchor, -1)
 

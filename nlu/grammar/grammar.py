@@ -30,11 +30,8 @@ class Unary:
     """A change of category that needs no word.
 
     Attributes:
-        source: what is there.
-        target: what it becomes.
-        term: the function from the old meaning to the new one.
-        value: the same, ready to be applied.
-        cost: how unlikely it is.
+        term: the function from the old meaning to the new one, and `value` its evaluation.
+        cost: how unlikely the change is.
     """
 
     source: Category
@@ -70,12 +67,7 @@ class Grammar:
     general: Category
 
     def entry(self, field: Field, extra: Signature | None = None) -> tuple[Category, Term, float]:
-        """Read and check one line `category : term @cost` of a word.
-
-        Args:
-            field: the line.
-            extra: constants that only this line has, with their types.
-        """
+        """Read and check one line `category : term @cost`; `extra` types constants of this line."""
         category, term, cost = read_entry(field)
         self.verify(category, term, field, extra)
         return category, term, cost
@@ -104,25 +96,18 @@ class Grammar:
         return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
 
     def described(self, category: Category) -> str:
-        """A category in words, for a person who does not know it; empty where nobody expects it."""
+        """A category in words for messages; empty where nobody expects it."""
         while isinstance(category, Functor):
             category = category.result
         said = self.descriptions.get(category.name)
-        return _shortened(category.name) if said is None else said
-
-
-def _shortened(words: str) -> str:
-    """The words of a construction, of many spellings the first."""
-    spellings = map(" ".join, expand(compile_pattern(words.strip('"'))))
-    return f'"{next(filter(None, spellings))}"'
+        if said is None:  # words of a construction, shown in the first of their spellings
+            spellings = map(" ".join, expand(compile_pattern(category.name.strip('"'))))
+            said = f'"{next(filter(None, spellings))}"'
+        return said
 
 
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
-    """Read the grammar of a language.
-
-    Args:
-        path: the YAML file.
-        degrees: the names of the degrees of confidence, constants of type `d`.
+    """Read the grammar of a language; the names of the degrees become constants of type `d`.
 
     Raises:
         DataError: the file is not as expected; says where.
@@ -166,9 +151,8 @@ def _roots(field: Field, types: Mapping[str, Type]) -> Mapping[Category, str]:
 
 def _unary(field: Field, grammar: Grammar) -> Unary:
     source, target, term = read_unary(field)
-    expected = FunctionType(
-        _type_of(source, grammar.types, field), _type_of(target, grammar.types, field)
-    )
+    source_type, target_type = (_type_of(each, grammar.types, field) for each in (source, target))
+    expected = FunctionType(source_type, target_type)
     try:
         check_type(term, expected, grammar.signature)
     except TypeMismatchError as error:

@@ -45,11 +45,7 @@ def words_of(text: str) -> list[str]:
 
 
 def compile_pattern(text: str, end: int = 0) -> Steps:
-    """The graph of a pattern.
-
-    Args:
-        text: the pattern.
-        end: what stands at the end of each of its spellings.
+    """The graph of a pattern, with the number `end` at the end of each of its spellings.
 
     Raises:
         PatternError: a bracket is missing.
@@ -98,17 +94,10 @@ def match_pattern(steps: Steps, words: Sequence[str], start: int) -> Iterator[tu
     for step in steps:
         if isinstance(step, int):
             yield step, start
-        elif start < len(words) and _fits(step[0], words[start]):
-            yield from match_pattern(step[1], words, start + 1)
-
-
-def _fits(wanted: str, word: str) -> bool:
-    return wanted == word or (wanted == _ANY and word not in _NEVER_ANY)
-
-
-def may_be_left_out(text: str) -> bool:
-    """Whether nothing at all is one of the spellings of a pattern."""
-    return text[:1] in _CLOSING and 0 in compile_pattern(text)
+        elif start < len(words):
+            word = words[start]
+            if step[0] == word or (step[0] == _ANY and word not in _NEVER_ANY):
+                yield from match_pattern(step[1], words, start + 1)
 
 
 def spellings(field: Field) -> list[tuple[str, ...]]:
@@ -220,7 +209,7 @@ def _joined(pieces: Sequence[str]) -> Iterator[tuple[str, ...]]:
     is_optional = all(piece[0] in _CLOSING for piece in pieces[place:end])
     for rest in _joined(pieces[end:]):
         yield *pieces[:place], words, *rest
-        if is_optional and may_be_left_out(words):
+        if is_optional and 0 in compile_pattern(words):
             yield *pieces[:place], *rest
 
 

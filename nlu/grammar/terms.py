@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lambda terms with real binding: what a word contributes to the meaning of a sentence.
+"""Lambda terms: what a word contributes to the meaning of a sentence.
 
 Bound variables are de Bruijn indices (0 is the innermost binder), so terms that differ only in
 the names of their variables are equal, and no substitution can capture. A term is brought to its
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import chain, count
 from typing import TypeAlias
 
 VARIABLE_NAMES = "xyzuvwpqrs"
@@ -33,7 +34,7 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A name from outside: `knife`, `implies`, `self`."""
+    """A name that no function binds: `knife`, `implies`, `self`."""
 
     name: str
 
@@ -68,18 +69,14 @@ Term: TypeAlias = Bound | Constant | Lambda | Apply
 
 @dataclass(frozen=True, slots=True)
 class Neutral:
-    """A value that cannot compute further: a constant, or a free variable, and its arguments.
-
-    Attributes:
-        head: the constant's name, or for a free variable the depth of its binder.
-        arguments: in order.
-    """
+    """A value that cannot be evaluated further: a constant or free variable, with arguments."""
 
     head: str | int
+    """The name of the constant, or the depth of the binder of the free variable."""
     arguments: tuple[Value, ...] = ()
 
     def __call__(self, argument: Value) -> Value:
-        """This value with one argument more."""
+        """This value with one more argument."""
         return Neutral(self.head, (*self.arguments, argument))
 
 
@@ -102,7 +99,8 @@ def evaluate(term: Term, environment: Environment = ()) -> Value:
 def quote(value: Value, depth: int = 0) -> Term:
     """The term in beta-normal form that has this value, under `depth` binders."""
     if not isinstance(value, Neutral):
-        return Lambda(quote(value(Neutral(depth)), depth + 1), _hint(depth))
+        hint = VARIABLE_NAMES[depth % len(VARIABLE_NAMES)]
+        return Lambda(quote(value(Neutral(depth)), depth + 1), hint)
     head = value.head
     term: Term = Constant(head) if isinstance(head, str) else Bound(depth - head - 1)
     for argument in value.arguments:
@@ -134,7 +132,7 @@ def replace_constants(term: Term, names: Mapping[str, str]) -> Term:
 
 
 def bind(term: Term, name: str) -> Lambda:
-    """The function of what a constant of a closed term stands for."""
+    """The function that results when a constant of a closed term becomes its variable."""
     return Lambda(_bound(term, name, 0), name)
 
 
@@ -161,12 +159,7 @@ def spine(term: Term) -> tuple[Term, tuple[Term, ...]]:
 
 
 def show(term: Term, names: tuple[str, ...] = ()) -> str:
-    """The term as the paper writes it: `λx.λy.implies(x,y,high)`.
-
-    Args:
-        term: what to show.
-        names: of the free variables, innermost first.
-    """
+    """The term as text, `λx.f(x)`, with the names of its free variables, innermost first."""
     match term:
         case Bound(index):
             return names[index] if index < len(names) else f"#{index}"
@@ -182,13 +175,6 @@ def show(term: Term, names: tuple[str, ...] = ()) -> str:
             return f"({shown})({listed})" if isinstance(head, Lambda) else f"{shown}({listed})"
 
 
-def _hint(depth: int) -> str:
-    return VARIABLE_NAMES[depth % len(VARIABLE_NAMES)]
-
-
 def _fresh(hint: str, names: tuple[str, ...]) -> str:
-    name, number = hint, 1
-    while name in names:
-        number += 1
-        name = f"{hint}{number}"
-    return name
+    candidates = chain([hint], (f"{hint}{number}" for number in count(2)))
+    return next(name for name in candidates if name not in names)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types of meanings, and the check of a term against the type its category demands.
 
-There are three kinds of basic meanings: `e`, things and names of things; `t`, what can be done or
-be so; `d`, degrees of confidence. All others are functions, written `e -> t`. A constant may have
-several types (`implies` joins two names or two clauses); which one is meant shows in its arguments.
+There are three basic types: `e`, things and their names; `t`, acts and states of affairs; `d`,
+degrees of confidence. All others are functions, written `e -> t`. A constant may have several types
+(`implies` joins two names or two clauses); its arguments determine which one applies.
 """
 
 from __future__ import annotations
@@ -50,13 +50,7 @@ class TypeMismatchError(TypeError):
 def check_type(
     term: Term, expected: Type, signature: Signature, context: tuple[Type, ...] = ()
 ) -> None:
-    """Check that a term has a type.
-
-    Args:
-        term: the term.
-        expected: the type it should have.
-        signature: the types that each constant may have.
-        context: the types of the free variables, innermost first.
+    """Check that a term has a type; `context` has those of its free variables, innermost first.
 
     Raises:
         TypeMismatchError: it does not, or it uses a constant that the signature does not know.

@@ -2,15 +2,15 @@
 """Discourse markers: phrases that add no meaning, tag questions, and adverbs out of place.
 
 "Knives are, you know, really for cutting, aren't they?" is "knives are for cutting?". Only phrases
-that the language data lists are ever removed, and only when the utterance is no whole
-with them; so a word that nobody has declared to be empty is never lost.
+that the language data lists are ever removed, and only if the utterance cannot be parsed with them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from itertools import chain
 
 from ...ontology.yaml_reader import Field
 from ..grammar.patterns import Steps, match_pattern, read_pattern, spellings
@@ -24,17 +24,17 @@ class DiscourseMarkers:
     """The phrases that may be removed from an utterance.
 
     Attributes:
-        anywhere: they add nothing wherever they stand.
-        apart: they add nothing when a pause, or the end, is on both sides of them.
-        asking: at the end, with a question mark, they make a question of what goes before.
-        telling: at the end, with a question mark, they ask for nothing.
-        ending: with a pause after them they are a sentence of their own: "forget that, ...".
-        wishing: a beginning and the tag with which it asks for what stands between: "you could not
-            ..., could you?", with the end of a sentence between the two.
+        anywhere: phrases that add nothing in any position.
+        apart: phrases that add nothing between two pauses, breaks or ends.
+        asking: question tags, which make a question of a sentence.
+        telling: tags with a question mark that ask for nothing, such as "okay?".
+        ending: phrases that are a sentence of their own before a pause: "forget that, ...".
+        wishing: the beginning and the tag of a request, with a break between: "you could not ...,
+            could you?".
         clauses: patterns of reasons that add nothing before a pause or the end.
-        reasons: patterns of reasons for what is asked for, up to a word like "so".
-        doubts: words with which a reason is no longer the speaker's own, like "said".
-        stand_ins: words like "it", which may stand for what a reason names.
+        reasons: patterns of reasons for a request, up to a word like "so".
+        doubts: words that make a reason somebody else's, like "said".
+        stand_ins: words like "it", which may refer to something in a reason.
     """
 
     anywhere: frozenset[Phrase] = frozenset()
@@ -54,18 +54,17 @@ class DiscourseMarkers:
         Raises:
             DataError: there is no such kind, or a pattern is not as expected.
         """
-        if kind in {"clauses", "reasons"}:
-            return replace(
-                self, **{kind: (*getattr(self, kind), *map(read_pattern, field.items()))}
-            )
-        if kind not in _PHRASES:
-            expected = sorted({*_PHRASES, "clauses", "reasons"})
-            raise field.fail(f'expected one of {expected}, found "{kind}".')
+        kinds = sorted(each.name for each in fields(self))
+        if kind not in kinds:
+            raise field.fail(f'expected one of {kinds}, found "{kind}".')
+        known = getattr(self, kind)
+        if isinstance(known, tuple):
+            return replace(self, **{kind: (*known, *map(read_pattern, field.items()))})
         phrases = {words for each in field.items() for words in spellings(each)}
-        return replace(self, **{kind: getattr(self, kind) | phrases})
+        return replace(self, **{kind: known | phrases})
 
     def mark_boundaries(self, tokens: Tokens) -> Tokens:
-        """Mark the end of a sentence after phrases that are one where a pause follows."""
+        """Put a break after the phrases that are a sentence of their own before a pause."""
         words = tokens.words
         ends = {p for p in tokens.pauses if any(words[:p][-len(e) :] == e for e in self.ending)}
         items: list[Token] = []
@@ -111,12 +110,7 @@ class DiscourseMarkers:
         return next((place for place in places if tokens.words[place:] in tags), None)
 
     def remove_markers(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
-        """Remove all phrases that add nothing.
-
-        Args:
-            tokens: the utterance.
-            kept_whole: phrases of which nothing is removed, as "ever" in "hardly ever".
-        """
+        """Remove all phrases that add nothing, but no part of the phrases that are `kept_whole`."""
         tokens = _begun_once(tokens)
         words = tokens.words
         edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
@@ -133,19 +127,15 @@ class DiscourseMarkers:
         return _only(tokens, kept)
 
     def _end(self, words: Phrase, start: int, edges: Collection[int]) -> int:
-        """One past the longest aside from a place on; the place itself where there is none."""
-        ends = [end for end in self._clause_ends(words, start) if end in edges]
+        """One past the longest marker from a place on; the place itself where there is none."""
+        steps = chain.from_iterable(self.clauses) if words[start] in self._beginnings else ()
+        ends = [end for _, end in match_pattern(tuple(steps), words, start) if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
             phrase = words[start:end]
             apart = start in edges and end in edges
             if phrase in self.anywhere or (apart and phrase in self.apart):
                 ends.append(end)
         return max(ends, default=start)
-
-    def _clause_ends(self, words: Phrase, start: int) -> Iterator[int]:
-        if words[start] in self._beginnings:
-            for steps in self.clauses:
-                yield from (end for _, end in match_pattern(steps, words, start))
 
     @cached_property
     def _beginnings(self) -> frozenset[str]:
@@ -155,16 +145,12 @@ class DiscourseMarkers:
         )
 
 
-_PHRASES = frozenset(
-    {"anywhere", "apart", "asking", "telling", "ending", "wishing", "doubts", "stand_ins"}
-)
-
 _LONGEST = 8
-"""No aside but a clause is longer [words]."""
+"""The greatest length of a marker that is no clause [words]."""
 
 
 def _begun_once(tokens: Tokens) -> Tokens:
-    """The utterance without what was begun twice: "you can, you can pound with it"."""
+    """The utterance without repeated beginnings: "you can, you can pound with it"."""
     words = tokens.words
     again = {
         place
@@ -187,7 +173,7 @@ def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
 
 
 def move_to_front(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
-    """Move the one phrase of a kind to the beginning; None when it is there already.
+    """Move the only one of some phrases to the beginning; None if it is there or not the only one.
 
     English lets an adverb stand almost anywhere: "a shoe you can sometimes pound with".
     """

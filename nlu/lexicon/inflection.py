@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Inflection: how the words of a language change their form, by rules that are data.
+"""Inflection: the forms of words, by rules that are data.
 
-A table per form ("plural", "ing", ...) has irregular words and then patterns, of which the first
-that fits is used. The same tables run backwards find the dictionary form of a word never heard.
-Of a multi-word verb the first word changes ("picking up"), of a noun the last ("wine glasses").
+Each form ("plural", "ing", ...) has a table of irregular words and of patterns, of which the first
+that matches is used. Applied backwards, a table gives the dictionary form of an unknown word.
+The first word of a multi-word verb changes ("picking up"), the last of a noun ("wine glasses").
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ Rule: TypeAlias = tuple[re.Pattern[str], str]
 
 @dataclass(frozen=True)
 class FormTable:
-    """How one form is made.
+    """The irregular words and the rules (pattern, replacement) of one form.
 
     Attributes:
-        irregular: words that follow no rule.
-        rules: (pattern, replacement), the first that is found in the word counts.
-        backwards: (pattern, replacement), guesses of the word from the form.
+        irregular: the forms of words that follow no rule.
+        rules: of these the first whose pattern is found in the word applies.
+        backwards: rules that guess the word from the form.
     """
 
     irregular: Mapping[str, str]
@@ -47,7 +47,7 @@ class FormTable:
         return word
 
     def origins(self, form: str) -> list[str]:
-        """The words whose form this may be, the likeliest first."""
+        """The words that may have this form, the likeliest first."""
         irregular = [word for word, changed in self.irregular.items() if changed == form]
         if irregular:
             return irregular
@@ -60,7 +60,7 @@ class FormTable:
         return list(dict.fromkeys(regular))
 
     def choice(self, word: str) -> str:
-        """The replacement of the first rule that fits, alone."""
+        """The replacement of the first rule that matches, without the word."""
         return next(
             (found for pattern, found in self.rules if pattern.search(word)), self.rules[-1][1]
         )
@@ -68,20 +68,12 @@ class FormTable:
 
 @dataclass(frozen=True)
 class Inflection:
-    """All forms of one language.
-
-    Attributes:
-        tables: by the name of the form.
-    """
+    """The tables of all forms of a language, by name."""
 
     tables: Mapping[str, FormTable]
 
     def form(self, word: str, form: str) -> str:
-        """A form of a word; `base` is the word itself.
-
-        Raises:
-            UnknownNameError: the language has no such form.
-        """
+        """A form of a word, `base` for the word itself; `UnknownNameError` for an unknown form."""
         if form == "base":
             return word
         if form not in self.tables:
@@ -92,7 +84,7 @@ class Inflection:
         return " ".join(words)
 
     def origins(self, word: str, form: str) -> list[str]:
-        """The words that `word` may be this form of, the likelier first."""
+        """The words of which `word` may be this form, the likeliest first."""
         return self.tables[form].origins(word)
 
     def with_article(self, words: str) -> str:
@@ -101,11 +93,7 @@ class Inflection:
 
 
 def load_inflection(path: Path) -> Inflection:
-    """Read the tables of a language.
-
-    Raises:
-        DataError: the file is not as expected; says where.
-    """
+    """Read the tables of a language; `DataError` says where the file is not as expected."""
     tables = {name: _table(field) for name, field in read_yaml(path).entries().items()}
     return Inflection(MappingProxyType(tables))
 

@@ -24,10 +24,8 @@ class Entry(NamedTuple):
     """One reading of a word, or of several words that belong together.
 
     Attributes:
-        category: its syntactic category.
-        term: its meaning.
-        value: the same, ready to be applied.
-        sign: the combinator's number of the category.
+        category: its syntactic category, and `sign` the combinator's number of it.
+        term: its meaning, and `value` the evaluation of that.
         cost: how unlikely this reading is.
         name: what the word names, in its dictionary form; empty for words of grammar.
         role: of a word not in the lexicon, what it would be; empty for all others.
@@ -45,14 +43,7 @@ class Entry(NamedTuple):
 
 
 class Sense(NamedTuple):
-    """An entry that is made when its words are heard.
-
-    Attributes:
-        says: as that of the entry, like `category` and `name`.
-        category: the category.
-        name: the name.
-        entry: makes the entry.
-    """
+    """Words, category and name of an entry, and the function that makes it when it is heard."""
 
     says: str
     category: Category
@@ -80,7 +71,7 @@ class EntryIndex:
 
     @classmethod
     def of(cls, entries: Iterable[Entry], combinator: Combinator) -> EntryIndex:
-        """Sort entries."""
+        """Sort entries by what they have to do with constructions."""
         plain: dict[Sign, list[Entry]] = defaultdict(list)
         heads: dict[Sign, list[Entry]] = defaultdict(list)
         words: list[Entry] = []
@@ -96,12 +87,7 @@ class EntryIndex:
 
 
 class LexiconNode:
-    """A state of the automaton: the entries of the words so far, and the words that may follow.
-
-    Args:
-        places: the places in the graphs of patterns.
-        lexicon: the lexicon.
-    """
+    """A state of the automaton: the entries of the words so far, and the words that may follow."""
 
     def __init__(self, places: Places, lexicon: Lexicon) -> None:
         self._places, self._lexicon = places, lexicon
@@ -157,11 +143,7 @@ class Lexicon:
         self.add_all(senses)
 
     def add(self, sense: Sense) -> None:
-        """Add a reading of some words.
-
-        Raises:
-            PatternError: a bracket is missing in its words.
-        """
+        """Add a reading; a missing bracket in its words is a `PatternError`."""
         known = self._said.get(sense.says)
         if known is None:
             self._places += compile_pattern(sense.says, len(self._numbers))

@@ -41,7 +41,7 @@ _KEYS = (
 
 @dataclass(frozen=True)
 class EntryTemplate:
-    """One line of a template, with its constants still to be replaced."""
+    """One line of a template, whose constants are to be replaced."""
 
     category: Category
     term: Term
@@ -59,13 +59,7 @@ class Template:
 
 @dataclass(frozen=True)
 class Verb:
-    """A verb as one line of the file gives it.
-
-    Attributes:
-        verb: the bare form, with its particle.
-        templates: names of its templates.
-        means: the name of the act, None when it names none.
-    """
+    """A verb in its bare form with particle, its templates, and the name of its act, if any."""
 
     verb: str
     templates: tuple[str, ...]
@@ -73,12 +67,7 @@ class Verb:
 
 
 class LexiconBuilder:
-    """The words of a language, and the maker of entries for new ones.
-
-    Args:
-        grammar: what the lines are checked against.
-        inflection: how forms are made.
-        combinator: numbers the categories.
+    """The words of a language, and the builder of entries for new ones.
 
     Attributes:
         contractions: short forms and the words that they stand for.
@@ -87,8 +76,8 @@ class LexiconBuilder:
         qualifiers: the words for each degree of confidence.
         discourse_markers: the phrases that add nothing.
         nameable: words of constructions that may be taught as names.
-        denying: words that deny the thing named after them.
-        denied: words for any thing, which can be denied so.
+        denying: words that deny the object named after them.
+        denied: words for any object, which `denying` words may precede.
         lexicon: the entries of all files.
     """
 
@@ -139,7 +128,7 @@ class LexiconBuilder:
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
     def expand_endings(self, tokens: Tokens) -> Tokens:
-        """An utterance with its ambiguous short forms written out: "a shoe's" is "a shoe is"."""
+        """Write out the ambiguous short forms of an utterance: "a shoe's" becomes "a shoe is"."""
         items = tuple(replace(t, word=self._endings.get(t.word, t.word)) for t in tokens.items)
         return replace(tokens, items=items)
 
@@ -188,14 +177,14 @@ class LexiconBuilder:
         return names
 
     def tool_phrases(self) -> dict[str, str]:
-        """What is done with a tool as the object: "cut with" for `cut`."""
+        """The words for each act whose object is the tool: "cut with" for `cut`."""
         senses, names = self.lexicon.senses(), self.act_names()
         preposition = next((each.says for each in senses if each.category == _WITH), "")
         return {act: f"{names[act]} {preposition}" for act in self.tool_acts()}
 
     @cached_property
     def qualifier_phrases(self) -> frozenset[tuple[str, ...]]:
-        """All words of confidence."""
+        """All phrases for degrees of confidence."""
         return frozenset(tuple(each.split()) for said in self.qualifiers.values() for each in said)
 
     def bare_verb(self, gerund: str) -> str:
@@ -219,7 +208,6 @@ class LexiconBuilder:
     def _filled(
         self, line: EntryTemplate, names: Mapping[str, str], says: str, cost: float, **named: str
     ) -> Entry:
-        """The entry of a line of a template, with the names in the place of its constants."""
         term = replace_constants(line.term, names)
         return self._entry(line.category, term, line.cost + cost, says)._replace(**named)
 
@@ -310,7 +298,6 @@ class LexiconBuilder:
             self._combinator.add(Unary(head.category, category, term, evaluate(term), cost))
 
     def _head_entry(self, construction: Construction, cost: float, says: str) -> Entry:
-        """The entry of the first words of a construction, which take the rest."""
         return self._entry(construction.category, construction.functor(), cost, says)
 
     def _add(self, lexicon: Lexicon, entry: Entry) -> None:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From text to tokens: lower-case words, with contractions and possessives taken apart.
+"""Tokenizer: a text as lower-case words, with contractions and possessives split.
 
-Commas, quotation marks and dashes carry no meaning here and are left out. A full stop, question
-mark or semicolon within a text becomes the token `;`, which joins two sentences. Whatever is no
-word stays a token of its own, which no lexicon knows: such a text is refused, never cut to fit.
+Commas, quotation marks and dashes are dropped; commas and dashes are kept as pauses. A full stop,
+question mark or semicolon within a text becomes the token `;` between two sentences. Everything
+else that is no word stays a token, which no lexicon has, so such a text is refused.
 """
 
 from __future__ import annotations
@@ -30,14 +30,7 @@ _TOKEN = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """One word, and where it stands in the text.
-
-    Attributes:
-        word: in lower case, taken apart from others.
-        start: index of its first character.
-        end: one past its last character.
-        capital: whether it was written with a capital letter.
-    """
+    """A word in lower case, its characters `[start, end)` in the text, and if it has a capital."""
 
     word: str
     start: int
@@ -50,10 +43,9 @@ class Tokens:
     """The tokens of one utterance.
 
     Attributes:
-        text: what was said, as it was said.
-        items: the tokens.
+        text: the utterance as it was written.
         asks: whether the text ends with a question mark.
-        pauses: places of the tokens that a comma or dash goes before.
+        pauses: indices of the tokens that follow a comma or dash.
     """
 
     text: str
@@ -63,12 +55,12 @@ class Tokens:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The words alone."""
+        """The words of the tokens."""
         return tuple(token.word for token in self.items)
 
     @property
     def proper(self) -> frozenset[str]:
-        """The words with a capital that no sentence begins with; none when all is in capitals."""
+        """The capitalised words that begin no sentence; none if the whole text is in capitals."""
         if self.text.isupper():
             return frozenset()
         before = (BREAK, *self.words)
@@ -76,13 +68,13 @@ class Tokens:
         return frozenset(each.word for last, each in pairs if each.capital and last != BREAK)
 
     def span(self, start: int, end: int) -> str:
-        """The text of some tokens, as it was said."""
+        """The text of the tokens `[start, end)` as it was written."""
         if start >= end:
             return ""
         return self.text[self.items[start].start : self.items[end - 1].end]
 
     def without_breaks(self) -> Tokens:
-        """The same with pauses in the place of the marks between sentences."""
+        """These tokens with pauses instead of the breaks between sentences."""
         kept: list[Token] = []
         pauses: set[int] = set()
         for place, token in enumerate(self.items):
@@ -93,8 +85,8 @@ class Tokens:
         return Tokens(self.text, tuple(kept), self.asks, tuple(sorted(pauses - {0, len(kept)})))
 
     def part(self, start: int, end: int) -> Tokens:
-        """Some of the tokens as an utterance of their own, without marks at its end."""
-        asks = self.asks if end == len(self.items) else False
+        """The tokens `[start, end)` as an utterance of their own, without breaks at its end."""
+        asks = self.asks and end == len(self.items)
         while end > start and self.items[end - 1].word == BREAK:
             end -= 1
             asks = "?" in self.span(end, end + 1)
@@ -103,12 +95,7 @@ class Tokens:
 
 
 def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
-    """Take a text apart.
-
-    Args:
-        text: what was said; at most `MAX_CHARACTERS` are looked at.
-        contractions: short forms and the words they stand for.
-    """
+    """Split the first `MAX_CHARACTERS` of a text into tokens, and contractions into their words."""
     text = unicodedata.normalize("NFC", text[:MAX_CHARACTERS]).translate(_APOSTROPHES)
     items: list[Token] = []
     pauses: list[int] = []

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Unknown words: the entries that a word may stand for, and the known word that it may misspell.
 
-The rest of a sentence shows the role of an unknown word: "a zib is used for cutting" can only be
-about an object. So an unknown word gets an entry for every role that a name can have, and the chart
-finds which one fits (Scheutz et al. 2017). A word one slip away from a known one is not taken for
-a new one: Hilt asks. The edit distance is that of optimal string alignment, in which two swapped
-letters are one slip.
+An unknown word gets an entry for every role that a name can have, and the chart finds which one
+fits the rest of the sentence (Scheutz et al. 2017): "a zib is used for cutting" can only be about
+an object. About a word one edit away from a known one, by the optimal string alignment distance in
+which a transposition is one edit, Hilt asks instead.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ _LIKE = {
 
 
 def is_word(token: Token) -> bool:
-    """Whether a token could be a word at all."""
+    """Whether a token can be a word at all."""
     return token.word.isalpha() and MIN_LETTERS <= len(token.word) <= MAX_LETTERS
 
 
@@ -102,17 +101,11 @@ def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
 
 @dataclass(frozen=True, repr=False)
 class KnownWords:
-    """The words that are known, and the entries that all others may stand for.
-
-    Attributes:
-        lexicon: the words with their meanings.
-        framed: the words that add nothing in frames.
-        builder: makes entries for new words.
-        inflection: forms of words.
-    """
+    """The words that are known, and the entries that all others may stand for."""
 
     lexicon: Lexicon
     framed: frozenset[str]
+    """The words of frames, which add nothing."""
     builder: LexiconBuilder
     inflection: Inflection
 
@@ -123,7 +116,7 @@ class KnownWords:
 
     @cached_property
     def named(self) -> frozenset[str]:
-        """Every single word that is part of a name: of an object, a part or a stuff."""
+        """Every single word in the name of an object, a part or a material."""
         return frozenset(word for name in self.lexicon.named(NOUNS) for word in name.split(" "))
 
     def unknown(self, tokens: Tokens) -> list[Token]:
@@ -131,17 +124,12 @@ class KnownWords:
         return [token for token in tokens.items if not self._has(token.word)]
 
     def may_be_a_thing(self, word: str) -> bool:
-        """Whether a word names, or may name, a thing."""
+        """Whether a word names, or may name, an object or a part."""
         names = self._things | self.builder.nameable | self.builder.denied
         return word in names or not self._has(word)
 
     def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
-        """The entries of new words, and of names of two words, by their places.
-
-        Args:
-            tokens: the utterance.
-            unknown: those of its tokens that are not known.
-        """
+        """The entries of new words, and of names of two words, by their places."""
         found = {
             place: self._guesses(token, 0.0 if token in unknown else _NAMEABLE_COST)
             for place, token in enumerate(tokens.items)
@@ -185,7 +173,7 @@ class KnownWords:
         """The entries of two neighbours as one name: "bread knife", "frying pans".
 
         The second word, which carries the plural, must be an object or unknown, and the first an
-        object, a stuff or unknown; of words that are both known the pair is a kind of the second.
+        object, a material or unknown; a pair of known words is a kind of the second.
         """
         if (
             first == second
@@ -215,10 +203,8 @@ class KnownWords:
 
     @cached_property
     def _unnamed(self) -> frozenset[str]:
-        """Words of constructions that name nothing yet, and may be taught as names."""
         return self.builder.nameable - self.named
 
     @cached_property
     def _things(self) -> frozenset[str]:
-        """The words, in all forms, that name objects and parts."""
         return self.lexicon.named(("N", "NS", "P"))

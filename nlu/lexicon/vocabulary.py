@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The words of the domain that the language part is given: names of objects, parts, uses, people.
+"""Vocabulary of a domain: names of objects, parts, affordances and people, and learned words.
 
-They are names only: which object has which part, or is used for what, is nothing that the language
-part knows. By default they come from the household domain of the ontology.
+They are names only: the language does not know which object has which part or affordance. By
+default they come from the household domain of the ontology.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -38,15 +38,8 @@ class Vocabulary:
     people: tuple[str, ...] = ()
 
     def names(self, role: str) -> tuple[str, ...]:
-        """The names that have a role, one of `ROLES`."""
-        return {
-            "object": self.objects,
-            "part": self.parts,
-            "affordance": self.affordances,
-            "context": self.contexts,
-            "property": self.properties,
-            "person": self.people,
-        }[role]
+        """The names that have a role, one of `ROLES`, which are in the order of the fields."""
+        return getattr(self, fields(self)[ROLES.index(role)].name)
 
 
 @dataclass(frozen=True)
@@ -69,11 +62,7 @@ class NewWord:
 
 
 def household_vocabulary(objects: Mapping[str, ObjectType] | None = None) -> Vocabulary:
-    """The names of objects, of their parts and of their properties.
-
-    Args:
-        objects: by name; those of the household domain when None.
-    """
+    """The names of objects (by default the household ones), their parts and their properties."""
     from ...ontology.objects import load_objects  # here: who brings a vocabulary need not read it
 
     objects = load_objects() if objects is None else objects

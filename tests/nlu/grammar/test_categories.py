@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.grammar.categories import AtomicCategory, sought, type_of
+from hilt.nlu.grammar.categories import type_of
 from hilt.nlu.grammar.combinators import Combination, Combinator
 from hilt.nlu.grammar.notation import read_category
 from hilt.nlu.grammar.types import Basic
@@ -75,9 +75,3 @@ def test_an_undeclared_atom_has_no_type() -> None:
     """The error names it."""
     with pytest.raises(KeyError, match="VP"):
         type_of(category("VP/NP"), {"NP": Basic("e")})
-
-
-def test_a_functor_seeks_its_argument() -> None:
-    """An atom seeks nothing."""
-    assert sought(category("NP/N")) == AtomicCategory("N")
-    assert sought(AtomicCategory("N")) is None
