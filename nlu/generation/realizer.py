@@ -146,11 +146,7 @@ class Realizer:
 def load_realizer(
     path: Path, answers: AnswerTemplates, words: Mapping[Confidence, str], uses: Mapping[str, str]
 ) -> Realizer:
-    """Load the sentences of a language.
-
-    Raises:
-        DataError: the file is not as expected; says where.
-    """
+    """Load the sentences of a language; `DataError` says where the file is not as expected."""
     sections = read_yaml(path).entries(required=SECTIONS, optional=())
     sentences = {
         name: MappingProxyType({key: each.text() for key, each in field.entries().items()})

@@ -178,15 +178,15 @@ class Combinator:
         if isinstance(one, Functor) and one.forward and self._origins[left] is not forward:
             if one.argument == other:
                 yield self.sign(one.result), Combination.FORWARD
-            elif _composes(one, other):
-                yield self.sign(_composed(one, other), forward), forward
+            elif composed := _composed(one, other):
+                yield self.sign(composed, forward), forward
         if isinstance(other, Functor) and not other.forward:
             if self._origins[right] is backward:
                 return
             if other.argument == one:
                 yield self.sign(other.result), Combination.BACKWARD
-            elif _composes(other, one):
-                yield self.sign(_composed(other, one), backward), backward
+            elif composed := _composed(other, one):
+                yield self.sign(composed, backward), backward
 
 
 def _words_sought(category: Category) -> Iterator[Category]:
@@ -196,18 +196,14 @@ def _words_sought(category: Category) -> Iterator[Category]:
         category = category.result
 
 
-def _composes(outer: Functor, inner: Category) -> bool:
+def _composed(outer: Functor, inner: Category) -> Functor | None:
     # Harmonic only: both look the same way, and both slashes allow it.
-    return (
+    if (
         isinstance(inner, Functor)
         and inner.forward == outer.forward
         and outer.composes
         and inner.composes
         and inner.result == outer.argument
-    )
-
-
-def _composed(outer: Functor, inner: Category) -> Category:
-    if not isinstance(inner, Functor):
-        raise TypeError("Only functors compose.")
-    return Functor(outer.result, inner.argument, forward=outer.forward, composes=True)
+    ):
+        return Functor(outer.result, inner.argument, forward=outer.forward, composes=True)
+    return None

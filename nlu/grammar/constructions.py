@@ -106,11 +106,6 @@ def pieces_of(variant: Sequence[str], field: Field) -> tuple[Piece, ...]:
     return tuple(_gap(text, field) if is_gap(text) else Run(text) for text in variant)
 
 
-def runs(found: Sequence[Piece]) -> list[Run]:
-    """The runs of words among some pieces."""
-    return [piece for piece in found if isinstance(piece, Run)]
-
-
 def _taking(piece: Piece, term: Term) -> Lambda:
     return bind(term, piece.name) if piece.name else Lambda(term, "s")
 

@@ -88,11 +88,7 @@ class Grammar:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
     def types_of(self, gaps: Sequence[Gap], field: Field) -> Signature:
-        """The types of the gaps of a construction, which its term has as constants.
-
-        Raises:
-            DataError: the category of a gap is not declared.
-        """
+        """The types of the gaps of a construction, which are constants of its term."""
         return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
 
     def described(self, category: Category) -> str:
@@ -107,11 +103,7 @@ class Grammar:
 
 
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
-    """Read the grammar of a language; the names of the degrees become constants of type `d`.
-
-    Raises:
-        DataError: the file is not as expected; says where.
-    """
+    """Read the grammar of a language; the names of the degrees become constants of type `d`."""
     entries = read_yaml(path).entries(
         required=("categories", "predicates", "unary", "roots", "topic", "general"), optional=()
     )

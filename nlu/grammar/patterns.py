@@ -115,11 +115,7 @@ def spellings(field: Field) -> list[tuple[str, ...]]:
 
 
 def read_pattern(field: Field) -> Steps:
-    """The graph of a pattern in a file.
-
-    Raises:
-        DataError: a bracket is missing, or all of it may be left out.
-    """
+    """The graph of a pattern in a file; raises as `read_words`."""
     return compile_pattern(read_words(field))
 
 

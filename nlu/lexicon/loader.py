@@ -17,7 +17,7 @@ from types import MappingProxyType
 from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import Combinator
-from ..grammar.constructions import Construction, Run, pieces_of, runs
+from ..grammar.constructions import Construction, Run, pieces_of
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
 from ..grammar.patterns import read_words, variants
@@ -97,11 +97,7 @@ class LexiconBuilder:
         self.lexicon = Lexicon(base=self._constructions)
 
     def read(self, path: Path) -> None:
-        """Add all words of a file; a second file adds to the first.
-
-        Raises:
-            DataError: a line is not as expected; says where.
-        """
+        """Add all words of a file; `DataError` says where a line is not as expected."""
         parts = read_yaml(path).entries(optional=_KEYS)
         for short, field in _entries(parts, "contractions"):
             self.contractions[short] = tuple(field.text().split())
@@ -284,7 +280,8 @@ class LexiconBuilder:
                 self._grammar.verify(category, term, line, self._grammar.types_of(gaps, line))
             for construction in found:
                 self._add_head(construction, cost)
-        for run in dict.fromkeys(run for pieces in spelt for run in runs(pieces)[1:]):
+        runs = ([piece for piece in pieces if isinstance(piece, Run)] for pieces in spelt)
+        for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):
             self._add(self._constructions, self._entry(run.category, _NOTHING, 0.0, run.text))
 
     def _add_head(self, construction: Construction, cost: float) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tokenizer: a text as lower-case words, with contractions and possessives split.
 
-Commas, quotation marks and dashes are dropped; commas and dashes are kept as pauses. A full stop,
+Quotation marks are dropped; commas, colons and dashes become pauses. A full stop,
 question mark or semicolon within a text becomes the token `;` between two sentences. Everything
 else that is no word stays a token, which no lexicon has, so such a text is refused.
 """
