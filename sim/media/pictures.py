@@ -175,10 +175,8 @@ def save_picture(picture: Picture, path: Path) -> None:
 def add_caption(picture: Picture, text: str, *, lines: int = 0) -> Picture:
     """Return the picture with a text below it.
 
-    Args:
-        picture: (height, width, 3).
-        text: what to write; broken into lines at its line ends, and where it is too long.
-        lines: how many lines there is room for; as many as the text needs when 0.
+    The text is broken at its line ends and where it is too long. There is room for `lines` lines;
+    for as many as the text needs when it is 0.
     """
     height, width = picture.shape[:2]
     size = caption_size(picture)

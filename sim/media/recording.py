@@ -186,11 +186,9 @@ def caption(
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
-    """Return one picture of some pictures, evenly spaced in time, row by row.
+    """Return one picture of some pictures of one size, evenly spaced in time, row by row.
 
-    Args:
-        pictures: all of one size.
-        always: indices of those that must be among them, as far as there is room.
+    Those with the indices in `always` are among them, as far as there is room.
     """
     most = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
     must = sorted(always)[:most]

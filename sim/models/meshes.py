@@ -150,11 +150,9 @@ def hull(points: Array) -> Trimesh:
 
 
 def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
-    """Return the pieces, merged where their common hull adds at most `tolerance` to their volume.
+    """Return pieces (n, 3), merged where their common hull adds at most a share of their volume.
 
-    Args:
-        pieces: corners of each, (n, 3); they do not overlap.
-        tolerance: share of the volume of the first pieces that merging may add in all.
+    The pieces do not overlap; `tolerance` is the share of the volume that merging may add in all.
     """
     merged: list[tuple[Array, float]] = []
     waiting = [(piece, float(ConvexHull(piece).volume)) for piece in reversed(pieces)]
@@ -200,9 +198,7 @@ def _inner_ball(planes: Array) -> tuple[Array, float]:
 def mass_properties(pieces: Sequence[Array], mass: float) -> tuple[Array, Array]:
     """Return the centre of mass (3,) [m] and the inertia about it (3, 3) [kg m^2].
 
-    Args:
-        pieces: corners of each convex piece, (n, 3); all of one density.
-        mass: of all together [kg].
+    The convex pieces (n, 3) have one density, and this mass [kg] together.
     """
     triangles = np.concatenate([hull(piece).triangles for piece in pieces])
     unit: Any = trimesh.triangles.mass_properties(triangles)  # of density 1

@@ -22,16 +22,9 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
-    """One physics simulator.
+    """One physics simulator, with its bodies, joints, contacts, rendering and count of steps.
 
     Use it in a `with` block, or `close` it. Several can live in one process.
-
-    Attributes:
-        bodies: loads, places and locates bodies.
-        joints: reads and drives their joints.
-        contacts: who touches whom, and friction.
-        rendering: camera images.
-        steps: how many have passed.
     """
 
     def __init__(self, *, gui: bool = False) -> None:
