@@ -9,6 +9,7 @@ category of a span the `MAX_DERIVATIONS` cheapest derivations are kept.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from operator import attrgetter
 from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
@@ -21,14 +22,11 @@ MAX_DERIVATIONS = 16
 
 
 class Derivation(NamedTuple):
-    """A derivation of a category for a span of tokens, with its meaning.
+    """A derivation of a category for the tokens from `start` up to, not including, `end`.
 
     Attributes:
-        category: the category of the span.
-        value: its meaning.
+        value: the meaning.
         cost: the sum of the costs of its words and unary rules; the lower, the likelier.
-        start: its first token.
-        end: one past its last token.
         rule: the lexical entry, unary rule, or combinatory rule that gave it.
         parts: none for a word, one for a unary rule, two for a combination, all of a frame.
     """
@@ -81,22 +79,14 @@ class Chart:
         self._add_words(tokens, lexicon, guesses or {})
         self._fill()
 
-    def signs(self, start: int, end: int) -> tuple[Sign, ...]:
-        """Return the categories of a span as the numbers that the combinator gives them."""
-        return self._signs[start][end]
-
     def categories(self, start: int, end: int) -> list[Category]:
         """Return the categories of a span."""
-        return [self._combinator.category(sign) for sign in self.signs(start, end)]
+        return [self._combinator.category(sign) for sign in self._signs[start][end]]
 
     def derivations(self, category: Category) -> list[Derivation]:
         """Return the derivations of the whole sequence as a category, the cheapest first."""
-        return self.spanning(0, self.length, category) if self.length else []
-
-    def spanning(self, start: int, end: int, category: Category) -> list[Derivation]:
-        """Return the derivations of a span as a category, the cheapest first."""
-        sign = self._combinator.sign(category)
-        return self._derivations(start, end, sign) if sign in self.signs(start, end) else []
+        sign, end = self._combinator.sign(category), self.length
+        return self._derivations(0, end, sign) if end and sign in self._signs[0][end] else []
 
     def fragments(self, categories: Collection[Category]) -> Iterator[Derivation]:
         """The two cheapest derivations of each span for each of some categories."""
@@ -192,45 +182,27 @@ class Chart:
             found = []
             category = self._combinator.category(sign)
             for pointer in self._cells[start][end][sign]:
-                found += self._derived(start, end, category, pointer)
+                found.extend(self._derived(start, end, category, pointer))
             if len(found) > 1:
-                found.sort(key=_cost)
+                found.sort(key=attrgetter("cost"))
                 del found[MAX_DERIVATIONS:]
             self._known[key] = found
         return found
 
     def _derived(
         self, start: int, end: int, category: Category, pointer: Entry | _BackPointer
-    ) -> list[Derivation]:
+    ) -> Iterator[Derivation]:
         if isinstance(pointer, Entry):
-            return [Derivation(category, pointer.value, pointer.cost, start, end, pointer)]
-        rule = pointer.rule
-        if isinstance(rule, Unary):
-            return [
-                Derivation(
-                    category,
-                    rule.value(part.value),
-                    part.cost + rule.cost,
-                    start,
-                    end,
-                    rule,
-                    (part,),
-                )
-                for part in self._derivations(start, end, pointer.left)
-            ]
-        return [
-            Derivation(
-                category,
-                _meaning(rule, left.value, right.value),
-                left.cost + right.cost,
-                start,
-                end,
-                rule,
-                (left, right),
-            )
-            for left in self._derivations(start, pointer.middle, pointer.left)
-            for right in self._derivations(pointer.middle, end, pointer.right)
-        ]
+            yield Derivation(category, pointer.value, pointer.cost, start, end, pointer)
+        elif isinstance(rule := pointer.rule, Unary):
+            for part in self._derivations(start, end, pointer.left):
+                value, cost = rule.value(part.value), part.cost + rule.cost
+                yield Derivation(category, value, cost, start, end, rule, (part,))
+        else:
+            for left in self._derivations(start, pointer.middle, pointer.left):
+                for right in self._derivations(pointer.middle, end, pointer.right):
+                    value, cost = _meaning(rule, left.value, right.value), left.cost + right.cost
+                    yield Derivation(category, value, cost, start, end, rule, (left, right))
 
 
 def _meaning(rule: Combination, left: Value, right: Value) -> Value:
@@ -241,7 +213,3 @@ def _meaning(rule: Combination, left: Value, right: Value) -> Value:
     if rule is Combination.FORWARD_COMPOSITION:
         return compose(left, right)
     return compose(right, left)
-
-
-def _cost(derivation: Derivation) -> float:
-    return derivation.cost

@@ -40,11 +40,6 @@ class Clarification:
     """Makes the answers to utterances that were not understood.
 
     Attributes:
-        parser: the parser of one sentence.
-        known_words: the words that are known.
-        inflection: forms of words.
-        answers: the answers of the language.
-        realizer: puts meanings into sentences.
         examples: sentences that are understood, each with its words.
     """
 
@@ -77,9 +72,7 @@ class Clarification:
     def of_new_words(self, words: Iterable[NewWord], accepted: Collection[str]) -> AskBack | None:
         """The question whether a new word is a misspelled name of its kind, None when none is.
 
-        Args:
-            words: the new words of a reading.
-            accepted: words that are new although they are close to known ones.
+        Words in `accepted` are new although they are close to known ones.
         """
         known = self.known_words
         for word in words:
@@ -124,13 +117,7 @@ class Clarification:
     def of_failure(
         self, chart: Chart, tokens: Tokens, refusal: RefusedError | None
     ) -> Misunderstanding | AskBack:
-        """The reason why a sentence of known words has no meaning.
-
-        Args:
-            chart: the chart of the sentence.
-            tokens: the sentence.
-            refusal: why the likeliest derivation has no meaning, None without a derivation.
-        """
+        """The reason why a sentence of known words has no derivation, or that has no meaning."""
         if refusal is not None:
             said = self.answers.say(refusal.key, **refusal.slots)
             if refusal.asks:
@@ -138,9 +125,8 @@ class Clarification:
             return Misunderstanding(said, nearest=self._nearest_examples(tokens.words))
         where, expected = self.parser.failure(chart, tokens)
         if expected:
-            message = self.answers.say(
-                "not_understood_after", where=where, expected=" or ".join(expected)
-            )
+            following = " or ".join(expected)
+            message = self.answers.say("not_understood_after", where=where, expected=following)
         else:
             message = self.answers.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))

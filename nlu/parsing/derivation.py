@@ -12,7 +12,6 @@ from io import StringIO
 from typing import NamedTuple
 
 from ...ontology.errors import extra_required
-from ..grammar.categories import Category
 from ..grammar.combinators import Combination
 from ..grammar.terms import quote
 from ..lexicon.lexicon import Entry
@@ -54,22 +53,11 @@ class DerivationStep:
 
     def as_json(self) -> dict[str, object]:
         """The tree as a JSON object."""
-        return {
-            "words": self.words,
-            "category": self.category,
-            "term": self.term,
-            "rule": self.rule,
-            "parts": [part.as_json() for part in self.parts],
-        }
+        return {**vars(self), "parts": [part.as_json() for part in self.parts]}
 
 
 def derivation_step(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:
-    """Return the root step of a derivation.
-
-    Args:
-        derivation: as the chart built it.
-        words: the tokens of the utterance.
-    """
+    """Return the root step of a derivation of the words of an utterance."""
     rule = derivation.rule
     shown = rule.value if isinstance(rule, Combination) else str(rule)
     return DerivationStep(
@@ -81,19 +69,17 @@ def derivation_step(derivation: Derivation, words: tuple[str, ...]) -> Derivatio
     )
 
 
-def lexical_entries(derivation: Derivation) -> Iterator[Entry]:
-    """The lexical entries that a derivation uses, from left to right."""
-    if isinstance(derivation.rule, Entry):
-        yield derivation.rule
+def subderivations(derivation: Derivation) -> Iterator[Derivation]:
+    """The derivation and all that it consists of, from the root down and from left to right."""
+    yield derivation
     for part in derivation.parts:
-        yield from lexical_entries(part)
+        yield from subderivations(part)
 
 
-def categories_of(derivation: Derivation) -> Iterator[Category]:
-    """The categories of all spans of a derivation."""
-    yield derivation.category
-    for part in derivation.parts:
-        yield from categories_of(part)
+def lexical_entries(derivation: Derivation) -> list[Entry]:
+    """Return the lexical entries that a derivation uses, from left to right."""
+    rules = (each.rule for each in subderivations(derivation))
+    return [rule for rule in rules if isinstance(rule, Entry)]
 
 
 def draw_svg(step: DerivationStep) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 from ..grammar.categories import AtomicCategory, Category
@@ -22,12 +23,7 @@ from ..semantics.predicates import form_of
 from .chart import Chart, Derivation
 from .frames import Fillers, Frame, Frames, Kind, Phrase
 
-_RULE, _STATEMENT, _QUESTION, _DEGREE = (
-    AtomicCategory("R"),
-    AtomicCategory("S"),
-    AtomicCategory("Q"),
-    AtomicCategory("DG"),
-)
+_RULE, _STATEMENT, _QUESTION, _DEGREE = map(AtomicCategory, ("R", "S", "Q", "DG"))
 _STATED = (_RULE, _STATEMENT)
 _OBJECT, _BARE = AtomicCategory("NP"), (AtomicCategory("N"), AtomicCategory("P"))
 _NOTHING, _NEVER = Constant("something"), Constant("none")
@@ -40,10 +36,7 @@ class _Cover(NamedTuple):
     """A frame that covers the first tokens of an utterance.
 
     Attributes:
-        cost: the sum of the costs of its parts.
-        parts: the covered spans, from left to right.
         slots: the value of each slot, None for an empty one.
-        degree: the degree that was said, if any.
         cues: the groups of the cues found.
         seen: the kinds of the parts, as far as other kinds need them.
         last: the kind of the last part.
@@ -71,10 +64,7 @@ class _Cover(NamedTuple):
 def parse_frames(frames: Frames, tokens: Tokens, chart: Chart) -> Iterator[Derivation]:
     """Return a derivation for each frame and each way in which it covers the utterance.
 
-    Args:
-        frames: the frames of the language.
-        tokens: the utterance.
-        chart: its chart, which has the categories of its spans.
+    The categories of spans come from the chart of the utterance.
     """
     if frames.is_barred(tokens):
         return
@@ -89,8 +79,6 @@ class _Constituents:
     """The constituents of an utterance that a frame may take.
 
     Attributes:
-        tokens: the utterance.
-        words: its words.
         fillers: of each group the fillers from each position on, with their kinds.
         denials: the phrases for "never" from each position on, with their kinds.
         values: the slot values by category and start.
@@ -158,23 +146,19 @@ class _FrameSearch:
         start = _Cover(self.frame.cost, (), (None,) * len(self.frame.slots))
         reached[0][start.key] = [start]
         for place in range(length):
-            for cover in [each for same in reached[place].values() for each in same]:
+            for cover in chain.from_iterable(reached[place].values()):
                 for longer in self._extended(cover, place):
                     _keep(reached[longer.parts[-1].end], longer)
-        return [
-            each for same in reached[length].values() for each in same if self._is_complete(each)
-        ]
+        return list(filter(self._is_complete, chain.from_iterable(reached[length].values())))
 
     def _is_complete(self, cover: _Cover) -> bool:
         has_all = None not in cover.slots and len(cover.cues) == len(self.frame.cues)
         is_clause = self.frame.result not in _STATED or self._has_needs(cover, _CLAUSE)
-        return has_all and is_clause and self._may_end(cover) and self._is_question_if_needed(cover)
-
-    def _is_question_if_needed(self, cover: _Cover) -> bool:
-        """Whether a question frame has a question: by its mark, or because it begins as one."""
-        if self.frame.result != _QUESTION or self.found.tokens.asks:
-            return True
-        return str(cover.parts[0].category) in self.frames.openers
+        if not (has_all and is_clause and self._may_end(cover)):
+            return False
+        # A question has its mark, or begins as one.
+        is_question = self.frame.result == _QUESTION and not self.found.tokens.asks
+        return not is_question or str(cover.parts[0].category) in self.frames.openers
 
     def _extended(self, cover: _Cover, place: int) -> Iterator[_Cover]:
         """The cover extended by each part that may come next."""
@@ -210,7 +194,7 @@ class _FrameSearch:
             yield from self.found.denials[place]
         for part in self.found.values.get((_DEGREE, place), ()):
             # A degree may be said twice: "always, without exception".
-            if cover.degree is None or _is_same_form(part, cover.degree):
+            if cover.degree is None or form_of(part.value) == form_of(cover.degree.value):
                 yield str(_DEGREE), part
 
     def _with(self, cover: _Cover, part: Derivation) -> _Cover:
@@ -272,10 +256,6 @@ def _is_retyped(part: Derivation, slot: Sequence[Kind]) -> bool:
     """Whether a unary rule made the part from a category that the slot takes as well."""
     rule = part.rule
     return isinstance(rule, Unary) and any(rule.source == kind.category for kind in slot)
-
-
-def _is_same_form(one: Derivation, other: Derivation) -> bool:
-    return form_of(one.value) == form_of(other.value)
 
 
 def _is_guess_without_article(part: Derivation) -> bool:

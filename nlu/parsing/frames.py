@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -43,33 +44,24 @@ class Kind(NamedTuple):
     category: Category
 
 
-class FillerMatch(NamedTuple):
-    """A filler in an utterance: its kind of word, and one past its last token."""
-
-    kind: str
-    end: int
-
-
 @dataclass(frozen=True)
 class Fillers:
     """A group of filler phrases, which add nothing to the meaning of a frame.
 
     Attributes:
-        kinds: the kinds of words.
         steps: the graph of the phrases by their first word, `*` for any; the number at an end is
-            the place of the kind.
-        words: all words of all phrases.
+            the index of the kind of word.
     """
 
     kinds: tuple[str, ...]
     steps: Mapping[str, Steps]
     words: frozenset[str]
 
-    def match(self, words: Sequence[str], place: int) -> frozenset[FillerMatch]:
-        """Return all phrases that match from a position on."""
+    def match(self, words: Sequence[str], place: int) -> frozenset[tuple[str, int]]:
+        """Return the kind and the end of each phrase that matches from a position on."""
         steps = (*self.steps.get(words[place], ()), *self.steps.get("*", ()))
         found = match_pattern(steps, words, place)
-        return frozenset(FillerMatch(self.kinds[kind], end) for kind, end in found)
+        return frozenset((self.kinds[kind], end) for kind, end in found)
 
 
 @dataclass(frozen=True)
@@ -97,11 +89,9 @@ class Frame:
 
 @dataclass(frozen=True)
 class Frames:
-    """The frames of a language.
+    """The frames of a language, and the groups of filler phrases by name.
 
     Attributes:
-        frames: the frames.
-        fillers: the groups of filler phrases by name.
         denials: phrases that say "never", by their kind.
         barred: phrases that block every frame.
         inverted: phrases that make a question when they come first.
@@ -175,20 +165,21 @@ def load_frames(path: Path, grammar: Grammar) -> Frames:
     fillers = {name: _fillers(group) for name, group in groups.items()}
     slots = {name: tuple(_kinds(field)) for name, field in parts["slots"].entries().items()}
     sets = {
-        name: frozenset(_phrases(parts[name])) if name in parts else frozenset[Phrase]()
+        name: frozenset(chain.from_iterable(map(spellings, parts[name].items())))
+        if name in parts
+        else frozenset[Phrase]()
         for name in ("inverted", "inverting", "asking")
     }
     denials = _fillers(parts["denials"].entries())
     kinds = {kind for group in (denials, *fillers.values()) for kind in group.kinds}
     kinds |= {kind.name for slot in slots.values() for kind in slot}
-    follows = _sets(parts["follows"], kinds | {"start", "end", "DG", "NP"})
     return Frames(
         tuple(_frame(field, grammar, fillers, slots) for field in parts["frames"].items()),
         fillers=MappingProxyType(fillers),
         barred=_fillers({"": parts["barred"]}),
         denials=denials,
         openers=frozenset(parts["openers"].texts()),
-        follows=follows,
+        follows=_sets(parts["follows"], kinds | {"start", "end", "DG", "NP"}),
         needs=_sets(parts["needs"], kinds | {"clause", "pause", "DG", "NP"}),
         degree=parts["degree"].text(choices=tuple(grammar.signature)),
         **sets,
@@ -203,11 +194,6 @@ def _sets(field: Field, known: Collection[str]) -> Mapping[str, frozenset[str]]:
             raise others.fail(f'there is no kind "{kind}"; expected one of {sorted(known)}.')
         found[kind] = frozenset(each.text(choices=known) for each in others.items())
     return MappingProxyType(found)
-
-
-def _phrases(field: Field) -> Iterator[Phrase]:
-    for each in field.items():
-        yield from spellings(each)
 
 
 def _fillers(kinds: Mapping[str, Field]) -> Fillers:
@@ -238,7 +224,9 @@ def _frame(
 ) -> Frame:
     parts = field.entries(required=("takes", "with", "is"), optional=("cues", "joins"))
     gaps = _gaps(parts["takes"])
-    taken = tuple(_slot(gap, slots) for gap in gaps)
+    taken = tuple(
+        slots.get(str(gap.category), (Kind(str(gap.category), gap.category),)) for gap in gaps
+    )
     line = parts["is"]
     category, term, cost = read_entry(line)
     # The term must be well typed for every kind of slot value.
@@ -258,11 +246,6 @@ def _frame(
         cost,
         "joins" not in parts or parts["joins"].text(choices=("yes", "no")) == "yes",
     )
-
-
-def _slot(gap: Gap, slots: Mapping[str, tuple[Kind, ...]]) -> tuple[Kind, ...]:
-    name = str(gap.category)
-    return slots.get(name, (Kind(name, gap.category),))
 
 
 def _gaps(field: Field) -> list[Gap]:

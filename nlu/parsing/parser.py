@@ -23,7 +23,7 @@ from ..semantics.meaning import Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import Form, form_of
 from .chart import Chart, Derivation
-from .derivation import categories_of, lexical_entries
+from .derivation import lexical_entries, subderivations
 from .frame_parser import parse_frames
 from .frames import Frames
 from .understanding import Reading
@@ -35,12 +35,9 @@ _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is l
 
 @dataclass(frozen=True)
 class UtteranceContext:
-    """Who speaks to whom, and after what.
+    """Who speaks to whom, by their names in predicate forms, and after what.
 
     Attributes:
-        speaker: the speaker, as a name in predicate forms.
-        addressee: the person or robot spoken to.
-        discourse: the conversation so far.
         recognition: how sure it is that this was said, (lower, upper) in [0, 1].
     """
 
@@ -52,16 +49,7 @@ class UtteranceContext:
 
 @dataclass(frozen=True)
 class SentenceParser:
-    """Finds the readings of one sentence.
-
-    Attributes:
-        grammar: the categories, and which of them are utterances.
-        lexicon: the words.
-        combinator: the combinatory rules.
-        interpreter: from predicate forms to meanings.
-        pragmatics: from speech acts to intentions.
-        frames: the frames for utterances that the grammar does not cover.
-    """
+    """Finds the readings of one sentence, by frames where the grammar does not cover it."""
 
     grammar: Grammar
     lexicon: Lexicon
@@ -71,12 +59,7 @@ class SentenceParser:
     frames: Frames
 
     def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
-        """Return the filled chart of a token sequence.
-
-        Args:
-            tokens: the sentence.
-            guesses: entries for unknown words, by position.
-        """
+        """Return the filled chart of a token sequence, with guesses for the words at positions."""
         return Chart(tokens.words, self.lexicon, self.combinator, guesses)
 
     def readings(
@@ -84,14 +67,8 @@ class SentenceParser:
     ) -> tuple[list[Reading], RefusedError | None]:
         """Return one reading per meaning of the whole sentence, the likeliest first.
 
-        Args:
-            chart: the chart of the sentence.
-            tokens: the sentence.
-            context: who speaks to whom, and after what.
-            by_frames: whether derivations come from frames instead of the grammar.
-
-        Returns:
-            The readings, and why the likeliest of the other derivations has no meaning.
+        The second result is why the likeliest derivation without a meaning has none. Derivations
+        come from the chart or, with `by_frames`, from frames.
         """
         best: dict[Meaning, Reading] = {}
         refusal: RefusedError | None = None
@@ -118,8 +95,9 @@ class SentenceParser:
     def is_generic(self, chart: Chart) -> bool:
         """Whether an utterance only names any object of a kind: "knives", "a knife"."""
         return any(
-            self.grammar.general in categories_of(derivation)
+            part.category == self.grammar.general
             for derivation in chart.derivations(self.grammar.topic)
+            for part in subderivations(derivation)
         )
 
     def failure(self, chart: Chart, tokens: Tokens) -> tuple[str, tuple[str, ...]]:
@@ -151,7 +129,7 @@ class SentenceParser:
     ) -> Reading:
         form = _fill_persons(form_of(derivation.value), context)
         form = resolve(form, context.discourse)
-        entries = list(lexical_entries(derivation))
+        entries = lexical_entries(derivation)
         words = new_words(entries)
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and"}:

@@ -26,12 +26,7 @@ _LIKELY = 0.5  # a rule whose upper bound is below states that something is not 
 
 @dataclass(frozen=True, repr=False)
 class ReadingFilter:
-    """The filter for the readings of one sentence.
-
-    Attributes:
-        known_words: the words that are known.
-        inflection: forms of words.
-    """
+    """The filter for the readings of one sentence."""
 
     known_words: KnownWords
     inflection: Inflection
@@ -39,12 +34,9 @@ class ReadingFilter:
     def accepted(
         self, readings: Sequence[Reading], tokens: Tokens, *, by_frames: bool
     ) -> list[Reading]:
-        """Return the readings that may be accepted, in the same order.
+        """Return the readings of a whole sentence that may be accepted, in the same order.
 
-        Args:
-            readings: of the whole sentence.
-            tokens: the sentence.
-            by_frames: whether they come from frames, which do not look at the order of words.
+        Readings by frames may introduce fewer new words: frames ignore the order of words.
         """
         negated = self._is_thing_negated(tokens)
         return [

@@ -20,14 +20,7 @@ from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.coreference import update_discourse
-from ..semantics.meaning import (
-    AskBack,
-    Command,
-    Meaning,
-    Misunderstanding,
-    Statement,
-    ToolCommand,
-)
+from ..semantics.meaning import AskBack, Command, Meaning, Misunderstanding, Statement, ToolCommand
 from ..semantics.predicates import Form
 from .chart import Chart
 from .clarification import Clarification
@@ -44,11 +37,7 @@ class UtteranceParser:
     """Understands utterances, whole or in segments.
 
     Attributes:
-        parser: the parser of one sentence.
         builder: the word lists of the language: contractions, discourse markers, qualifiers.
-        known_words: the words that are known.
-        reading_filter: which readings may be accepted.
-        clarification: the answers to utterances that are not understood.
     """
 
     parser: SentenceParser
@@ -60,21 +49,18 @@ class UtteranceParser:
     def understand(
         self, text: str, context: UtteranceContext, accepted: Collection[str]
     ) -> Understanding:
-        """Return what a text means, or the clarification that it needs.
+        """Return what one utterance means, or the clarification that it needs.
 
-        Args:
-            text: one utterance.
-            context: who speaks to whom, and after what.
-            accepted: words that are new although they are close to known ones.
+        Words in `accepted` are new although they are close to known ones.
         """
         tokens = tokenize(text, self.builder.contractions)
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
-            return _without_reading(tokens, context, problem)
+            return _understanding(tokens, context, problem)
         found = _Attempt(self, accepted).understand(tokens, context)
         if found.reading is None or self.parser.pragmatics.is_enough(found.reading.interval):
             return found
-        return _without_reading(tokens, context, self.clarification.of_recognition(found.text))
+        return _understanding(tokens, context, self.clarification.of_recognition(found.text))
 
 
 class _Attempt:
@@ -247,7 +233,7 @@ class _Attempt:
             found = self._parse(tokens, context, by_frames=by_frames)
             if tokens in self._fronted and _has_several_rules(found):
                 # The qualifier was said of one of them; moved, it no longer shows of which.
-                found = _without_reading(tokens, context, Misunderstanding(tokens.text))
+                found = _understanding(tokens, context, Misunderstanding(tokens.text))
             self._sentences[key] = found
         return found
 
@@ -265,7 +251,7 @@ class _Attempt:
         if chosen is not None:
             answer = clarify.of_new_words(chosen.new_words, self._accepted)
             if answer is None:
-                return _with_reading(tokens, context, chosen, len(accepted))
+                return _understanding(tokens, context, chosen.meaning, chosen, len(accepted))
         elif accepted:
             words = (word for reading in accepted for word in reading.new_words)
             answer = clarify.of_new_words(words, self._accepted) or clarify.of_ambiguity(accepted)
@@ -276,7 +262,7 @@ class _Attempt:
         if answer is None and unknown:
             answer = clarify.of_unknown_words(tokens, unknown)
         answer = answer or clarify.of_failure(chart, tokens, refusal)
-        return replace(_without_reading(tokens, context, answer), readings=len(accepted))
+        return _understanding(tokens, context, answer, readings=len(accepted))
 
     def _topic(self, tokens: Tokens, context: UtteranceContext) -> Form | None:
         return self._tools.parser.topic(self._plain_chart(tokens), context)
@@ -310,28 +296,17 @@ def _with_object(thing: Form | None, context: UtteranceContext) -> UtteranceCont
     return replace(context, discourse=replace(context.discourse, object=thing))
 
 
-def _with_reading(
-    tokens: Tokens, context: UtteranceContext, reading: Reading, readings: int
+def _understanding(
+    tokens: Tokens,
+    context: UtteranceContext,
+    meaning: Meaning,
+    reading: Reading | None = None,
+    readings: int = 0,
 ) -> Understanding:
+    people, discourse = (context.speaker, context.addressee), context.discourse
+    new_words = reading.new_words if reading and isinstance(meaning, Statement) else ()
+    if reading is not None:
+        discourse = update_discourse(meaning, reading.speech_act.arguments[-1], discourse)
     return Understanding(
-        tokens.text,
-        context.speaker,
-        context.addressee,
-        reading.meaning,
-        reading,
-        readings,
-        reading.new_words if isinstance(reading.meaning, Statement) else (),
-        tokens.words,
-        update_discourse(reading.meaning, reading.speech_act.arguments[-1], context.discourse),
-    )
-
-
-def _without_reading(tokens: Tokens, context: UtteranceContext, meaning: Meaning) -> Understanding:
-    return Understanding(
-        tokens.text,
-        context.speaker,
-        context.addressee,
-        meaning,
-        words=tokens.words,
-        discourse=context.discourse,
+        tokens.text, *people, meaning, reading, readings, new_words, tokens.words, discourse
     )

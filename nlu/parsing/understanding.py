@@ -26,9 +26,7 @@ class Reading:
         intention: what the speaker wants, `wantBelieve(sam,self,...)`.
         interval: how sure the intention is, by the pragmatic rules and by how well the speech was
             recognised, as (lower, upper) in [0, 1].
-        meaning: the meaning of the intention.
         cost: how unlikely the reading is; the lowest cost is the best.
-        derivation: how the words combine.
         new_words: the words that the reading takes to be new.
     """
 
@@ -43,12 +41,9 @@ class Reading:
 
 @dataclass(frozen=True)
 class Understanding:
-    """An utterance and its meaning.
+    """An utterance, who said it to whom, and its meaning.
 
     Attributes:
-        text: the utterance.
-        speaker: who said it.
-        addressee: who it was said to.
         meaning: a `Misunderstanding` or `AskBack` when it is not clear.
         reading: the best reading, None when there is none.
         readings: the number of different meanings.

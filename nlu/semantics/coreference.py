@@ -16,15 +16,14 @@ from .predicates import Form
 IT = Form("it")
 SOMETHING = frozenset({"something", "anything"})
 
+_HILT = Form("self")
+_OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
+_OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
+
 
 @dataclass(frozen=True)
 class Discourse:
-    """The discourse state: what later utterances may refer to.
-
-    Attributes:
-        object: the object mentioned last, as a form; None before the first.
-        rule: the rule taught or corrected last; None before the first.
-    """
+    """The discourse state: the object mentioned last and the rule taught or corrected last."""
 
     object: Form | None = None
     rule: Rule | None = None
@@ -78,27 +77,20 @@ def _resolve_rules(form: Form, discourse: Discourse) -> Form:
         case "implies", _:
             return _resolve_rule(form, discourse)
         case "within", (occasion, rule):
-            return _resolve_rules(_on_occasion(occasion, rule), discourse)
+            form = _on_occasion(occasion, rule)
         case "holding", (Form(arguments=(_, held, *_)) as act, place):
             return Form("holding", (act, _replace_it(place, held)))
+        case "how", (act, held):
+            return Form("how", (_replace_it(act, held),))
         case "first", (thing, act):
-            return _resolve_rules(_with_referent(thing, act), discourse)
+            # "Take the mug and pass it to me": the second act must be on the first one's object.
+            if IT not in act:
+                raise RefusedError("one_thing_at_a_time")
+            form = _replace_it(act, thing)
         case _:
-            return _resolve_arguments(form, discourse)
-
-
-def _resolve_arguments(form: Form, discourse: Discourse) -> Form:
-    if form.name == "how" and len(form.arguments) == 2:
-        act, held = form.arguments
-        return Form("how", (_replace_it(act, held),))
-    return Form(form.name, tuple(_resolve_rules(part, discourse) for part in form.arguments))
-
-
-def _with_referent(thing: Form, act: Form) -> Form:
-    """An act whose "it" is an object taken before: "take the mug and pass it to me"."""
-    if IT not in act:
-        raise RefusedError("one_thing_at_a_time")
-    return _replace_it(act, thing)
+            arguments = (_resolve_rules(part, discourse) for part in form.arguments)
+            return Form(form.name, tuple(arguments))
+    return _resolve_rules(form, discourse)
 
 
 def _on_occasion(occasion: Form, rule: Form) -> Form:
@@ -125,14 +117,12 @@ def _resolve_rule(form: Form, discourse: Discourse) -> Form:
 def _alternatives(form: Form) -> tuple[Form, ...]:
     """The rules that one `implies` over two objects, uses or acts expands to; empty for one."""
     for place, argument in enumerate(form.arguments):
-        if argument.name in {"both", "eitherOf"}:
+        if argument.name in {"both", "eitherOf", "butNot"}:
             before, after = form.arguments[:place], form.arguments[place + 1 :]
-            return tuple(Form("implies", (*before, each, *after)) for each in argument.arguments)
-        if argument.name == "butNot":
-            before, after = form.arguments[:place], form.arguments[place + 1 : -1]
-            degrees = (form.arguments[-1], Form("none", ()))
-            pairs = zip(argument.arguments, degrees, strict=True)
-            return tuple(Form("implies", (*before, each, *after, degree)) for each, degree in pairs)
+            rules = [Form("implies", (*before, each, *after)) for each in argument.arguments]
+            if argument.name == "butNot":
+                rules[1] = Form("implies", (*rules[1].arguments[:-1], Form("none")))
+            return tuple(rules)
     return ()
 
 
@@ -209,18 +199,13 @@ def _most_specific(candidates: list[Form]) -> Form | None:
     for candidate in candidates:
         if candidate == IT:
             continue
-        if known is None or _noun(known).name in SOMETHING:
-            known = _more_specific(candidate, known)
-        elif _noun(candidate).name not in SOMETHING and _noun(candidate) != _noun(known):
+        if known is not None:
             first, second = _noun(known).name, _noun(candidate).name
-            raise RefusedError("two_objects", first=first, second=second)
-        else:
-            known = _more_specific(candidate, known)
+            if _noun(known) != _noun(candidate) and not SOMETHING & {first, second}:
+                raise RefusedError("two_objects", first=first, second=second)
+        if known is None or len(list(candidate)) >= len(list(known)):
+            known = candidate
     return known
-
-
-def _more_specific(one: Form, other: Form | None) -> Form:
-    return one if other is None or sum(1 for _ in one) >= sum(1 for _ in other) else other
 
 
 def _noun(form: Form) -> Form:
@@ -240,21 +225,15 @@ def _object_of_rule(form: Form) -> Form | None:
 
 
 def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> Discourse:
-    """Return the discourse state after an utterance.
-
-    Args:
-        meaning: the meaning of the utterance.
-        content: the predicate form of the utterance.
-        discourse: the state before it.
-    """
+    """Return the discourse state after an utterance with a meaning and a predicate form."""
     if isinstance(meaning, (AskBack, Misunderstanding)):
         return discourse
     mentioned = _mentioned_object(content)
     if mentioned is not None:
         discourse = replace(discourse, object=mentioned)
-    return (
-        replace(discourse, rule=meaning.rules[-1]) if isinstance(meaning, Statement) else discourse
-    )
+    if isinstance(meaning, Statement):
+        discourse = replace(discourse, rule=meaning.rules[-1])
+    return discourse
 
 
 def _mentioned_object(form: Form) -> Form | None:
@@ -273,8 +252,3 @@ def _mentioned_object(form: Form) -> Form | None:
         # Of an act with a tool it is what it is done to, if that was named.
         return next((each for each in form.arguments[1:] if each.name not in SOMETHING), None)
     return within
-
-
-_HILT = Form("self")
-_OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
-_OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})

@@ -33,7 +33,6 @@ GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
 
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
-
 _QUESTIONS = {
     "usesOf": "uses_of",
     "about": "about",
@@ -76,9 +75,7 @@ class Interpreter:
     def meaning(self, intention: Form, discourse: Discourse) -> Meaning:
         """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
 
-        Args:
-            intention: what the speaker wants.
-            discourse: the conversation so far, for corrections and additions to the last rule.
+        A correction or an addition refers to the last rule of the discourse.
 
         Raises:
             RefusedError: the intention is nothing that Hilt can believe, do or answer.
@@ -125,27 +122,32 @@ class Interpreter:
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
             rules = self._rules(form.arguments[0])
             return Statement(tuple(replace(rule, revises=True) for rule in rules))
-        if form.name in {"correctDegree", "correctObject", "correctUse"}:
-            return Statement((self._corrected_rule(form, discourse),))
-        return Statement((_rule_with_part(form, discourse),))
+        return Statement((replace(self._changed_rule(form, discourse.rule), revises=True),))
 
     def _analogous_rule(self, form: Form, discourse: Discourse) -> Statement:
         """The last rule for another object, use or part: "the same goes for spoons"."""
-        rule = discourse.rule
-        if rule is None:
-            raise RefusedError("nothing_to_correct", asks=True)
-        one, *degree = form.arguments
-        if form.name == "alsoBy":
-            rule = _rule_with_part(Form("alsoBy", (one,)), discourse)
-        elif form.name == "alsoFor":
-            if not isinstance(rule, FunctionalRule):
+        rule = self._changed_rule(form, discourse.rule)
+        degree = form.arguments[1:]
+        confidence = self.intervals[degree[0].name] if degree else rule.confidence
+        return Statement((replace(rule, confidence=confidence, revises=False),))
+
+    def _changed_rule(self, form: Form, rule: Rule | None) -> Rule:
+        """The last rule with what a form names instead: "no, only sometimes", "by the handle"."""
+        said = form.arguments[0]
+        match rule, form.name:
+            case ((FunctionalRule() | ActionRule()), "correctDegree"):
+                return replace(rule, confidence=self.intervals[said.name])
+            case ((FunctionalRule() | ActionRule()), "correctObject" | "alsoOf"):
+                name, props = _kind_and_properties(said)
+                return replace(rule, object=name, props=props)
+            case FunctionalRule(), "correctUse" | "alsoFor":
+                return replace(rule, affordance=self._affordance(said))
+            case ActionRule(), "alsoFor":
                 raise RefusedError("not_a_rule")
-            rule = replace(rule, affordance=self._affordance(one))
-        else:
-            name, props = _kind_and_properties(one)
-            rule = replace(rule, object=name, props=props)
-        sure = self.intervals[degree[0].name] if degree else rule.confidence
-        return Statement((replace(rule, confidence=sure, revises=False),))
+            case (None, _) | (FunctionalRule(), _) | (_, "correctUse"):
+                raise RefusedError("nothing_to_correct", asks=True)
+            case _:
+                return replace(rule, part=_other_part(rule, said))
 
     def _command(self, form: Form) -> Command | ToolCommand:
         """The requested or forbidden action of a form."""
@@ -162,19 +164,31 @@ class Interpreter:
             raise RefusedError("one_thing_at_a_time")
         if len(form.arguments) > (3 if form.name == "pass" else 2):
             raise RefusedError("one_thing_at_a_time")
-        return Command(form.name, self._reference(form.arguments[1]), recipient=_recipient(form))
+        target = self._reference(form.arguments[1])
+        recipient = _name(form.arguments[2]) if len(form.arguments) > 2 else None
+        return Command(form.name, target, recipient=recipient)
 
     def _reference(self, form: Form) -> ObjectReference:
         """The object that an action is requested for."""
-        props: set[str] = set()
+        names: set[str] = set()
         used_for: list[Form] = []
         while form.name in {"having", "usedFor", "notUsedFor"}:
             if form.name == "having":
-                props.add(_name(form.arguments[1]))
+                names.add(_name(form.arguments[1]))
             else:
                 used_for.append(form)
             form = form.arguments[0]
-        return self._as_reference(form, used_for, tuple(sorted(props)))
+        props = tuple(sorted(names))
+        if len(used_for) > 1 or (used_for and form.name not in SOMETHING):
+            raise RefusedError("object_or_use")
+        if used_for:
+            affordance = self._affordance(used_for[0].arguments[1])
+            if used_for[0].name == "usedFor":
+                return ObjectReference(used_for=affordance, props=props)
+            return ObjectReference(not_used_for=affordance, props=props)
+        if form.name in SOMETHING and not props:
+            raise RefusedError("which_thing", asks=True)
+        return ObjectReference(object=_kind_and_properties(form)[0], props=props)
 
     def _affordance(self, form: Form) -> str:
         """The affordance that a form names, without what it is used on."""
@@ -183,20 +197,6 @@ class Interpreter:
         if form.arguments:
             raise RefusedError("one_use_at_a_time")
         return _name(form)
-
-    def _as_reference(
-        self, noun: Form, used_for: list[Form], props: tuple[str, ...]
-    ) -> ObjectReference:
-        if len(used_for) > 1 or (used_for and noun.name not in SOMETHING):
-            raise RefusedError("object_or_use")
-        if used_for:
-            affordance = self._affordance(used_for[0].arguments[1])
-            if used_for[0].name == "usedFor":
-                return ObjectReference(used_for=affordance, props=props)
-            return ObjectReference(not_used_for=affordance, props=props)
-        if noun.name in SOMETHING and not props:
-            raise RefusedError("which_thing", asks=True)
-        return ObjectReference(object=_kind_and_properties(noun)[0], props=props)
 
     def _command_with_part(self, form: Form) -> Command:
         command = self._command(form.arguments[0])
@@ -222,24 +222,10 @@ class Interpreter:
         if patient == ANY_OBJECT or props:
             raise RefusedError("on_what", asks=True, goal=form.name)
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
-            return ToolCommand(
-                form.name, patient, ObjectReference(used_for=self.tool_acts[form.name])
-            )
-        return ToolCommand(form.name, patient, self._reference(form.arguments[2]))
-
-    def _corrected_rule(self, form: Form, discourse: Discourse) -> Rule:
-        """The last rule with another confidence, object or affordance: "no, only sometimes"."""
-        rule, said = discourse.rule, form.arguments[0]
-        if rule is None:
-            raise RefusedError("nothing_to_correct", asks=True)
-        if form.name == "correctDegree":
-            return replace(rule, confidence=self.intervals[said.name], revises=True)
-        if form.name == "correctObject":
-            name, props = _kind_and_properties(said)
-            return replace(rule, object=name, props=props, revises=True)
-        if not isinstance(rule, FunctionalRule):
-            raise RefusedError("nothing_to_correct", asks=True)
-        return replace(rule, affordance=self._affordance(said), revises=True)
+            tool = ObjectReference(used_for=self.tool_acts[form.name])
+        else:
+            tool = self._reference(form.arguments[2])
+        return ToolCommand(form.name, patient, tool)
 
     def _one_rule(self, form: Form, problem: str = "one_rule_at_a_time") -> Rule:
         rules = list(self._rules(form))
@@ -380,18 +366,8 @@ def _name(form: Form) -> str:
     return form.name.replace("_", " ")
 
 
-def _recipient(form: Form) -> str | None:
-    if form.name != "pass" or len(form.arguments) < 3:
-        return None
-    return _name(form.arguments[2])
-
-
-def _rule_with_part(form: Form, discourse: Discourse) -> Rule:
-    """The last rule with another part: "no, by the handle"."""
-    rule = discourse.rule
-    if not isinstance(rule, ActionRule):
-        raise RefusedError("nothing_to_correct", asks=True)
-    place = form.arguments[0]
+def _other_part(rule: ActionRule, place: Form) -> str:
+    """The part that a correction names, which must be one of the object of the rule."""
     if place.name == "graspObject":
         place = place.arguments[1]
     if place.name == "partOf":
@@ -399,4 +375,4 @@ def _rule_with_part(form: Form, discourse: Discourse) -> Rule:
         if name != rule.object:
             raise RefusedError("two_objects", first=rule.object, second=name)
         place = place.arguments[0]
-    return replace(rule, part=_name(place), revises=True)
+    return _name(place)

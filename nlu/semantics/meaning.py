@@ -17,8 +17,26 @@ Confidence = tuple[float, float]
 ANY_OBJECT = "*"
 
 
+class _Record:
+    """A value whose JSON object holds those of its attributes that are not None, False or empty."""
+
+    def as_json(self) -> Json:
+        """Return the value as a JSON object of the meaning schema."""
+        return {key: _plain(value) for key, value in vars(self).items() if value}
+
+
+def _plain(value: object) -> object:
+    match value:
+        case tuple():
+            return list[object](value)
+        case _Record():
+            return value.as_json()
+        case _:
+            return value
+
+
 @dataclass(frozen=True)
-class FunctionalRule:
+class FunctionalRule(_Record):
     """An object is used for something: "a knife is often used for cutting".
 
     Attributes:
@@ -36,27 +54,18 @@ class FunctionalRule:
     revises: bool = False
 
     def as_json(self) -> Json:
-        """The rule as a JSON object."""
-        result: Json = {
-            "rule": "functional",
-            "object": self.object,
-            "affordance": self.affordance,
-            "confidence": list(self.confidence),
-        }
-        return result | _rest(self.props, self.revises)
+        """Return the rule as a JSON object."""
+        return {"rule": "functional"} | super().as_json()
 
 
 @dataclass(frozen=True)
-class ActionRule:
+class ActionRule(_Record):
     """In a context, an object is grasped by a part: "to pass a knife grab it by the blade".
 
     Attributes:
-        object: the kind of object, or `ANY_OBJECT`.
         context: the action during which the rule holds ("pass", "pickUp", ...).
         part: the part to grasp.
-        confidence: (lower, upper) in [0, 1].
-        props: further properties that the object must have, sorted.
-        revises: whether it replaces what was taught before.
+        object, confidence, props, revises: as of a `FunctionalRule`.
     """
 
     object: str
@@ -67,15 +76,8 @@ class ActionRule:
     revises: bool = False
 
     def as_json(self) -> Json:
-        """The rule as a JSON object."""
-        result: Json = {
-            "rule": "action",
-            "object": self.object,
-            "context": self.context,
-            "part": self.part,
-            "confidence": list(self.confidence),
-        }
-        return result | _rest(self.props, self.revises)
+        """Return the rule as a JSON object."""
+        return {"rule": "action"} | super().as_json()
 
 
 Rule = FunctionalRule | ActionRule
@@ -83,11 +85,7 @@ Rule = FunctionalRule | ActionRule
 
 @dataclass(frozen=True)
 class Statement:
-    """One or more rules that the speaker wants believed.
-
-    Attributes:
-        rules: at least one, in the order they were said.
-    """
+    """One or more rules that the speaker wants believed, in the order they were said."""
 
     rules: tuple[Rule, ...]
 
@@ -97,14 +95,14 @@ class Statement:
         return "correction" if any(rule.revises for rule in self.rules) else "statement"
 
     def as_json(self) -> Json:
-        """The one rule, or `{"all": [...]}`."""
+        """Return the one rule, or `{"all": [...]}`."""
         if len(self.rules) == 1:
             return self.rules[0].as_json()
         return {"all": [rule.as_json() for rule in self.rules]}
 
 
 @dataclass(frozen=True)
-class ObjectReference:
+class ObjectReference(_Record):
     """The object that a command refers to: exactly one of the first three attributes is set.
 
     Attributes:
@@ -124,17 +122,13 @@ class ObjectReference:
             raise ValueError("A reference needs exactly one of object, used_for and not_used_for.")
 
     def as_json(self) -> Json:
-        """The reference as a JSON object."""
-        named = {
-            "object": self.object,
-            "usedFor": self.used_for,
-            "notUsedFor": self.not_used_for,
-        }
-        return _present(named) | _rest(self.props)
+        """Return the reference as a JSON object."""
+        keys = {"used_for": "usedFor", "not_used_for": "notUsedFor"}
+        return {keys.get(name, name): value for name, value in super().as_json().items()}
 
 
 @dataclass(frozen=True)
-class Command:
+class Command(_Record):
     """An act on one object: "pass me the knife by the blade".
 
     Attributes:
@@ -152,15 +146,9 @@ class Command:
     recipient: str | None = None
     negated: bool = False
 
-    def as_json(self) -> Json:
-        """The command as a JSON object."""
-        result: Json = {"goal": self.goal, "target": self.target.as_json()}
-        result |= _present({"part": self.part, "recipient": self.recipient})
-        return result | ({"negated": True} if self.negated else {})
-
 
 @dataclass(frozen=True)
-class ToolCommand:
+class ToolCommand(_Record):
     """An act on something with a tool: "pound the nail [with the hammer]".
 
     Attributes:
@@ -176,18 +164,15 @@ class ToolCommand:
     tool: ObjectReference
     negated: bool = False
 
-    def as_json(self) -> Json:
-        """The command as a JSON object."""
-        result: Json = {"goal": self.goal, "patient": self.patient, "tool": self.tool.as_json()}
-        return result | ({"negated": True} if self.negated else {})
-
 
 @dataclass(frozen=True)
-class Question:
+class Question(_Record):
     """A question of the speaker.
 
     Attributes:
-        ask: one of `QUESTIONS`.
+        ask: `about`, `best_for`, `capabilities`, `confidence`, `how`, `is_used_for`,
+            `objects_for`, `see`, `source`, `trust`, `uses_of`, `what_if`, `which_context`, `why`
+            or `why_not`.
         object, affordance, context, part, speaker: what the question names, else None.
     """
 
@@ -199,55 +184,21 @@ class Question:
     part: str | None = None
     speaker: str | None = None
 
-    def as_json(self) -> Json:
-        """The question as a JSON object."""
-        named = {
-            "object": self.object,
-            "affordance": self.affordance,
-            "context": self.context,
-            "part": self.part,
-            "speaker": self.speaker,
-        }
-        return {"ask": self.ask} | _present(named)
-
-
-QUESTIONS = (
-    "about",
-    "best_for",
-    "capabilities",
-    "confidence",
-    "how",
-    "is_used_for",
-    "objects_for",
-    "see",
-    "source",
-    "trust",
-    "uses_of",
-    "what_if",
-    "which_context",
-    "why",
-    "why_not",
-)
-
 
 @dataclass(frozen=True)
 class Retraction:
-    """The speaker retracts a rule: "forget that".
-
-    Attributes:
-        rule: the rule; None for the one taught last.
-    """
+    """The speaker retracts a rule: "forget that"; None stands for the rule taught last."""
 
     kind: ClassVar[str] = "correction"
     rule: Rule | None = None
 
     def as_json(self) -> Json:
-        """The retraction as a JSON object."""
+        """Return the retraction as a JSON object."""
         return {"retract": "last" if self.rule is None else self.rule.as_json()}
 
 
 @dataclass(frozen=True)
-class Acknowledgement:
+class Acknowledgement(_Record):
     """An utterance that only keeps the conversation going.
 
     Attributes:
@@ -256,10 +207,6 @@ class Acknowledgement:
 
     kind: ClassVar[str] = "acknowledgement"
     ack: str
-
-    def as_json(self) -> Json:
-        """The acknowledgement as a JSON object."""
-        return {"ack": self.ack}
 
 
 @dataclass(frozen=True)
@@ -276,7 +223,7 @@ class AskBack:
     choices: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
-        """The JSON object, which leaves the question out because it is spoken."""
+        """Return the JSON object, which leaves the question out because it is spoken."""
         return {"ask_back": True}
 
 
@@ -298,11 +245,8 @@ class Misunderstanding:
     nearest: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
-        """The failure as a JSON object."""
-        result: Json = {"error": True, "message": self.message, "where": self.where}
-        result["expected"] = list(self.expected)
-        result["nearest"] = list(self.nearest)
-        return result
+        """Return the failure as a JSON object."""
+        return {"error": True} | {key: _plain(value) for key, value in vars(self).items()}
 
 
 Meaning = (
@@ -315,14 +259,3 @@ Meaning = (
     | AskBack
     | Misunderstanding
 )
-
-
-def _present(named: dict[str, str | None]) -> Json:
-    return {key: value for key, value in named.items() if value is not None}
-
-
-def _rest(props: tuple[str, ...], revises: bool = False) -> Json:
-    result: Json = {"props": list(props)} if props else {}
-    if revises:
-        result["revises"] = True
-    return result

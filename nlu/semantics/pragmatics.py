@@ -26,20 +26,15 @@ PRAGMATICS_FILE = Path(__file__).parents[2] / "ontology" / "pragmatics.yaml"
 
 @dataclass(frozen=True)
 class PragmaticRule:
-    """One rule from a speech act to an intention.
+    """A rule from the pattern of a speech act to an intention with the same variables.
 
     Attributes:
-        act: the pattern of the speech act.
-        intention: what the speaker wants, with the same variables.
         interval: how sure the rule is, (lower, upper) in [0, 1].
     """
 
     act: Form
     intention: Form
     interval: Confidence
-
-    def __str__(self) -> str:
-        return f"{self.act} => {self.intention}"
 
 
 @dataclass(frozen=True)
@@ -55,11 +50,9 @@ class Pragmatics:
     threshold: float
 
     def intentions(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
-        """All that a speech act may be meant to bring about, the surest first.
+        """Return all intentions that a speech act may have, the surest first.
 
-        Args:
-            act: the speech act.
-            heard: how sure it is that this was said, (lower, upper) in [0, 1].
+        How sure it is that this was said is `heard`, (lower, upper) in [0, 1].
         """
         found: dict[Form, list[Confidence]] = {}
         for rule in self._by_act.get(act.name, ()):
@@ -72,7 +65,7 @@ class Pragmatics:
         return sorted(intentions, key=lambda each: -each.certainty)
 
     def meant(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
-        """The intentions that are sure enough; with none or several of them, Hilt must ask."""
+        """Return the intentions that are sure enough; unless it is one, Hilt must ask."""
         return [each for each in self.intentions(act, heard) if self.is_enough(each.interval)]
 
     def is_enough(self, interval: Confidence) -> bool:
@@ -89,10 +82,9 @@ class Pragmatics:
 
 @dataclass(frozen=True)
 class Intention:
-    """What a speaker may want.
+    """What a speaker may want, as a form like `want(sam,pass(self,knife))`.
 
     Attributes:
-        form: the intention, as `want(sam,pass(self,knife))`.
         interval: how sure it is, (lower, upper) in [0, 1].
         certainty: the same in one number, in [0, 1]; 0 when it rather is not meant.
     """

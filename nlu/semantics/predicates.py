@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
 
 from ..grammar.terms import Apply, Constant, Neutral, Term, Value, spine
 
@@ -75,10 +76,7 @@ def form_of_term(term: Term) -> Form:
 
 def term_of(form: Form) -> Term:
     """Return the term of a predicate form."""
-    term: Term = Constant(form.name)
-    for argument in form.arguments:
-        term = Apply(term, term_of(argument))
-    return term
+    return reduce(Apply, map(term_of, form.arguments), Constant(form.name))
 
 
 def match(
@@ -86,21 +84,16 @@ def match(
 ) -> dict[str, Form] | None:
     """Return the bindings of the variables of a pattern, None when it does not match.
 
-    Args:
-        pattern: a form with variables; a variable that occurs twice must match the same form.
-        form: a form without variables.
-        found: the bindings so far.
+    A variable that occurs twice, or that is bound in `found`, must match the same form.
     """
-    result = dict(found or {})
+    result: dict[str, Form] | None = dict(found or {})
     if pattern.is_variable:
         return result if result.setdefault(pattern.name, form) == form else None
     if pattern.name != form.name or len(pattern.arguments) != len(form.arguments):
         return None
     for below, argument in zip(pattern.arguments, form.arguments, strict=True):
-        step = match(below, argument, result)
-        if step is None:
-            return None
-        result = step
+        if result is not None:
+            result = match(below, argument, result)
     return result
 
 
