@@ -51,14 +51,7 @@ _Cell: TypeAlias = "dict[Sign, list[Entry | _BackPointer]]"
 
 
 class Chart:
-    """The filled chart of one token sequence.
-
-    Args:
-        tokens: the words.
-        lexicon: their entries.
-        combinator: the combinatory and unary rules.
-        guesses: entries for unknown words, by position.
-    """
+    """The filled chart of one token sequence, with guesses for unknown words by position."""
 
     def __init__(
         self,

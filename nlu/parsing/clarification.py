@@ -2,8 +2,7 @@
 """Clarification: what Hilt answers when an utterance has no single clear reading.
 
 The answer names the reason (a word that is not known, the longest span understood, two different
-meanings) and asks a question where the speaker can settle it: of a word that is one letter away
-from a known one Hilt asks whether that was meant.
+meanings) or asks a question: whether a known word was meant that is one letter away from a new one.
 """
 
 from __future__ import annotations

@@ -28,9 +28,7 @@ class DerivationStep:
     """One step of a derivation; `str()` gives it and all steps below it as indented text.
 
     Attributes:
-        words: the words of its span.
-        category: the category of the span.
-        term: the lambda term of the span, in normal form.
+        term: the lambda term of its span, in normal form.
         rule: `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word.
         parts: the steps that it combines.
     """

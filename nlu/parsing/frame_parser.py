@@ -99,7 +99,7 @@ class _Constituents:
 
 
 def _find_constituents(frames: Frames, tokens: Tokens, chart: Chart) -> _Constituents:
-    words, places = tokens.words, range(len(tokens.items))
+    words = tokens.words
     values: dict[tuple[Category, int], list[Derivation]] = {}
     for part in chart.fragments(frames.categories | {_DEGREE}):
         if not (
@@ -112,25 +112,23 @@ def _find_constituents(frames: Frames, tokens: Tokens, chart: Chart) -> _Constit
         tokens,
         words,
         {
-            name: [
-                _matches(group, AtomicCategory(name), _NOTHING, words, place) for place in places
-            ]
+            name: _matches(group, AtomicCategory(name), _NOTHING, words)
             for name, group in frames.fillers.items()
         },
-        [_matches(frames.denials, _DEGREE, _NEVER, words, place) for place in places],
+        _matches(frames.denials, _DEGREE, _NEVER, words),
         values,
         frozenset(category for category, _ in values),
     )
 
 
 def _matches(
-    group: Fillers, category: Category, term: Constant, words: Phrase, place: int
-) -> list[tuple[str, Derivation]]:
-    """The phrases of a group from a position on, each with its kind of word."""
-    return [
-        (kind, _words(words[place:end], place, category, term))
-        for kind, end in group.match(words, place)
-    ]
+    group: Fillers, category: Category, term: Constant, words: Phrase
+) -> list[list[tuple[str, Derivation]]]:
+    def match(place: int) -> list[tuple[str, Derivation]]:
+        found = group.match(words, place)
+        return [(kind, _words(words[place:end], place, category, term)) for kind, end in found]
+
+    return list(map(match, range(len(words))))
 
 
 @dataclass(frozen=True)
@@ -161,7 +159,6 @@ class _FrameSearch:
         return not is_question or str(cover.parts[0].category) in self.frames.openers
 
     def _extended(self, cover: _Cover, place: int) -> Iterator[_Cover]:
-        """The cover extended by each part that may come next."""
         if self.found.words[place] == BREAK and self._may_end(cover) and self.frame.joins:
             part = _words((BREAK,), place, AtomicCategory(BREAK), _NOTHING)
             seen = cover.seen | {_PAUSE}
@@ -176,7 +173,6 @@ class _FrameSearch:
                 yield self._with(cover, part)._replace(last=kind, seen=seen)
 
     def _candidates(self, cover: _Cover, place: int) -> Iterator[tuple[str, Derivation]]:
-        """The constituents from a position on that the cover has room for, each with its kind."""
         for name in self.frame.fillers:
             for kind, filler in self.found.fillers[name][place]:
                 if not self._makes_question(cover, filler):

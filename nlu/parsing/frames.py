@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -69,12 +68,10 @@ class Frame:
     """Slots that have a meaning together, in any order.
 
     Attributes:
-        slots: the kinds of values of each slot.
         fillers: the names of the filler groups that may stand between the slots.
         cues: those groups of which one phrase is required.
         result: the category of the utterance; a rule takes a degree as well.
         value: the function from the meanings of the slots, in their order, to the meaning.
-        cost: how unlikely the frame is.
         joins: whether it may span several sentences.
     """
 
@@ -165,7 +162,7 @@ def load_frames(path: Path, grammar: Grammar) -> Frames:
     fillers = {name: _fillers(group) for name, group in groups.items()}
     slots = {name: tuple(_kinds(field)) for name, field in parts["slots"].entries().items()}
     sets = {
-        name: frozenset(chain.from_iterable(map(spellings, parts[name].items())))
+        name: frozenset(phrase for item in parts[name].items() for phrase in spellings(item))
         if name in parts
         else frozenset[Phrase]()
         for name in ("inverted", "inverting", "asking")
@@ -197,7 +194,6 @@ def _sets(field: Field, known: Collection[str]) -> Mapping[str, frozenset[str]]:
 
 
 def _fillers(kinds: Mapping[str, Field]) -> Fillers:
-    """Return a group of phrases, which are listed by kind of word."""
     steps: dict[str, Steps] = {}
     words: set[str] = set()
     for number, phrases in enumerate(kinds.values()):

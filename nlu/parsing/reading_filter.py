@@ -79,11 +79,9 @@ class ReadingFilter:
 
 
 def _is_negative(meaning: Meaning) -> bool:
-    """Whether all rules of a meaning state that something is not so."""
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     return all(rule.confidence[1] < _LIKELY for rule in rules)
 
 
 def _is_name(word: NewWord) -> bool:
-    """Whether a new word is a single word that names an object or a use."""
     return word.role in {"object", "affordance"} and " " not in word.said

@@ -2,9 +2,8 @@
 """Segmentation of an utterance at its pauses, and the combination of the segments' meanings.
 
 "Hello. That hammer, could I have it, please?" has three segments. Every segment must be understood,
-so that no words are dropped, and together they must have one meaning: beside the main segment there
-may be replies, the object that "it" refers to, a question whether that object is seen, or the same
-request again.
+and together they must have one meaning: beside the main segment there may be replies, the object
+that "it" refers to, a question whether that object is seen, or the same request again.
 """
 
 from __future__ import annotations
@@ -82,9 +81,7 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
         return None
     if first == Retraction() and isinstance(last, Statement):
         return Statement(tuple(replace(rule, revises=True) for rule in last.rules))
-    if _asks_for_target(first, last):
-        return last
-    return None
+    return last if _asks_for_target(first, last) else None
 
 
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:

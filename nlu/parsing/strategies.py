@@ -118,7 +118,6 @@ class _Attempt:
     def _by_segments(
         self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool = False
     ) -> Understanding | None:
-        """As segments that have one meaning together."""
         for segments in segmentations(tokens):
             found = self._segments(segments, context, by_frames=by_frames)
             combined = combine_meanings([each.meaning for each in found]) if found else None
@@ -168,7 +167,6 @@ class _Attempt:
         return question
 
     def _after_reason(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """As a request that follows a reason."""
         rest = self._markers.after_reason(self._tools.builder.expand_endings(tokens))
         found = self._understand(rest, context) if rest else None
         return found if found and isinstance(found.meaning, (Command, ToolCommand)) else None

@@ -27,7 +27,6 @@ class Reading:
         interval: how sure the intention is, by the pragmatic rules and by how well the speech was
             recognised, as (lower, upper) in [0, 1].
         cost: how unlikely the reading is; the lowest cost is the best.
-        new_words: the words that the reading takes to be new.
     """
 
     speech_act: Form
@@ -48,7 +47,6 @@ class Understanding:
         reading: the best reading, None when there is none.
         readings: the number of different meanings.
         new_words: the words that a statement teaches, with their roles in the sentence.
-        words: the tokens.
         discourse: the discourse state after the utterance.
     """
 

@@ -32,10 +32,7 @@ class Discourse:
 class RefusedError(ValueError):
     """A predicate form has no meaning for Hilt.
 
-    Attributes:
-        key: the answer template that gives the reason.
-        asks: whether that answer is a clarification question.
-        slots: the values for the slots of the template.
+    The reason is the answer template `key` with its slots; it may ask a clarification question.
     """
 
     def __init__(self, key: str, *, asks: bool = False, **slots: str) -> None:

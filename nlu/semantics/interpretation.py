@@ -150,7 +150,6 @@ class Interpreter:
                 return replace(rule, part=_other_part(rule, said))
 
     def _command(self, form: Form) -> Command | ToolCommand:
-        """The requested or forbidden action of a form."""
         if form.name == "not":
             return replace(self._command(form.arguments[0]), negated=True)
         if form.name == "holding":
@@ -169,7 +168,6 @@ class Interpreter:
         return Command(form.name, target, recipient=recipient)
 
     def _reference(self, form: Form) -> ObjectReference:
-        """The object that an action is requested for."""
         names: set[str] = set()
         used_for: list[Form] = []
         while form.name in {"having", "usedFor", "notUsedFor"}:

@@ -39,12 +39,7 @@ class PragmaticRule:
 
 @dataclass(frozen=True)
 class Pragmatics:
-    """The pragmatic rules, and how sure an intention must be.
-
-    Attributes:
-        rules: in the order of the file.
-        threshold: the least certainty of an intention, in [0, 1].
-    """
+    """The pragmatic rules, and the least certainty of an intention, in [0, 1]."""
 
     rules: tuple[PragmaticRule, ...]
     threshold: float
