@@ -30,7 +30,6 @@ class DerivationStep:
     Attributes:
         term: the lambda term of its span, in normal form.
         rule: `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word.
-        parts: the steps that it combines.
     """
 
     words: str

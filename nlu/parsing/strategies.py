@@ -34,11 +34,7 @@ Strategy = Callable[[Tokens, UtteranceContext], Understanding | None]
 
 @dataclass(frozen=True, repr=False)
 class UtteranceParser:
-    """Understands utterances, whole or in segments.
-
-    Attributes:
-        builder: the word lists of the language: contractions, discourse markers, qualifiers.
-    """
+    """Understands utterances, whole or in segments."""
 
     parser: SentenceParser
     builder: LexiconBuilder

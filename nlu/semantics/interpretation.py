@@ -55,10 +55,9 @@ _QUESTIONS = {
 
 @dataclass(frozen=True)
 class Interpreter:
-    """Maps predicate forms to meanings.
+    """Maps predicate forms to meanings, with the interval of each degree of confidence.
 
     Attributes:
-        intervals: the interval of each degree of confidence.
         tool_acts: acts done with a tool, each with the affordance that the tool must have.
         acts: further acts on one object that were learned.
     """
