@@ -44,9 +44,9 @@ class Example:
     @property
     def is_as_told(self) -> bool:
         """Whether every result is that of the paper."""
-        came = [reply.result for reply in self.commands if reply.result]
-        parts = [each.decision.chosen_part for each in came if each.decision]
-        touched = [each.world.touched for each in came]
+        results = [reply.result for reply in self.commands if reply.result]
+        parts = [each.decision.chosen_part for each in results if each.decision]
+        touched = [each.world.touched for each in results]
         as_decided = not self.simulate or touched == [("blade",), ("handle",), ()]
         endings = [reply.ending for reply in self.commands]
         decided = parts == ["blade", "handle", None]
@@ -114,11 +114,7 @@ class _Step:
 
 @contextmanager
 def _recorded(agent: Agent, folder: Path) -> Generator[list[str]]:
-    """Take pictures of what is done in the block, and a film of it.
-
-    Args:
-        agent: the agent.
-        folder: where `before.png`, one picture for each motion, and `animation.gif` go.
+    """Write `before.png`, a picture for each motion in the block, and `animation.gif`.
 
     Returns:
         The files; complete when the block ends.

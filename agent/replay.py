@@ -90,13 +90,9 @@ def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
 def replay(
     base: KnowledgeBase, name: str, *, gui: bool = False, film: Path | None = None
 ) -> Replay:
-    """Run an episode again.
+    """Run an episode again: that with this id, the start of it, or the "last" one.
 
-    Args:
-        base: where it was recorded.
-        name: its id, or the start of it, or "last".
-        gui: whether the simulator shows a window.
-        film: the file for a film of it.
+    A window of the simulator, and the file of a film, are optional.
 
     Raises:
         UnknownNameError: there is no such episode.

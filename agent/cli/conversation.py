@@ -46,12 +46,12 @@ def demo(
     from ..agent import Agent
 
     with Agent.open(kb, config) as agent:
-        came = example.run(agent, terminal(stderr=True), out)
+        found = example.run(agent, terminal(stderr=True), out)
         if as_json:
-            print_json(came.as_json())
+            print_json(found.as_json())
         else:
-            example.show(came, terminal(), agent)
-    exit_with(came.is_as_told)
+            example.show(found, terminal(), agent)
+    exit_with(found.is_as_told)
 
 
 @app.command(epilog=example('tell "To pass a knife, grab it by the blade"'))

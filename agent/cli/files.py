@@ -56,7 +56,7 @@ def import_(
     kb: Kb = None,
     file_format: FileFormat = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Check, and say what would come of it.")
+        bool, typer.Option("--dry-run", help="Only check, and report what would change.")
     ] = False,
     as_json: AsJson = False,
 ) -> None:

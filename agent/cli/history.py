@@ -31,7 +31,7 @@ Since = Annotated[int | None, typer.Option("--since", min=0, help="Only after th
 def history(
     *,
     since: Since = None,
-    last: Annotated[int | None, typer.Option("--last", min=1, help="Only so many.")] = None,
+    last: Annotated[int | None, typer.Option(min=1, help="Only the last so many.")] = None,
     speaker: By = None,
     about: Annotated[
         str | None, typer.Option("--about", metavar="RULE", help="Only what touched this rule.")
@@ -39,7 +39,7 @@ def history(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """List what was said, by whom, when, and what it did to the rules."""
+    """List the utterances: when, by whom, and their effect on the rules."""
     from ...kb.diff import find_rule
     from ..presentation import console
 
@@ -125,12 +125,12 @@ def diff(
 @app.command(epilog=example("merge mine/ theirs.trig --dry-run"))
 def merge(
     into: Annotated[str, typer.Argument(metavar="A", help="The base that is changed.")],
-    other: Annotated[str, typer.Argument(metavar="B", help="A base or file that is taken over.")],
+    other: Annotated[str, typer.Argument(metavar="B", help="The base or file to merge.")],
     *,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only tell what would come.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only report changes.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Take over into A what B knows, whole or not at all, and tell what contradicts what."""
+    """Add what B knows to A, whole or not at all, and report the conflicts."""
     from .. import merge_report
     from ..presentation import console
 
@@ -143,11 +143,11 @@ def merge(
 @app.command(epilog=example("episodes --last 5"))
 def episodes(
     *,
-    last: Annotated[int | None, typer.Option("--last", min=1, help="Only so many.")] = None,
+    last: Annotated[int | None, typer.Option(min=1, help="Only the last so many.")] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """List what was done about commands: when, what found of it, with which object and part."""
+    """List the episodes: each command with its time, outcome, object and part."""
     from ..presentation import console
 
     with open_for_reading(kb) as base:
@@ -174,7 +174,7 @@ def replay(
     gui: Gui = False,
     as_json: AsJson = False,
 ) -> None:
-    """Run an episode again from its seed and its rules; exit code 1 when it comes out otherwise."""
+    """Run an episode again from its seed and its rules; exit code 1 when the result differs."""
     from ..presentation import console
     from ..replay import replay as run
 

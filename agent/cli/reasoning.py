@@ -74,7 +74,7 @@ def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
 
 @app.command(epilog=example("induce --json"))
 def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
-    """List the rules that follow by likeness from those that were taught."""
+    """List the rules that follow by similarity from those that were taught."""
     from ...inference.induction import induce as find
     from ...ontology.objects import load_household
     from ..presentation import console
@@ -98,7 +98,7 @@ def abduce(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tell what would have to be true for something to follow, the likeliest first."""
+    """List the hypotheses that would explain a conclusion, the likeliest first."""
     from ...inference.abduction import find_hypotheses, parse_conclusion
     from ...inference.taxonomy import Taxonomy
     from ...kb.rule import Atom

@@ -31,7 +31,8 @@ def rules(
         str | None, typer.Option("--at", help="As they were: a date, a time, an utterance number.")
     ] = None,
     according_to: Annotated[
-        str | None, typer.Option("--according-to", metavar="SPEAKER", help="As one sees it.")
+        str | None,
+        typer.Option("--according-to", metavar="SPEAKER", help="As this one sees it."),
     ] = None,
     name: Object = None,
     affordance: Affordance = None,
@@ -40,7 +41,7 @@ def rules(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the rules that were told and hold, or held at some time, or that one person holds."""
+    """List the rules that hold now, that held at some time, or that one speaker holds."""
     from ...kb.views import parse_moment, view
 
     moment = None if at is None else parse_moment(at)
@@ -58,12 +59,12 @@ def rules(
 def trust(
     speaker: Annotated[str | None, typer.Argument(help="Who; by default all are listed.")] = None,
     degree: Annotated[
-        float | None, typer.Argument(min=0.0, max=1.0, help="How far, in [0, 1].")
+        float | None, typer.Argument(min=0.0, max=1.0, help="The trust, in [0, 1].")
     ] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Say how far a speaker is to be trusted, 0 is not at all; or show how far each one is."""
+    """Set the trust in a speaker, 0 for none; or show the trust in each speaker."""
     from ...ontology.errors import NotFoundError
 
     if degree is None:

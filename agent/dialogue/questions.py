@@ -30,10 +30,10 @@ class Knowledge:
     Attributes:
         base: the knowledge base.
         describe: puts a rule into words.
-        weigh: puts behind some words how sure a rule makes them, and who told it.
+        weigh: adds the confidence and the speaker of a rule to some words.
         visible: the names of the objects in view, in the order of the scene.
-        last: the last command that was carried out or tried.
-        topic: the rules that were last spoken of; none right after a command that needed none.
+        last: the reply to the last command.
+        topic: the rules that were mentioned last; none after a command that needed none.
     """
 
     base: KnowledgeBase
@@ -45,18 +45,18 @@ class Knowledge:
 
     @property
     def decision(self) -> Decision | None:
-        """What the last command chose; None where it did not get so far."""
+        """The decision of the last command; None when it made none."""
         return self.last.result.decision if self.last and self.last.result else None
 
 
 def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
-    """An answer by its key, with those of its slots that are filled."""
+    """Return an answer by its key, with those of its slots that are filled."""
     given = {name: value for name, value in slots.items() if value is not None}
     return SpokenAnswer(key, given, "done" if done else "failed")
 
 
 def answer(question: Question, known: Knowledge) -> Answered:
-    """The answer to a question, and the rules that it rests on."""
+    """Return the answer to a question, and the rules that it rests on."""
     return _ANSWERS[question.ask](question, known)
 
 
@@ -75,8 +75,8 @@ def _objects_for(question: Question, known: Knowledge) -> Answered:
         return spoken("nothing_known_for", affordance=question.affordance), ()
     best = {rule.object or "thing": rule for rule in reversed(rules)}  # of each the surest
     names = tuple(known.weigh(name, best[name]) for name in reversed(best))
-    slots = {"objects": names, "affordance": question.affordance}
-    return spoken("objects_for", done=True, **slots), tuple(rules)
+    said = spoken("objects_for", done=True, objects=names, affordance=question.affordance)
+    return said, tuple(rules)
 
 
 def _best_for(question: Question, known: Knowledge) -> Answered:
@@ -198,7 +198,7 @@ def _capabilities(_: Question, __: Knowledge) -> Answered:
 
 
 def why(question: Question, known: Knowledge) -> Answered:
-    """The sentences that a choice rests on, or the rules that were last spoken of."""
+    """Return the sentences that a choice rests on, or the rules that were mentioned last."""
     rules = _reasons(question, known)
     if rules:
         return _because(rules, known)
@@ -216,7 +216,7 @@ def why(question: Question, known: Knowledge) -> Answered:
 
 
 def why_not(question: Question, known: Knowledge) -> Answered:
-    """What speaks against another thing, or another part."""
+    """Return the reasons against another object, or another part."""
     if known.last is None:
         return spoken("nothing_done"), ()
     if question.part and not question.object:

@@ -53,11 +53,11 @@ class Reply:
 
     def with_pictures(self, *files: str) -> Reply:
         """Return this reply with pictures of what was done, if anything was."""
-        came = self.result
-        if came is None or not came.world.executed:
+        result = self.result
+        if result is None or not result.world.executed:
             return self
-        world = replace(came.world, pictures=files)
-        return replace(self, result=replace(came, world=world))
+        world = replace(result.world, pictures=files)
+        return replace(self, result=replace(result, world=world))
 
     def as_tell_json(self) -> Json:
         """As `hilt tell --json` prints it."""

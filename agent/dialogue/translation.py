@@ -59,11 +59,8 @@ def request_from_command(
 ) -> Request:
     """Return the request that a command makes.
 
-    Args:
-        command: the meaning.
-        speaker: who said it.
-        tool_acts: act -> the use that its tool must have, which a language fills in for a tool
-            that nobody named.
+    A language fills in the use of a tool that nobody named (`tool_acts`: act -> that use); such a
+    tool counts as assumed.
     """
     if isinstance(command, meaning.ToolCommand):
         tool, patient = _target(command.tool), Target(object=command.patient)

@@ -24,13 +24,7 @@ AGAIN = "again"  # key of the document
 
 
 class EpisodeRecorder:
-    """Records the episodes of one agent, each with what is needed to run it again.
-
-    Args:
-        base: where episodes are kept.
-        circumstances: returns what is needed to make the agent again; None when it cannot be.
-        state: returns a hash of the state of the simulation.
-    """
+    """Records the episodes of one agent, each with what is needed to run it again."""
 
     def __init__(
         self,
@@ -62,10 +56,10 @@ class EpisodeRecorder:
 
 def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
     """Return the episode of a command: its steps, and the whole document as JSON."""
-    came = reply.result
-    decision = came.decision if came else None
+    result = reply.result
+    decision = result.decision if result else None
     best = decision.object.best if decision else None
-    world = came.world if came and came.world.executed else None
+    world = result.world if result and result.world.executed else None
     document = reply.as_do_json() | {AGAIN: again}
     return Episode(
         goal=reply.understanding.content,
@@ -78,7 +72,7 @@ def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
         object=best.object if best else None,
         part=decision.chosen_part if decision else None,
         rules=tuple(rule.id for rule in decision.rules) if decision else (),
-        steps=tuple(_step_of(step) for step in came.steps) if came else (),
+        steps=tuple(_step_of(step) for step in result.steps) if result else (),
         touched=tuple(sorted(world.touched)) if world else (),
         lifted_m=world.lifted_m if world else None,
         handed_over=world.handed_over if world else None,

@@ -23,11 +23,7 @@ def percept_as_observation(
     An object detected with confidence d has each feature it shows with [d, 1]: uncertainty is not
     evidence against (theory of the paper; with rules [p, 1] only the lower bound matters). A
     property it does not show is denied with [0, 1 - d]; other missing features are left out.
-
-    Args:
-        percept: the percept.
-        features: what was looked for.
-        point: use the probability [d, d] instead.
+    With `point` the probability is [d, d] instead.
     """
     sure = percept.confidence
     atoms: dict[Atom, Interval] = {}

@@ -327,7 +327,7 @@ def episodes(found: Sequence[Episode]) -> Table:
         )
         for one in found
     )
-    return _table(("id", "when", "who", "said", "came", "chosen"), rows, "episode")
+    return _table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
 
 
 def replay_result(found: Replay, quote: Quote) -> RenderableType:

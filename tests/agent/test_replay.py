@@ -71,11 +71,11 @@ def test_settings_come_back_from_their_choices():
 
 def test_episode_comes_out_the_same_with_the_rules_of_then(base: KnowledgeBase):
     """What was told since does not count."""
-    came = replay(base, "last")
+    replayed = replay(base, "last")
 
-    assert came.differences == ()
-    assert came.result.decision is not None
-    assert came.result.decision.chosen_part == "blade"
+    assert replayed.differences == ()
+    assert replayed.result.decision is not None
+    assert replayed.result.decision.chosen_part == "blade"
 
 
 def test_episode_after_a_yes_comes_out_the_same():
@@ -86,22 +86,22 @@ def test_episode_after_a_yes_comes_out_the_same():
         asked = agent.hear("pass me something used for cutting")
         done = agent.hear("yes")
 
-        came = replay(agent.base, "last")
+        replayed = replay(agent.base, "last")
 
-    assert (asked.ending, done.ending, came.differences) == ("asked", "done", ())
+    assert (asked.ending, done.ending, replayed.differences) == ("asked", "done", ())
 
 
 def test_other_outcome_is_told(base: KnowledgeBase):
-    """Each number that came out otherwise is listed with both values."""
+    """Each number that replayed out otherwise is listed with both values."""
     episode = next(base.episodes())
     document = json.loads(episode.document)
     document["decision"]["lower"] = 0.5
     base.record_episode(replace(episode, document=json.dumps(document)))
 
-    came = replay(base, "last")
+    replayed = replay(base, "last")
 
-    assert came.differences == ("decision.lower: 0.5, now 0.95",)
-    assert not came.as_json()["same"]
+    assert replayed.differences == ("decision.lower: 0.5, now 0.95",)
+    assert not replayed.as_json()["same"]
 
 
 def test_episode_of_other_eyes_is_not_run_again():
@@ -159,8 +159,8 @@ def test_second_command_of_a_conversation_is_run_again_bit_for_bit():
         agent.hear("pick up the knife")
         agent.hear(OTHERWISE)
 
-        came = replay(agent.base, "last")
+        replayed = replay(agent.base, "last")
 
-    assert came.differences == ()
-    assert came.recorded["state"]
-    assert came.result.world.executed
+    assert replayed.differences == ()
+    assert replayed.recorded["state"]
+    assert replayed.result.world.executed

@@ -3,6 +3,7 @@
 
 import json
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -79,6 +80,24 @@ def test_explain_draws_the_proof(run: Run, tmp_path: Path):
     words = " ".join(text.text or "" for text in root.iter("{http://www.w3.org/2000/svg}text"))
     assert words.count("modus ponens") == 2
     assert "said sam" in words
+
+
+def test_drawing_without_matplotlib_names_the_extra(
+    taught: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+):
+    """The error is one line that says which extra of Hilt to install."""
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    command = "pass me something used for cutting"
+    picture = tmp_path / "proof.svg"
+
+    with pytest.raises(SystemExit) as ended:
+        main(["explain", command, "--svg", str(picture), "--kb", str(taught)])
+
+    (line,) = capfd.readouterr().err.splitlines()
+    assert ended.value.code == 1 and "hilt[report]" in line and not picture.exists()
 
 
 def test_conflicts_list_what_contradicts(run: Run):
