@@ -21,6 +21,7 @@ from hilt.sim import poses
 
 ROTATIONS = Rotation.random(64, random_state=np.random.default_rng(7)).as_matrix()
 ONE, OTHER = ROTATIONS[:2]
+POSE, OTHER_POSE = (poses.pose(rotation, (0, 0, 0)) for rotation in (ONE, OTHER))
 FRACTIONS = np.linspace(0, 1, 20)
 
 
@@ -38,7 +39,10 @@ CASES: dict[str, tuple[Callable[[], Any], Callable[[], Any]]] = {
         lambda: poses.rotation_vector(ROTATIONS),
         lambda: Rotation.from_matrix(ROTATIONS).as_rotvec(),
     ),
-    "slerp": (lambda: poses.slerp(ONE, OTHER, FRACTIONS), slerp_by_scipy),
+    "interpolate": (
+        lambda: poses.interpolate(POSE, OTHER_POSE, FRACTIONS)[:, :3, :3],
+        slerp_by_scipy,
+    ),
 }
 
 
