@@ -106,8 +106,7 @@ def _filled(template: str) -> str:
 
 
 def _names(language: Language, kinds: frozenset[str]) -> list[str]:
-    names = language.parser.lexicon.names
-    return sorted(word for kind in kinds for word in names.get(kind, ()))
+    return sorted(word for kind in kinds for word in language.lexicon.names.get(kind, ()))
 
 
 def _rule(name: str, choices: Iterable[str]) -> str:

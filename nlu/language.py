@@ -130,12 +130,8 @@ class Language:
             folder / "answers.yaml", inflection, builder.act_names(), builder.tool_phrases()
         )
         words = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
-        realizer = load_realizer(
-            folder / "sentences.yaml",
-            answers,
-            {**words, degrees.intervals[degrees.default]: ""},
-            builder.tool_acts(),
-        )
+        words[degrees.intervals[degrees.default]] = ""
+        realizer = load_realizer(folder / "sentences.yaml", answers, words, builder.tool_acts())
         save_cache()
         if not gc.get_freeze_count():
             # All of a language is kept: make it old at once, without a collection of the young.

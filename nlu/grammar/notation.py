@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 MAX_CHARACTERS = 400
 """A longer line is rejected, so that none can nest too deeply to be used."""
 
-FILE = "notation.json"
 _SOURCES = (
     *("notation.lark", "notation.py", "notation_parser.py"),
     *("categories.py", "terms.py", "types.py"),
@@ -116,7 +115,7 @@ class NotationCache:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self._path = path or cache_folder() / FILE
+        self._path = path or cache_folder() / "notation.json"
         self._used: dict[tuple[Start, str], Value] = {}
         self._is_new = False
 

@@ -34,7 +34,7 @@ def test_nouns_come_from_the_vocabulary() -> None:
     assert language.understand("pass me the knife").unknown == ("knife",)
 
 
-def test_an_unknown_language_is_told() -> None:
+def test_an_unknown_language_is_an_error() -> None:
     """The error lists those there are."""
     with pytest.raises(UnknownNameError, match="english"):
         Language.load("klingon")
@@ -121,7 +121,7 @@ def test_words_are_usable_once_they_were_taught(
     assert understood.meaning.as_json() == meaning
 
 
-def test_what_is_heard_changes_no_other_session(language: Language) -> None:
+def test_hearing_an_utterance_changes_no_other_session(language: Language) -> None:
     """A session is a value."""
     before = Session(language)
 
@@ -144,7 +144,7 @@ def test_a_degree_is_corrected(language: Language, text: str, lower: float) -> N
     assert rule["confidence"][0] == lower  # type: ignore[index]
 
 
-def test_a_rule_is_carried_over(language: Language) -> None:
+def test_a_rule_is_applied_to_another_object(language: Language) -> None:
     """It may be said that the same goes for another object."""
     session = Session(language).after(["A shoe is often used for pounding."])
 
@@ -158,7 +158,7 @@ def test_a_rule_is_carried_over(language: Language) -> None:
     }
 
 
-def test_a_slip_is_asked_about_whatever_else_the_word_could_be(language: Language) -> None:
+def test_a_misspelling_is_asked_about_even_if_it_fits_another_role(language: Language) -> None:
     """After "saw" was learned, "knive" could be a part of it too; still it looks like "knife"."""
     session = Session(language).after(["A saw is used for slicing."])
 

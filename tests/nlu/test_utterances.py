@@ -71,7 +71,7 @@ def test_an_utterance_means_what_it_should(
 @pytest.mark.parametrize(
     "text", yaml.safe_load((DATA / "refusals.yaml").read_text(encoding="utf-8"))
 )
-def test_what_is_not_clear_is_refused(language: Language, text: str) -> None:
+def test_an_unclear_sentence_is_refused(language: Language, text: str) -> None:
     """Half, conditional and injected sentences give neither belief nor command to be done."""
     meaning = language.understand(text).meaning
 

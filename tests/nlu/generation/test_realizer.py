@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The law of generation: what is said for a meaning is understood as that meaning."""
+"""Round trip: the sentence generated for a meaning is parsed to that meaning."""
 
 from __future__ import annotations
 
@@ -139,7 +139,9 @@ meanings = st.one_of(
 
 @settings(max_examples=600, deadline=None)
 @given(meanings)
-def test_what_is_said_is_understood_as_it_was_meant(language: Language, meaning: Meaning) -> None:
+def test_a_generated_sentence_is_parsed_to_its_meaning(
+    language: Language, meaning: Meaning
+) -> None:
     """parse(generate(m)) == m."""
     text = language.generate(meaning)
 
@@ -148,7 +150,7 @@ def test_what_is_said_is_understood_as_it_was_meant(language: Language, meaning:
 
 @settings(max_examples=150, deadline=None)
 @given(st.one_of(functional, action))
-def test_what_is_echoed_is_understood(language: Language, rule: Rule) -> None:
+def test_the_sentence_of_a_rule_teaches_it(language: Language, rule: Rule) -> None:
     """The sentence for one rule is one that a person could teach it with."""
     text = language.generate(Statement((rule,)))
 
@@ -179,7 +181,7 @@ def test_sentences_are_good_english(language: Language, meaning: Meaning, text: 
     assert language.generate(meaning) == text
 
 
-def test_what_cannot_be_said_is_told(language: Language) -> None:
+def test_a_meaning_without_a_sentence_is_an_error(language: Language) -> None:
     """A shape without a sentence, or a confidence without a word, is an error."""
     with pytest.raises(UnknownNameError, match="sentence"):
         language.generate(AskBack())

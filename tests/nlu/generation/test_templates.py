@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Hilt says."""
+"""Answers and phrases from templates."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def test_rules_are_put_into_words(language: Language, rule: Rule, words: str) ->
         ActionRule("mug", "pickUp", "handle", NEVER, ("red",)),
     ],
 )
-def test_what_is_said_of_a_rule_is_understood_as_it(language: Language, rule: Rule) -> None:
-    """Hilt understands its own words."""
+def test_the_phrase_of_a_rule_is_parsed_to_it(language: Language, rule: Rule) -> None:
+    """Hilt parses its own phrases."""
     meaning = language.understand(language.phrase(rule)).meaning
 
     assert meaning.as_json() == rule.as_json()
@@ -99,7 +99,9 @@ def test_answers_are_filled_in(
 @pytest.mark.parametrize(
     ("key", "slots"), [("hum", {}), ("passed", {}), ("okay", {"object": "mug"})]
 )
-def test_a_wrong_key_or_slot_is_told(language: Language, key: str, slots: dict[str, str]) -> None:
+def test_a_wrong_key_or_slot_is_an_error(
+    language: Language, key: str, slots: dict[str, str]
+) -> None:
     """The error lists what there is."""
     with pytest.raises(UnknownNameError):
         language.say(key, **slots)
@@ -113,7 +115,7 @@ def test_a_wrong_key_or_slot_is_told(language: Language, key: str, slots: dict[s
         ('{slots: [object], say: "{object:dual}"}', 'there is no form "dual"'),
     ],
 )
-def test_a_wrong_answer_is_told(
+def test_a_wrong_template_is_an_error(
     language: Language, tmp_path: Path, answer: str, message: str
 ) -> None:
     """A template is checked when it is read."""

@@ -54,7 +54,7 @@ def test_nothing_else_combines(left: str, right: str) -> None:
     assert combined(left, right) == []
 
 
-def test_a_composed_functor_does_not_lead_again() -> None:
+def test_a_composed_functor_does_not_apply_again() -> None:
     """Eisner's normal form: one derivation of many with the same meaning."""
     table = Combinator(())
     one, two = table.sign(category("A/^B")), table.sign(category("B/^C"))

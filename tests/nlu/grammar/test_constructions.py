@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Turns of phrase as entries of a categorial grammar."""
+"""Constructions as entries of a categorial grammar."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_the_first_words_take_the_gaps() -> None:
 
 
 def test_later_words_are_arguments_without_meaning() -> None:
-    """They only have to be there."""
+    """Their meaning is not used."""
     found = construction("take {x:NP} for {a:K}", "R : λq.implies(x,a,q)")
 
     assert str(found.category) == '((R/K)/"for")/NP'
@@ -67,8 +67,8 @@ def test_a_wrong_gap_is_refused(gap: str) -> None:
         "What knives do best is cutting",
     ],
 )
-def test_a_turn_of_phrase_means_what_plain_words_do(language: Language, text: str) -> None:
-    """One rule, however it is put."""
+def test_a_construction_means_the_same_as_plain_words(language: Language, text: str) -> None:
+    """Several phrasings give one rule."""
     plain = language.understand("A knife is used for cutting").meaning
 
     assert language.understand(text).meaning == plain

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading grammar and lexicon files: every bad line is told with its place."""
+"""Grammar and lexicon files: every wrong line is reported with its position."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ general: NP
 
 
 def grammar_error(tmp_path: Path, unary: str, root: str = "S") -> str:
-    """What is said of a grammar with this change of category and this root."""
+    """The error message for a grammar with this unary rule and this root."""
     path = tmp_path / "grammar.yaml"
     path.write_text(GRAMMAR % (unary, root), encoding="utf-8")
     with pytest.raises(DataError) as caught:
@@ -44,7 +44,7 @@ def grammar_error(tmp_path: Path, unary: str, root: str = "S") -> str:
         ("NP S : λx.x", 'found "S : λx.x"'),
     ],
 )
-def test_a_wrong_change_of_category_is_told(tmp_path: Path, unary: str, message: str) -> None:
+def test_a_wrong_unary_rule_is_an_error(tmp_path: Path, unary: str, message: str) -> None:
     """File, line, column, and what was expected."""
     said = grammar_error(tmp_path, unary)
 
@@ -52,7 +52,7 @@ def test_a_wrong_change_of_category_is_told(tmp_path: Path, unary: str, message:
     assert message in said
 
 
-def test_only_what_can_be_so_is_an_utterance(tmp_path: Path) -> None:
+def test_a_root_category_has_type_t(tmp_path: Path) -> None:
     """A root has the type t."""
     said = grammar_error(tmp_path, "NP => S : λx.sleeps(x)", "NP")
 
@@ -76,8 +76,8 @@ def test_only_what_can_be_so_is_an_utterance(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_wrong_line_of_a_lexicon_is_told(tmp_path: Path, line: str, message: str) -> None:
-    """A user's own lexicon is checked as ours is."""
+def test_a_wrong_line_of_a_lexicon_is_an_error(tmp_path: Path, line: str, message: str) -> None:
+    """An additional lexicon is checked like the one of the language."""
     path = tmp_path / "own.yaml"
     path.write_text(line, encoding="utf-8")
 

@@ -53,7 +53,7 @@ def test_an_entry_has_a_category_a_term_and_a_cost() -> None:
     assert (str(term), cost, dear) == ("λx.x", 0.0, 1.5)
 
 
-def test_a_change_of_category_has_both_sides() -> None:
+def test_a_unary_rule_has_two_categories_and_a_term() -> None:
     """`R => S : term` goes from R to S."""
     source, target, term = read_unary(line("R => S : λr.r(high)"))
 
@@ -78,7 +78,7 @@ def test_a_pragmatic_rule_has_two_sides() -> None:
         ("NP : %", 11, '"λ"'),
     ],
 )
-def test_a_mistake_is_told_with_its_place(text: str, column: int, expected: str) -> None:
+def test_a_mistake_is_reported_with_its_position(text: str, column: int, expected: str) -> None:
     """The error has file, line, column and what was expected."""
     with pytest.raises(DataError) as caught:
         read_entry(line(text))
@@ -96,7 +96,7 @@ def test_a_mistake_is_told_with_its_place(text: str, column: int, expected: str)
         ("NP : x @y", 'expected a number, found "y" in '),
     ],
 )
-def test_a_mistake_says_all_that_may_stand_there(text: str, expected: str) -> None:
+def test_a_message_lists_everything_that_may_follow(text: str, expected: str) -> None:
     """What was expected is what may follow after the right part of the line."""
     with pytest.raises(DataError) as caught:
         read_entry(line(text))

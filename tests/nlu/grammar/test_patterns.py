@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Spellings written short."""
+"""Patterns: optional words, choices and gaps."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_a_pattern_stands_for_its_spellings(pattern: str, found: list[str]) -> N
 
 @pytest.mark.parametrize("pattern", ["(a|b", "a)", "[a", "a]", "(a]", "[a]"])
 def test_a_wrong_pattern_is_refused(pattern: str) -> None:
-    """A bracket is missing, or nothing is left to say."""
+    """A missing bracket, or a pattern that may be empty, is an error."""
     with pytest.raises(DataError, match="expected"):
         expanded(pattern)
 
@@ -59,6 +59,6 @@ def test_only_choices_with_gaps_multiply(pattern: str, found: list[tuple[str, ..
 
 @pytest.mark.parametrize("pattern", ["({x:NP}|b", "{x:NP} a)", "[{x:NP}", "({x:NP}]", "[{x:NP}]"])
 def test_a_wrong_pattern_with_gaps_is_refused(pattern: str) -> None:
-    """The same is wrong as without gaps."""
+    """The same mistakes are errors as without gaps."""
     with pytest.raises(DataError, match="expected"):
         variants(Field(pattern, "<text>", 1, 1))

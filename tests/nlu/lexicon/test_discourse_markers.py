@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said by the way adds nothing, and nothing else is ever left out."""
+"""Discourse markers are removed, and nothing else is."""
 
 from __future__ import annotations
 
@@ -15,48 +15,48 @@ from hilt.ontology.yaml_reader import Field
 
 
 def discourse_markers(kind: str, *patterns: str) -> DiscourseMarkers:
-    """Asides of one kind."""
+    """Discourse markers of one kind."""
     items = tuple(Field(pattern, "<text>", 1, 1) for pattern in patterns)
     return DiscourseMarkers().with_phrases(kind, Field(items, "<text>", 1, 1))
 
 
 def said(text: str, known: DiscourseMarkers, *whole: str) -> str:
-    """A text without its asides."""
+    """A text without its discourse markers."""
     kept = {tuple(phrase.split()) for phrase in whole}
     return " ".join(known.remove_markers(tokenize(text, {}), kept).words)
 
 
-def test_an_aside_adds_nothing_anywhere() -> None:
-    """It may stand between any two words."""
+def test_a_marker_is_removed_anywhere() -> None:
+    """The phrase may stand between any two words."""
     known = discourse_markers("anywhere", "you know", "really")
 
     assert said("Knives are, you know, really for cutting", known) == "knives are for cutting"
 
 
-def test_an_aside_in_a_fixed_phrase_stays() -> None:
+def test_a_marker_within_a_protected_phrase_is_kept() -> None:
     """The word "ever" is part of "hardly ever"."""
     known = discourse_markers("anywhere", "ever")
 
     assert said("hardly ever, if ever", known, "hardly ever") == "hardly ever if"
 
 
-def test_what_needs_pauses_is_kept_without_them() -> None:
-    """The word "right" is an aside in "right, pass it", not in "the right end"."""
+def test_a_marker_that_needs_pauses_is_kept_without_them() -> None:
+    """The word "right" is a marker in "right, pass it", not in "the right end"."""
     known = discourse_markers("apart", "right")
 
     assert said("right, hold the right end", known) == "hold the right end"
 
 
-def test_a_reason_is_set_aside_up_to_a_pause() -> None:
-    """A star stands for one word, but never for "not"."""
+def test_a_reason_is_removed_up_to_a_pause() -> None:
+    """An asterisk in a pattern matches one word, but never "not"."""
     known = discourse_markers("clauses", "because it is *")
 
     assert said("because it is sharp, use it", known) == "use it"
     assert said("because it is not, use it", known) == "because it is not use it"
 
 
-def test_what_is_asked_for_comes_after_a_reason() -> None:
-    """It is kept when it is hearsay, or when "it" may stand for what it names."""
+def test_a_request_follows_its_reason() -> None:
+    """A reason is kept if it is hearsay, or if "it" may refer to something in it."""
     known = replace(
         discourse_markers("reasons", "the * * so"),
         doubts=frozenset({("said",)}),
@@ -90,15 +90,15 @@ def test_a_pause_may_end_a_sentence() -> None:
     assert known.mark_boundaries(tokenize("forget that it cuts", {})).words[2] == "it"
 
 
-def test_what_is_begun_twice_is_said_once() -> None:
-    """Only with a pause between the two: doubled words are a mistake."""
+def test_a_repeated_beginning_is_removed() -> None:
+    """Only with a pause between: doubled words without one are a mistake."""
     known = discourse_markers("anywhere", "really")
 
     assert said("you can, you can cut", known) == "you can cut"
     assert said("you can you can cut", known) == "you can you can cut"
 
 
-def test_one_adverb_may_go_to_the_front() -> None:
+def test_a_single_adverb_moves_to_the_front() -> None:
     """Where there are two, neither moves."""
     often = {("often",)}
 
@@ -116,8 +116,8 @@ def test_an_unknown_kind_is_refused() -> None:
 
 
 @pytest.mark.parametrize("word", ["not", "never", "if", "unless", "said", "yesterday", "no"])
-def test_words_that_change_a_meaning_are_no_asides(language: Language, word: str) -> None:
-    """Nobody may declare them to be empty."""
+def test_words_that_change_a_meaning_are_no_markers(language: Language, word: str) -> None:
+    """No data file may declare such words to be markers."""
     known = language.builder.discourse_markers
 
     assert (word,) not in known.anywhere | known.apart
@@ -126,6 +126,6 @@ def test_words_that_change_a_meaning_are_no_asides(language: Language, word: str
 @pytest.mark.parametrize(
     "text", ["really.", "you know. really. of course", "well; really; so?", "please!"]
 )
-def test_nothing_but_asides_says_nothing(language: Language, text: str) -> None:
-    """What is left then is no utterance."""
+def test_an_utterance_of_markers_only_is_not_understood(language: Language, text: str) -> None:
+    """Nothing remains to be parsed."""
     assert language.understand(text).kind in {"error", "acknowledgement"}

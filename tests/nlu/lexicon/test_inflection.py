@@ -29,7 +29,7 @@ from hilt.ontology.errors import UnknownNameError
         ("knife", "base", "knife"),
     ],
 )
-def test_words_take_their_forms(language: Language, word: str, form: str, expected: str) -> None:
+def test_words_are_inflected(language: Language, word: str, form: str, expected: str) -> None:
     """The first word of a verb changes, the last one of a noun."""
     assert language.inflection.form(word, form) == expected
 
@@ -57,19 +57,19 @@ def test_the_dictionary_form_is_found(
 
 @pytest.mark.parametrize("word", ["compass", "glass"])
 def test_a_singular_in_ss_is_no_plural(language: Language, word: str) -> None:
-    """No word is made up for what only looks like a plural."""
+    """A word that only looks like a plural has no singular."""
     assert language.inflection.origins(word, "plural") == []
 
 
 @pytest.mark.parametrize(
     ("word", "expected"), [("egg", "an egg"), ("mug", "a mug"), ("used mug", "a used mug")]
 )
-def test_the_article_goes_by_the_sound(language: Language, word: str, expected: str) -> None:
-    """An before vowels, except where they sound like a consonant."""
+def test_the_article_depends_on_the_sound(language: Language, word: str, expected: str) -> None:
+    """The article is "an" before vowels, unless they sound like a consonant."""
     assert language.inflection.with_article(word) == expected
 
 
-def test_an_unknown_form_is_told(language: Language) -> None:
+def test_an_unknown_form_is_an_error(language: Language) -> None:
     """The error lists the forms there are."""
     with pytest.raises(UnknownNameError, match="plural"):
         language.inflection.form("knife", "dual")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Entries found by their words, and made when these are heard."""
+"""Lookup of entries by their words, and their creation on first use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOUN = AtomicCategory("N")
 
 
 def sense(says: str, name: str = "", made: list[str] | None = None) -> Sense:
-    """A sense of a pattern, which notes in `made` when its entry is made."""
+    """A sense of a pattern, which records in `made` that its entry is made."""
 
     def entry() -> Entry:
         if made is not None:
@@ -28,7 +28,7 @@ def sense(says: str, name: str = "", made: list[str] | None = None) -> Sense:
 
 
 def found(lexicon: Lexicon, text: str) -> list[tuple[int, str]]:
-    """The ends of the spans from the first word on, with what stands there."""
+    """The ends of the spans from the first word, with their entries."""
     nodes = lexicon.nodes(text.split(), 0)
     return [(end, entry.says) for end, node in nodes for entry in node.entries]
 
@@ -42,7 +42,7 @@ def test_every_spelling_of_a_pattern_is_found() -> None:
 
 
 def test_an_entry_is_made_when_it_is_heard() -> None:
-    """And only once."""
+    """An entry is made on first use, and only once."""
     made: list[str] = []
     lexicon = Lexicon([sense("the knife", made=made), sense("the fork", made=made)])
 
@@ -53,14 +53,14 @@ def test_an_entry_is_made_when_it_is_heard() -> None:
 
 
 def test_the_same_entry_is_found_once() -> None:
-    """However many lines say it."""
+    """Several equal lines give one entry."""
     lexicon = Lexicon([sense("(a|b)"), sense("(b|c)")])
 
     assert len(found(lexicon, "b")) == 1
 
 
 def test_a_lexicon_finds_what_its_base_has() -> None:
-    """Its own first; the base stays as it is."""
+    """Its own entries come first; the base does not change."""
     base = Lexicon([sense("knife", name="knife")])
     lexicon = Lexicon([sense("knife blade", name="knife blade")], base)
 

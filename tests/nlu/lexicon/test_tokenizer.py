@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From text to tokens."""
+"""Tokenizer: words, breaks, pauses and spans."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ SHORT = {"don't": ("do", "not")}
         ("?!...", []),
     ],
 )
-def test_a_text_is_taken_apart(text: str, words: list[str]) -> None:
-    """Commas, quotes and dashes go; what is no word stays."""
+def test_a_text_is_split_into_tokens(text: str, words: list[str]) -> None:
+    """Commas, quotes and dashes are dropped; other characters are tokens."""
     assert list(tokenize(text, SHORT).words) == words
 
 
@@ -40,7 +40,7 @@ def test_a_question_mark_at_the_end_is_kept(text: str, asks: bool) -> None:
     assert tokenize(text, SHORT).asks is asks
 
 
-def test_a_span_is_the_text_as_it_was_said() -> None:
+def test_a_span_is_the_original_text() -> None:
     """The original spelling can be shown again."""
     tokens = tokenize("Pass me, please, the KNIFE", SHORT)
 
@@ -48,7 +48,7 @@ def test_a_span_is_the_text_as_it_was_said() -> None:
 
 
 @given(st.text(max_size=200))
-def test_no_character_but_silence_is_lost(text: str) -> None:
+def test_only_punctuation_is_dropped(text: str) -> None:
     """Every letter and digit of a text is in some token."""
     tokens = tokenize(text, {})
 

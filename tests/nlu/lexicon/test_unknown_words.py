@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words never heard: their roles, their forms, and slips of known ones."""
+"""Unknown words: their roles, their forms, and misspellings of known ones."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from hilt.nlu.lexicon.unknown_words import KnownWords, closest_word
         ("Scissors are used for cutting", {"scissors": "object"}),
     ],
 )
-def test_the_rest_of_the_sentence_tells_the_role(
+def test_the_rest_of_the_sentence_shows_the_role(
     language: Language, text: str, words: dict[str, str]
 ) -> None:
     """A new word is named in its dictionary form."""
@@ -49,7 +49,7 @@ def test_the_rest_of_the_sentence_tells_the_role(
 def test_commands_and_questions_teach_no_words(
     language: Language, text: str, kind: str, unknown: str
 ) -> None:
-    """What is not known can be asked about and asked for, and is told to be unknown."""
+    """An unknown word in a question or command is reported as unknown."""
     understood = language.understand(text)
 
     assert understood.kind == kind
@@ -57,14 +57,14 @@ def test_commands_and_questions_teach_no_words(
     assert understood.unknown == (unknown,)
 
 
-def test_who_does_it_is_no_part(language: Language) -> None:
+def test_the_agent_of_a_passive_is_no_part(language: Language) -> None:
     """After "by" may stand a part or a doer, so one of a passive's two words must be known."""
     assert language.understand("A mug is washed by the handle").kind == "statement"
     assert language.understand("A mug is washed by the cleaner").kind == "error"
 
 
-def test_what_is_in_the_way_is_not_called_unknown(language: Language) -> None:
-    """Each word is known, only not so."""
+def test_known_words_are_not_called_unknown(language: Language) -> None:
+    """Every word is known, but not in this combination."""
     meaning = language.understand("you may not touch the knife").meaning
 
     assert isinstance(meaning, Misunderstanding)
@@ -90,7 +90,7 @@ def test_nothing_is_done_to_people(language: Language, text: str) -> None:
         ("Knivs are used for cutting", "knives"),
     ],
 )
-def test_a_slip_is_asked_about(language: Language, text: str, suggestion: str) -> None:
+def test_a_misspelling_is_asked_about(language: Language, text: str, suggestion: str) -> None:
     """A near miss of a known word is never learned silently."""
     meaning = language.understand(text).meaning
 
@@ -98,7 +98,7 @@ def test_a_slip_is_asked_about(language: Language, text: str, suggestion: str) -
     assert meaning.choices == (suggestion,)
 
 
-def test_a_speaker_may_insist(language: Language) -> None:
+def test_a_speaker_may_insist_on_a_new_word(language: Language) -> None:
     """A word is new when its speaker says so, however close it is to another."""
     understood = language.understand("A hamper is used for containing", insist={"hamper"})
 
@@ -125,12 +125,12 @@ def test_learned_words_are_known_in_all_forms(language: Language) -> None:
     ],
 )
 def test_words_of_grammar_are_no_names(language: Language, text: str) -> None:
-    """Nothing is no use, and none no object."""
+    """The word "nothing" is no affordance, and "none" no object."""
     assert language.understand(text).kind == "error"
 
 
 def test_too_many_new_words_are_refused(language: Language) -> None:
-    """From three unknown words on, the rest of a sentence tells too little."""
+    """With too many unknown words the rest of a sentence shows no roles."""
     assert language.understand("To zorp a florp grab the blick by the quux").kind == "error"
 
 
@@ -141,7 +141,7 @@ def test_the_nearest_word_is_found() -> None:
 
 
 @pytest.mark.parametrize("text", ["Cake, knives are for cutting", "Cake. Knives are for cutting"])
-def test_no_name_goes_over_a_pause(language: Language, text: str) -> None:
+def test_no_parsed_name_spans_a_pause(language: Language, text: str) -> None:
     """A cake knife is one thing, cake and then knives are two, in whatever way it is tried."""
     together = language.understand(text.replace(",", "").replace(".", ""))
     apart = language.understand(text)
@@ -164,14 +164,14 @@ def known_words(language: Language) -> KnownWords:
         ("nothing is used for florping", ["florping"]),
     ],
 )
-def test_what_no_lexicon_has_is_unknown(
+def test_words_outside_every_lexicon_are_unknown(
     known_words: KnownWords, text: str, words: list[str]
 ) -> None:
     """Words of grammar are known, also those that Hilt has no use for."""
     assert [token.word for token in known_words.unknown(tokenize(text, {}))] == words
 
 
-def test_an_unknown_word_may_be_everything_a_name_can_be(known_words: KnownWords) -> None:
+def test_an_unknown_word_may_have_every_role(known_words: KnownWords) -> None:
     """An object, a part, an act or a use; the rest of the sentence decides."""
     tokens = tokenize("to zorp it", {})
 
@@ -181,7 +181,7 @@ def test_an_unknown_word_may_be_everything_a_name_can_be(known_words: KnownWords
     assert roles == {"object", "part", "context", "affordance"}
 
 
-def test_a_word_of_a_turn_of_phrase_may_be_taught(known_words: KnownWords) -> None:
+def test_a_word_of_a_construction_may_be_taught(known_words: KnownWords) -> None:
     """The word "store" adds nothing in some turns, and is an act in a lesson all the same."""
     tokens = tokenize("to store it", {})
 
@@ -189,7 +189,7 @@ def test_a_word_of_a_turn_of_phrase_may_be_taught(known_words: KnownWords) -> No
     assert 1 in known_words.guesses(tokens, [])
 
 
-def test_a_name_goes_over_no_pause(known_words: KnownWords) -> None:
+def test_no_guessed_name_spans_a_pause(known_words: KnownWords) -> None:
     """A cake knife is one thing; "cake, knife" are two."""
 
     def names(text: str) -> set[str]:
