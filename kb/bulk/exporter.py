@@ -17,7 +17,17 @@ import re
 from collections.abc import Callable, Collection, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import BinaryIO, NamedTuple, Protocol, TypeAlias, cast, get_args, runtime_checkable
+from typing import (
+    BinaryIO,
+    Generic,
+    NamedTuple,
+    Protocol,
+    TypeAlias,
+    TypeVar,
+    cast,
+    get_args,
+    runtime_checkable,
+)
 
 from ...ontology.errors import StoreError, ValidationError
 from ...ontology.vocabulary import PREFIXES, Iri, term
@@ -34,6 +44,7 @@ from .statements import MAX_KNOWN, complete_lines
 # Terms are written as in Turtle, numbers and booleans without quotes.
 TakeRows: TypeAlias = Callable[[Sequence[str]], object]
 Progress: TypeAlias = Callable[[int], None]  # is called with how many are written so far
+Converted = TypeVar("Converted")  # what the rows of a rule are converted to
 
 TEXT_FORMATS = frozenset({"nquads", "ntriples", "trig", "turtle"})
 MAX_SORTED = 200_000  # statements; an export of more has the order of the store
@@ -63,13 +74,13 @@ _FEW_OBJECTS = {
     rule_mapping.STATUS: _STATUSES,
     rule_mapping.FUNCTOR: (term(USED_FOR), term(GRASP_OBJECT)),
 }
-_RULE_PREDICATES = (
+_MANY_OBJECTS = (
     *(rule_mapping.FEATURE, rule_mapping.CONTEXT, rule_mapping.LOWER, rule_mapping.UPPER),
     *(rule_mapping.DERIVED_FROM, rule_mapping.GENERATED_AT, rule_mapping.ATTRIBUTED_TO),
     *(rule_mapping.PART, rule_mapping.AFFORDANCE, rule_mapping.ARGUMENT),
 )
 _PREDICATES = (
-    *(*_RULE_PREDICATES, ASSERTS, rule_mapping.RULE, rule_mapping.LABEL),
+    *(*_MANY_OBJECTS, ASSERTS, rule_mapping.RULE, rule_mapping.LABEL),
     *(rule_mapping.edge_property(USED_FOR), rule_mapping.edge_property(GRASP_OBJECT)),
     *(rule_mapping.TYPE, rule_mapping.STATUS, rule_mapping.FUNCTOR),
 )
@@ -80,7 +91,7 @@ CODES = {
     for number, pair in enumerate((*_WITH_OBJECT, *map(PredicateObject, _PREDICATES)), _FIRST_CODE)
 }
 _PAIRS = {str(number): pair for pair, number in CODES.items()}
-_OF_RULES = (*_RULE_PREDICATES, rule_mapping.STATUS, rule_mapping.FUNCTOR)
+RULE_PREDICATES = (*_MANY_OBJECTS, rule_mapping.STATUS, rule_mapping.FUNCTOR)
 
 
 @runtime_checkable
@@ -138,22 +149,43 @@ def write_statements(
 def scan_rules(
     store: Store, take: Callable[[Sequence[Rule]], object], progress: Progress | None = None
 ) -> int:
-    """Pass every rule of a store to `take`, whatever its status, and return their number.
+    """Pass every rule of a store to `take`, and return their number; as `scan_converted`."""
+    return scan_converted(store, _RuleReader().read, take, progress)
+
+
+def scan_converted(
+    store: Store,
+    convert: Callable[[Sequence[str]], Converted],
+    take: Callable[[Sequence[Converted]], object],
+    progress: Progress | None = None,
+    *,
+    predicates: Collection[Iri] = RULE_PREDICATES,
+) -> int:
+    """Pass every rule of a store, converted, to `take`, and return the number of rules.
 
     Args:
-        store: what is read.
+        store: what is read; its rules may have any status.
+        convert: converts the rows of a rule, each without the rule; see `read_row`.
         take: is called with some rules at a time.
         progress: is called with how many rules are done.
+        predicates: those of the rows.
 
     Raises:
         OSError: `take` raised it.
         StoreError: the store cannot be read.
         ValidationError: a rule is malformed.
     """
-    rules = _RuleRows(take, ProgressCounter(progress))
+    rules = _RuleRows(convert, take, ProgressCounter(progress))
     with store.writing(), no_garbage_collection():
-        _scan(store, BELIEFS, rules.feed, predicates=_OF_RULES, is_large=_is_large(store))
+        _scan(store, BELIEFS, rules.feed, predicates=predicates, is_large=_is_large(store))
     return rules.finish()
+
+
+def read_row(row: str) -> tuple[Iri, Term]:
+    """Return the predicate and object of a row about a rule, which is given without the rule."""
+    code, _, value = row.split("\t")
+    predicate, known = _PAIRS[code]
+    return predicate, known or _term(value)
 
 
 def statements(store: Store, *, rules_only: bool = False) -> Iterator[Quad]:
@@ -210,7 +242,10 @@ def _graphs(store: Store, *, rules_only: bool) -> list[Iri]:
     """The graphs of an export, in alphabetical order."""
     if rules_only:
         return [BELIEFS, HISTORY]
-    rows = store.select("SELECT DISTINCT ?graph { GRAPH ?graph { ?node ?key ?value } }")
+    some = "GRAPH ?graph { ?node ?key ?value }"
+    if isinstance(store, RowStore):  # it lists the graphs without going through their statements
+        some = f"GRAPH ?graph {{}} FILTER EXISTS {{ {some} }}"
+    rows = store.select(f"SELECT DISTINCT ?graph {{ {some} }}")
     return sorted(graph for (graph,) in rows if isinstance(graph, Iri))
 
 
@@ -425,51 +460,64 @@ def _quoted(value: str) -> str:
 # Rules
 
 
-class _RuleRows:
-    """Reads rules from rows; a predicate and object that come again are read once."""
+class _RuleRows(Generic[Converted]):
+    """Gathers the rows of each rule, and converts them."""
 
-    def __init__(self, take: Callable[[Sequence[Rule]], object], counter: ProgressCounter) -> None:
-        self._take, self._counter = take, counter
-        self._node, self._pairs = "", list[tuple[Iri, Term]]()  # of the rule that is read
-        self._known: dict[str, tuple[Iri, Term]] = {}
+    def __init__(
+        self,
+        convert: Callable[[Sequence[str]], Converted],
+        take: Callable[[Sequence[Converted]], object],
+        counter: ProgressCounter,
+    ) -> None:
+        self._convert, self._take, self._counter = convert, take, counter
+        self._node, self._rows = "", list[str]()  # of the current rule
 
     def feed(self, rows: Sequence[str]) -> None:
         """Read some rows."""
-        rules, known = list[Rule](), self._known
+        converted, node, gathered = list[Converted](), self._node, self._rows
         for row in rows:
-            node, text = row.split("\t", 1)
-            if node != self._node:
-                rules += self._ended()
-                self._node = node
-            self._pairs.append(known.get(text) or self._read(text))
-        self._pass_on(rules)
+            subject, rest = row.split("\t", 1)
+            if subject != node:
+                converted += self._complete(node, gathered)
+                node, gathered = subject, []
+            gathered.append(rest)
+        self._node, self._rows = node, gathered
+        self._pass_on(converted)
 
     def finish(self) -> int:
-        """Read the last rule, and return how many there were."""
-        self._pass_on(self._ended())
+        """Convert the last rule, and return how many there were."""
+        self._pass_on(self._complete(self._node, self._rows))
         return self._counter.total
 
-    def _pass_on(self, rules: Sequence[Rule]) -> None:
-        self._take(rules)
-        self._counter.add(len(rules))
+    def _pass_on(self, converted: Sequence[Converted]) -> None:
+        self._take(converted)
+        self._counter.add(len(converted))
 
-    def _ended(self) -> list[Rule]:
-        """The rule whose rows are complete, if they are of a rule."""
-        pairs, self._pairs = self._pairs, []
-        if not self._node.startswith(_RULES):
-            return []
+    def _complete(self, node: str, rows: Sequence[str]) -> Sequence[Converted]:
+        """The converted rule, if the rows are of a rule."""
+        if not node.startswith(_RULES):
+            return ()
         try:
-            return [rule_mapping.read_rule(pairs)]
+            return (self._convert(rows),)
         except ValidationError as error:
-            raise ValidationError([f"{self._node}: {one}" for one in error.findings]) from error
+            raise ValidationError([f"{node}: {one}" for one in error.findings]) from error
 
-    def _read(self, text: str) -> tuple[Iri, Term]:
-        code, _, value = text.split("\t")
-        predicate, known = _PAIRS[code]
-        if len(self._known) >= MAX_KNOWN:
-            self._known.clear()
-        found = self._known[text] = predicate, known or _term(value)
-        return found
+
+class _RuleReader:
+    """Reads rules from rows; a row that comes again is read once."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, tuple[Iri, Term]] = {}
+
+    def read(self, rows: Sequence[str]) -> Rule:
+        """Return the rule with some rows."""
+        known = self._known
+        if len(known) >= MAX_KNOWN:
+            known.clear()
+        for row in rows:
+            if row not in known:
+                known[row] = read_row(row)
+        return rule_mapping.read_rule([known[row] for row in rows])
 
 
 def _term(text: str) -> Term:

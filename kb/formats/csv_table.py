@@ -9,16 +9,21 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from datetime import datetime
 from functools import lru_cache
 from operator import itemgetter
-from typing import Protocol
+from typing import Protocol, TypeAlias, cast
 
 from ...ontology.errors import DataError, HiltError, ValidationError
+from ...ontology.vocabulary import Iri
+from ..bulk.exporter import RULE_PREDICATES, Progress, read_row, scan_converted
 from ..bulk.rule_lines import RuleSerializer, RuleTemplate, SerializedRule, remember
 from ..interval import DIGITS
-from ..rdf.terms import write_time
+from ..rdf import rule_mapping
+from ..rdf.terms import Term, write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
+from ..stores.base import Store
 from . import notation
 
 COLUMNS = (
@@ -26,7 +31,15 @@ COLUMNS = (
     *("speaker", "status", "time"),
 )
 REQUIRED = ("features", "functor", "lower")
-_BETWEEN = "; "
+BETWEEN = "; "
+Cells: TypeAlias = Sequence[str]  # of a rule, one for each of `COLUMNS`
+
+_FEATURES, _CONTEXTS, _LOWER, _UPPER, _TIME, _SHARED = range(6)
+_PLACES = {
+    **{rule_mapping.FEATURE: _FEATURES, rule_mapping.CONTEXT: _CONTEXTS},
+    **{rule_mapping.LOWER: _LOWER, rule_mapping.UPPER: _UPPER, rule_mapping.GENERATED_AT: _TIME},
+}
+_KINDS = (notation.FEATURE_KIND, notation.CONTEXT_KIND)
 
 
 class Writable(Protocol):
@@ -67,15 +80,109 @@ class TableWriter:
         self._writer = csv.writer(target, lineterminator="\n")
         self._writer.writerow(COLUMNS)
 
-    def write(self, rules: Iterable[Rule]) -> None:
+    def write(self, rules: Iterable[Cells]) -> None:
         """Add a row for each rule."""
-        self._writer.writerows(map(_cells, rules))
+        self._writer.writerows(rules)
+
+
+def scan_cells(
+    store: Store, take: Callable[[Sequence[Cells]], object], progress: Progress | None = None
+) -> int:
+    """Pass the cells of every rule of a store to `take`; as `exporter.scan_converted`."""
+    predicates = [one for one in RULE_PREDICATES if one != rule_mapping.DERIVED_FROM]
+    convert = _CellConverter().convert
+    return scan_converted(store, convert, take, progress, predicates=predicates)
+
+
+class _CellConverter:
+    """Converts rules of a store to cells without making a `Rule` of each.
+
+    Rules differ in their features, contexts, bounds and times. Of rules that share all the rest,
+    the first is read and checked as a `Rule`, and so is every one that is not plain.
+    """
+
+    def __init__(self) -> None:
+        """Start without any rule."""
+        self._known: dict[str, tuple[int, str]] = {}
+        self._templates: dict[tuple[str, ...], Cells] = {}
+
+    def convert(self, rows: Sequence[str]) -> Cells:
+        """Return the cells of a rule, given its rows as `exporter.scan_converted` passes them.
+
+        Raises:
+            ValidationError: the rule is malformed.
+        """
+        found, shared, known = [""] * _SHARED, list[str](), self._known
+        for row in rows:
+            place, cell = known.get(row) or self._read(row)
+            if place == _SHARED or (found[place] and place > _CONTEXTS):
+                shared.append(row)
+            elif found[place]:
+                found[place] = _union(found[place], cell, _KINDS[place])
+            else:
+                found[place] = cell
+        key = tuple(shared)
+        features, contexts, lower, upper, time = found
+        template = self._templates.get(key)
+        if template and (features or contexts) and "0" <= lower <= upper <= "1":
+            _, _, functor, argument, _, _, speaker, status, _ = template
+            seen = features or notation.ANY
+            return seen, contexts, functor, argument, lower, upper, speaker, status, time
+        cells = rule_cells(rule_mapping.read_rule(map(read_row, rows)))
+        remember(self._templates, key, cells)
+        return cells
+
+    def _read(self, row: str) -> tuple[int, str]:
+        """The place of a cell and the cell."""
+        predicate, value = read_row(row)
+        place = _PLACES.get(predicate, _SHARED)
+        try:
+            found = place, _cell(place, value)
+        except (AttributeError, TypeError, ValueError, ValidationError):
+            found = _SHARED, ""  # reading it as a `Rule` reports the error
+        remember(self._known, row, found)
+        return found
+
+
+def rule_cells(rule: Rule) -> Cells:
+    """Return the cells of a rule."""
+    argument_kind = ARGUMENT_KINDS.get(rule.functor)
+    return (
+        _write_atoms(rule.features, notation.FEATURE_KIND),
+        _write_atoms(rule.contexts, notation.CONTEXT_KIND),
+        rule.functor,
+        notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
+        _write_bound(rule.interval.lower),
+        _write_bound(rule.interval.upper),
+        rule.speaker,
+        rule.status,
+        write_time(rule.time) if rule.time else "",
+    )
+
+
+def _cell(place: int, value: Term) -> str:
+    """The cell of an object; ValueError for a bound that has to be rounded."""
+    if place <= _CONTEXTS:
+        return notation.write_atom(rule_mapping.atom_from_iri(cast(Iri, value)), _KINDS[place])
+    if place <= _UPPER:
+        bound = float(cast(float, value))
+        text = _write_bound(bound)
+        if float(text) != bound:
+            raise ValueError(bound)
+        return text
+    return write_time(cast(datetime, value)) if place == _TIME else ""
+
+
+@lru_cache(maxsize=2**16)
+def _union(first: str, second: str, kind: str) -> str:
+    """The cell with the atoms of two cells."""
+    return _write_atoms(_atoms(first, kind) | _atoms(second, kind), kind)
 
 
 @lru_cache(maxsize=2**16)
 def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
     """Return the cell of the features or contexts of a rule."""
-    text = _BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
+    text = BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
     return text or (notation.ANY if kind == notation.FEATURE_KIND else "")
 
 
@@ -187,18 +294,3 @@ def _number(cell: str, column: str) -> float:
 @lru_cache(maxsize=2**16)
 def _atoms(cell: str, kind: str) -> frozenset[Atom]:
     return notation.read_atoms(filter(str.strip, cell.split(";")), kind)
-
-
-def _cells(rule: Rule) -> tuple[str, ...]:
-    argument_kind = ARGUMENT_KINDS.get(rule.functor)
-    return (
-        _write_atoms(rule.features, notation.FEATURE_KIND),
-        _write_atoms(rule.contexts, notation.CONTEXT_KIND),
-        rule.functor,
-        notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
-        _write_bound(rule.interval.lower),
-        _write_bound(rule.interval.upper),
-        rule.speaker,
-        rule.status,
-        write_time(rule.time) if rule.time else "",
-    )

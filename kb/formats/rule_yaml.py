@@ -17,10 +17,9 @@ from functools import lru_cache
 from ...ontology.errors import DataError, HiltError
 from ...ontology.yaml_reader import Field, parse_yaml
 from ..interval import Interval
-from ..rdf.terms import write_time
 from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from . import notation
-from .csv_table import Writable
+from .csv_table import BETWEEN, Cells, Writable
 
 _CONCLUSIONS = ("affordance", "part", "functor")
 _KEYS = (
@@ -54,9 +53,9 @@ class RuleSheetWriter:
             "# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:"
         )
 
-    def write(self, rules: Iterable[Rule]) -> None:
+    def write(self, rules: Iterable[Cells]) -> None:
         """Add an entry for each rule."""
-        text = "".join([f"\n  - {{{', '.join(_entries(rule))}}}" for rule in rules])
+        text = "".join(map(_written_rule, rules))
         self._is_empty = self._is_empty and not text
         self._target.write(text)
 
@@ -142,46 +141,39 @@ def _optional(found: Mapping[str, Field], key: str) -> str | None:
     return found[key].text() if key in found else None
 
 
-def _entries(rule: Rule) -> Iterator[str]:
-    """The keys and values of a rule; the status of an active one is left out."""
-    yield _claims(rule.features, rule.contexts, rule.functor, rule.argument)
-    yield f"interval: [{_number(rule.interval.lower)}, {_number(rule.interval.upper)}]"
-    yield f"speaker: {_quoted(rule.speaker)}"
-    if rule.status != "active":
-        yield f"status: {rule.status}"
-    if rule.time:
-        yield f"time: {_quoted(write_time(rule.time))}"
+def _written_rule(cells: Cells) -> str:
+    """The line of a rule; the status of an active one is left out."""
+    features, contexts, functor, argument, lower, upper, speaker, status, time = cells
+    seen, context = _written_atoms(features, "object"), _written_atoms(contexts, "context")
+    rest = f", status: {status}" if status != "active" else ""
+    if time:
+        rest += f', time: "{time}"'
+    return (
+        f"\n  - {{{seen}{context}{_written_conclusion(functor, argument)}, "
+        f"interval: [{lower}, {upper}], speaker: {_quoted(speaker)}{rest}}}"
+    )
 
 
 @lru_cache(maxsize=2**16)
-def _claims(
-    features: frozenset[Atom], contexts: frozenset[Atom], functor: str, argument: Atom | None
-) -> str:
-    """The entries for the features, the contexts and the conclusion of a rule."""
-    entries = [
-        *_written_atoms("object", "features", features),
-        *_written_atoms("context", "contexts", contexts),
-    ]
-    if argument and (functor, argument.kind) == (USED_FOR, "affordance"):
-        entries.append(f"affordance: {_quoted(argument.name)}")
-    elif argument and (functor, argument.kind) == (GRASP_OBJECT, "part"):
-        entries.append(f"part: {_quoted(argument.name)}")
-    else:
-        entries.append(f"functor: {functor}")
-        if argument:
-            entries.append(f"argument: {_quoted(str(argument))}")
-    return ", ".join(entries)
+def _written_atoms(cell: str, key: str) -> str:
+    """The entry for the features or contexts in a cell, and what divides it from the next."""
+    names = [_quoted(name) for name in cell.split(BETWEEN)]
+    if cell in {"", notation.ANY}:
+        return ""
+    if len(names) == 1 and ":" not in cell:
+        return f"{key}: {names[0]}, "
+    return f"{'features' if key == 'object' else 'contexts'}: [{', '.join(names)}], "
 
 
-def _written_atoms(one: str, several: str, atoms: frozenset[Atom]) -> Iterator[str]:
-    kind = {"object": "object", "context": "action"}[one]
-    names = [_quoted(notation.write_atom(atom, kind)) for atom in sorted(atoms)]
-    if [atom.kind for atom in atoms] == [kind]:
-        yield f"{one}: {names[0]}"
-    elif names:
-        yield f"{several}: [{', '.join(names)}]"
+@lru_cache(maxsize=2**16)
+def _written_conclusion(functor: str, argument: str) -> str:
+    """The entries for the functor and the argument of a rule."""
+    if functor in {USED_FOR, GRASP_OBJECT}:
+        return f"{'affordance' if functor == USED_FOR else 'part'}: {_quoted(argument)}"
+    return f"functor: {functor}" + (f", argument: {_quoted(argument)}" if argument else "")
 
 
+@lru_cache(maxsize=2**16)
 def _quoted(text: str) -> str:
     """A text as YAML reads it back as a text: bare when it is one plain word, else in quotes."""
     if text.isascii() and text.isalpha() and text.lower() not in _NO_TEXTS:
@@ -190,7 +182,3 @@ def _quoted(text: str) -> str:
 
 
 _NO_TEXTS = frozenset({"true", "false", "yes", "no", "on", "off", "null", "y", "n", "inf", "nan"})
-
-
-def _number(bound: float) -> str:
-    return f"{bound:.6f}".rstrip("0").rstrip(".")

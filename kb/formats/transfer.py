@@ -267,14 +267,14 @@ def _write_rules(store: Store, stream: BinaryIO, name: str, progress: Progress |
         return count
     text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
     try:
-        if name == "csv":
-            from .csv_table import TableWriter
+        from .csv_table import TableWriter, scan_cells
 
-            return scan_rules(store, TableWriter(text).write, progress)
+        if name == "csv":
+            return scan_cells(store, TableWriter(text).write, progress)
         from .rule_yaml import RuleSheetWriter
 
         sheet = RuleSheetWriter(text)
-        count = scan_rules(store, sheet.write, progress)
+        count = scan_cells(store, sheet.write, progress)
         sheet.finish()
         return count
     finally:

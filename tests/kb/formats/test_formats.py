@@ -16,7 +16,7 @@ from rdflib import Graph
 from hilt.kb.bulk import exporter, importer
 from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import transfer
-from hilt.kb.formats.csv_table import TableWriter, read_table
+from hilt.kb.formats.csv_table import TableWriter, read_table, rule_cells
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
 from hilt.kb.formats.registry import FORMATS
 from hilt.kb.formats.rule_yaml import RuleSheetWriter, read_sheet
@@ -143,9 +143,9 @@ def test_full_disk_is_blamed_on_the_file(tmp_path: Path):
 def test_sheet_and_table_and_graph_hold_whole_rules(some: list[Rule]):
     """As values, without a base between."""
     table, text = io.StringIO(), io.StringIO()
-    TableWriter(table).write(some)
+    TableWriter(table).write(map(rule_cells, some))
     sheet = RuleSheetWriter(text)
-    sheet.write(some)
+    sheet.write(map(rule_cells, some))
     sheet.finish()
 
     assert list(read_sheet(text.getvalue(), source="x")) == some
