@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..kb.interval import VACUOUS, Interval
-from ..ontology import evidence
+from ..ontology import evidence_operators
 from ..ontology.errors import ConflictError, UnknownNameError
 
 EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper differ by .0016
@@ -31,10 +31,10 @@ Acceptance = Callable[[Interval, float], bool]
 
 
 def _bounded(lower: float, upper: float) -> Interval:
-    return Interval(*evidence.clip(lower, upper))
+    return Interval(*evidence_operators.clip(lower, upper))
 
 
-def _pair(interval: Interval) -> evidence.Bounds:
+def _pair(interval: Interval) -> evidence_operators.Bounds:
     return interval.lower, interval.upper
 
 
@@ -44,7 +44,8 @@ def _pair(interval: Interval) -> evidence.Bounds:
 def conjunction(intervals: Sequence[Interval]) -> Interval:
     """AND of independent propositions: [a1·a2, b1·b2] (Sarathy & Scheutz 2016; product frame)."""
     return _bounded(
-        evidence.product(i.lower for i in intervals), evidence.product(i.upper for i in intervals)
+        evidence_operators.product(i.lower for i in intervals),
+        evidence_operators.product(i.upper for i in intervals),
     )
 
 
@@ -71,8 +72,8 @@ def disjunction(intervals: Sequence[Interval]) -> Interval:
 
 
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
-    """Conclude by the conditional reading: [a·α, 1 - a·(1-β)] (`ontology.evidence`)."""
-    return Interval(*evidence.modus_ponens(_pair(antecedent), _pair(rule)))
+    """Conclude by the conditional reading: [a·α, 1 - a·(1-β)] (`ontology.evidence_operators`)."""
+    return Interval(*evidence_operators.modus_ponens(_pair(antecedent), _pair(rule)))
 
 
 def modus_ponens_published(antecedent: Interval, rule: Interval) -> Interval:
@@ -92,10 +93,10 @@ def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
 
 
 def fuse_yager(intervals: Sequence[Interval]) -> Interval:
-    """Fuse by Yager's rule (1987) over all sources at once (`ontology.evidence`)."""
+    """Fuse by Yager's rule (1987) over all sources at once (`ontology.evidence_operators`)."""
     if len(intervals) == 1:
         return intervals[0]
-    return Interval(*evidence.fuse_yager([*map(_pair, intervals)]))
+    return Interval(*evidence_operators.fuse_yager([*map(_pair, intervals)]))
 
 
 def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
@@ -106,7 +107,7 @@ def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
     """
     if len(intervals) == 1:
         return intervals[0]
-    true, false, either = evidence.commonalities([*map(_pair, intervals)])
+    true, false, either = evidence_operators.commonalities([*map(_pair, intervals)])
     agreement = true + false - either
     if agreement <= 0:
         shown = ", ".join(map(str, intervals))
@@ -150,12 +151,12 @@ def fuse_latest(intervals: Sequence[Interval]) -> Interval:
 
 def relative_plausibility(interval: Interval) -> float:
     """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
-    return evidence.relative_plausibility((interval.lower, interval.upper))
+    return evidence_operators.relative_plausibility((interval.lower, interval.upper))
 
 
 def certainty(interval: Interval) -> float:
-    """Return the confidence measure lambda of Núñez et al. (2013), see `ontology.evidence`."""
-    return evidence.certainty((interval.lower, interval.upper))
+    """Return the confidence measure lambda of Núñez et al. (2013), see `ontology.evidence_operators`."""
+    return evidence_operators.certainty((interval.lower, interval.upper))
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:

@@ -59,7 +59,7 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class RejectedCandidate:
+class FailedCandidate:
     """An object that was chosen and tried without success.
 
     Attributes:
@@ -131,7 +131,7 @@ class Decision:
     part: Inference | None = None
     named_part: str | None = None
     patient: str | None = None
-    rejected: tuple[RejectedCandidate, ...] = ()
+    rejected: tuple[FailedCandidate, ...] = ()
 
     @property
     def chosen_part(self) -> str | None:

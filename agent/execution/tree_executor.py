@@ -25,8 +25,8 @@ from .outcome import (
     Constraint,
     Decision,
     ExecutionResult,
+    FailedCandidate,
     GoalResult,
-    RejectedCandidate,
     SpokenAnswer,
     WalkStep,
 )
@@ -81,7 +81,7 @@ class TreeExecutor:
         self._steps: list[WalkStep] = []
         self._setbacks: list[SpokenAnswer] = []
         self._found: dict[Target, Found] = {}
-        self._rejected: dict[str, RejectedCandidate] = {}
+        self._rejected: dict[str, FailedCandidate] = {}
 
     def result(self, answer: SpokenAnswer) -> GoalResult:
         """Return the result of the execution so far, with this answer."""
@@ -217,7 +217,7 @@ class TreeExecutor:
     def _reject(self, argument: Argument, failure: SpokenAnswer) -> None:
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
-            self._rejected[found.percept.name] = RejectedCandidate(found.candidate, failure.cause)
+            self._rejected[found.percept.name] = FailedCandidate(found.candidate, failure.cause)
 
     def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
         if self._primitives is None:  # nothing is going to be done

@@ -13,7 +13,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from ...ontology.evidence import certainty, fuse_yager, modus_ponens, relative_plausibility
+from ...ontology.evidence_operators import (
+    certainty,
+    fuse_yager,
+    modus_ponens,
+    relative_plausibility,
+)
 from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.notation import read_rule
 from .meaning import Confidence

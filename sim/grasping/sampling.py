@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.hand_poses import hand_orientations
+from ..robot.gripper_poses import hand_orientations
 from ..robot.models import Gripper
 from ..vision.point_clouds import farthest_points, principal_direction
 from .context import LabelledCloud, PointLabel

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..robot.hand_poses import Grasp
+from ..robot.gripper_poses import Grasp
 from ..robot.models import Gripper
 from ..robot.path_planner import GraspPath, PathPlanner
 from .context import GraspContext

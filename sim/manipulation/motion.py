@@ -18,7 +18,7 @@ from ..grasping.scoring import GRAVITY
 from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..robot.collision import hand_spheres
-from ..robot.hand_poses import DOWN
+from ..robot.gripper_poses import DOWN
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner
 from ..robot.robot import Robot
 from ..vision.point_clouds import voxel_downsample

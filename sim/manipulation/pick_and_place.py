@@ -18,7 +18,7 @@ from ..grasping.context import GraspContext
 from ..grasping.planner import GraspPlan
 from ..grasping.selection import GraspTask, select_grasp
 from ..poses import Array
-from ..robot.hand_poses import Grasp
+from ..robot.gripper_poses import Grasp
 from ..robot.path_planner import GraspPath
 from ..scene.world import SleepManager, World
 from ..vision.percept import Percept

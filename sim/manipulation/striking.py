@@ -17,7 +17,7 @@ import numpy as np
 from .. import poses
 from ..poses import Array
 from ..robot.collision import Spheres
-from ..robot.hand_poses import DOWN
+from ..robot.gripper_poses import DOWN
 from ..robot.kinematics import Chain
 from ..robot.path_planner import PathPlanner
 from ..robot.robot import NAME

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from .hand_poses import Grasp
+from .gripper_poses import Grasp
 from .kinematics import Chain, read_chain
 from .models import Gripper, RobotType, find_robot, load_robots
 from .path_planner import GraspPath, PathPlanner

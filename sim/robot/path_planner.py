@@ -18,7 +18,7 @@ from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..vision.point_clouds import farthest_points
 from .collision import Spheres, clearance, self_clearance
-from .hand_poses import Grasp, hand_orientations
+from .gripper_poses import Grasp, hand_orientations
 from .kinematics import Solution
 from .robot import Robot, resample, time_path
 
