@@ -155,7 +155,7 @@ def relative_plausibility(interval: Interval) -> float:
 
 
 def certainty(interval: Interval) -> float:
-    """Return the confidence measure lambda of Núñez et al. (2013), see `ontology.evidence_operators`."""
+    """Return the confidence measure lambda of Núñez et al. (2013)."""
     return evidence_operators.certainty((interval.lower, interval.upper))
 
 

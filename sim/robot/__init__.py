@@ -2,8 +2,8 @@
 """The robot: its model, kinematics, collision checks and paths.
 
 `models` reads robots from data, `kinematics` solves their forward and inverse kinematics, `robot`
-moves one in the simulator, `collision` and `path_planner` keep it clear of obstacles. `gripper_poses`
-has grasps as values.
+moves one in the simulator, `collision` and `path_planner` keep it clear of obstacles.
+`gripper_poses` has grasps as values.
 """
 
 import lazy_loader
