@@ -13,7 +13,7 @@ test: $(READY)  ## the whole test suite
 	@$(BIN)/pytest -n auto --dist loadfile
 
 test-extras: $(READY) .venv/.extras  ## what `make test` skips: Ray with a killed node, and the comparisons with peers
-	@$(BIN)/pytest tests/agent/evaluation -k ray
+	@$(BIN)/pytest tests/agent/evaluation/runners/test_ray.py
 	@$(BIN)/pytest benchmarks -m peer -s
 
 coverage: $(READY)  ## line coverage of kb, inference and nlu, each at least 90 %

@@ -113,11 +113,13 @@ def test_one_node_is_within_its_bar(affordances: Affordances, request: pytest.Fi
     assert taken <= limit
 
 
+@pytest.mark.peer
 def test_problog_on_the_same_rules(benchmark: Any):
     """ProbLog makes the same decision from the same rules."""
     assert benchmark(problog_decision()) == "knife"
 
 
+@pytest.mark.peer
 def test_one_node_is_faster_than_problog_by_the_bar(affordances: Affordances):
     """Both are measured in one run, so that the speed of the machine cancels out."""
     other = problog_decision()

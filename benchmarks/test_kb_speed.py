@@ -99,6 +99,7 @@ def test_rules_of_a_node(
 # By processor time, in favour of the peer: its long answers are interrupted on a busy machine.
 @pytest.mark.benchmark(timer=time.process_time)
 @pytest.mark.parametrize("way", ["patterns", "SPARQL"])
+@pytest.mark.peer
 def test_rules_of_a_node_in_rdflib(benchmark: Any, way: str):
     """The peer: rdflib's own store in memory, the same statements, without making rules of them."""
     graph = Graph()

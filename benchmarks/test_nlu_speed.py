@@ -89,6 +89,7 @@ def test_a_long_utterance_takes_little_more(session: Session) -> None:
     assert taken <= LONG
 
 
+@pytest.mark.peer
 def test_beside_nltk(session: Session) -> None:
     """The ratio of times on the sentences that both can parse."""
     chart = pytest.importorskip("nltk.ccg.chart")
