@@ -48,8 +48,8 @@ SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are u
 MOST_ROWS = 1000  # of a query result; the layout of more takes longer than the query
 
 
-def _wrapped(table: Table) -> Table:
-    """The table with cells that wrap, so that nothing is cut off."""
+def wrap_cells(table: Table) -> Table:
+    """Return the table with cells that wrap, so that nothing is cut off."""
     for column in table.columns:
         column.overflow = "fold"
     return table
@@ -67,7 +67,7 @@ def _table(
         table.add_row(*map(escape, row))
     if counts:
         table.caption = counted(table.row_count, *counts)
-    return _wrapped(table)
+    return wrap_cells(table)
 
 
 def _time(moment: datetime) -> str:
@@ -81,7 +81,7 @@ def turn(reply: Reply) -> RenderableType:
     if reply.understanding.pragmatics:
         grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
     grid.add_row(Text("Hilt", "bold green"), Text(printable(reply.said)))
-    return _wrapped(grid)
+    return wrap_cells(grid)
 
 
 def understanding(found: Understanding) -> RenderableType:
@@ -153,7 +153,7 @@ def decision(made: Decision, quote: Quote) -> Table:
     for candidate in made.part.candidates if made.part else ():
         part = candidate.argument.name if candidate.argument else ""
         _add_candidate(table, candidate, f"  by the {part}", quote)
-    return _wrapped(table)
+    return wrap_cells(table)
 
 
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
