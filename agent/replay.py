@@ -124,8 +124,8 @@ def _again(episode: Episode) -> dict[str, Any]:
     again = json.loads(episode.document).get(AGAIN)
     if again is None or KEPT - again.keys() or CIRCUMSTANCES - again["circumstances"].keys():
         raise HiltError(
-            f"Episode {episode.id} cannot be run again: it was not done with Hilt's own eyes and "
-            "hands, something before it was not kept, or another version of Hilt recorded it."
+            f"Episode {episode.id} cannot be run again: it used vision or motion other than Hilt's "
+            "own, an earlier command was not recorded, or another version of Hilt recorded it."
         )
     return again
 

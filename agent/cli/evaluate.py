@@ -72,8 +72,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
     8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
-    by factorisation; --out keeps the certificate. noise: accuracy against eyes, ears and teachers
-    that fail, as curves. custom: objects, norms and scenes of your own, from --file.
+    by factorisation; --out keeps the certificate. noise: accuracy under failing vision, hearing
+    and teachers, as curves. custom: objects, norms and scenes of your own, from --file.
 
     --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
     code 1 when they do.

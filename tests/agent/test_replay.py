@@ -111,7 +111,7 @@ def test_episode_of_other_eyes_is_not_run_again():
     with Agent.open("memory:", vision=eyes) as agent:
         agent.hear("pass me the knife")
 
-        with pytest.raises(HiltError, match="not done with Hilt's own eyes"):
+        with pytest.raises(HiltError, match="used vision or motion other than Hilt's own"):
             replay(agent.base, "last")
 
 
