@@ -167,7 +167,7 @@ class Language:
         speaker: str = "sam",
         addressee: str = "self",
         discourse: Discourse | None = None,
-        insist: Collection[str] = (),
+        accepted: Collection[str] = (),
         heard: float = 1.0,
     ) -> Understanding:
         """Return the meaning of a text, or why it has none; never raises for any text.
@@ -177,12 +177,12 @@ class Language:
             speaker: who says it.
             addressee: who is spoken to, `self` for Hilt.
             discourse: what the conversation mentioned so far; None at its beginning.
-            insist: words that are new although they are close to known ones.
+            accepted: words that are new although they are close to known ones.
             heard: the confidence of a speech recogniser in the text, in [0, 1]; when it is too low
                 to be sure what is wanted, the meaning is a question back.
         """
         context = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
-        return self.utterance_parser.understand(text, context, insist)
+        return self.utterance_parser.understand(text, context, accepted)
 
     @cached_property
     def utterance_parser(self) -> UtteranceParser:

@@ -139,18 +139,18 @@ class DialogueManager:
         only: str | None = None,
         heard: float = 1.0,
         keep: bool = True,
-        insist: Collection[str] = (),
+        accepted: Collection[str] = (),
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply.
 
-        The arguments are those of `Agent.hear`; `insist` has words that are new although they
+        The arguments are those of `Agent.hear`; `accepted` has words that are new although they
         resemble known ones.
 
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
         speaker = self.base.match_speaker(speaker)
-        understood = self._understood(text, speaker, insist, heard)
+        understood = self._understood(text, speaker, accepted, heard)
         self._discourse = understood.discourse
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
@@ -160,13 +160,13 @@ class DialogueManager:
         return self._listeners[type(understood.meaning)](turn, understood.meaning)
 
     def _understood(
-        self, text: str, speaker: str, insist: Collection[str], heard: float
+        self, text: str, speaker: str, accepted: Collection[str], heard: float
     ) -> Understanding:
         said = self._other.understand(text, speaker=speaker) if self._other else None
         if said is not None:
             return Understanding(text, speaker, "self", said, discourse=self._discourse)
         return self.language.understand(
-            text, speaker=speaker, discourse=self._discourse, insist=insist, heard=heard
+            text, speaker=speaker, discourse=self._discourse, accepted=accepted, heard=heard
         )
 
     # --- Statements and retractions -----------------------------------------------------------
@@ -316,7 +316,7 @@ class DialogueManager:
             self._pending = Pending(
                 speaker,
                 yes=lambda: self.hear(again, speaker=speaker, heard=turn.heard),
-                no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, insist=[word]),
+                no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, accepted=[word]),
             )
         return reply
 

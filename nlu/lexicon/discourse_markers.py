@@ -26,11 +26,11 @@ class DiscourseMarkers:
     Attributes:
         anywhere: phrases that add nothing in any position.
         apart: phrases that add nothing between two pauses, breaks or ends.
-        asking: question tags, which make a question of a sentence.
-        telling: tags with a question mark that ask for nothing, such as "okay?".
+        question_tags: question tags, which make a question of a sentence.
+        statement_tags: tags with a question mark that ask for nothing, such as "okay?".
         ending: phrases that are a sentence of their own before a pause: "forget that, ...".
-        wishing: the beginning and the tag of a request, with a break between: "you could not ...,
-            could you?".
+        request_tags: the beginning and the tag of a request, a break between them: "you could not
+            ..., could you?".
         clauses: patterns of reasons that add nothing before a pause or the end.
         reasons: patterns of reasons for a request, up to a word like "so".
         doubts: words that make a reason somebody else's, like "said".
@@ -39,10 +39,10 @@ class DiscourseMarkers:
 
     anywhere: frozenset[Phrase] = frozenset()
     apart: frozenset[Phrase] = frozenset()
-    asking: frozenset[Phrase] = frozenset()
-    telling: frozenset[Phrase] = frozenset()
+    question_tags: frozenset[Phrase] = frozenset()
+    statement_tags: frozenset[Phrase] = frozenset()
     ending: frozenset[Phrase] = frozenset()
-    wishing: frozenset[Phrase] = frozenset()
+    request_tags: frozenset[Phrase] = frozenset()
     clauses: tuple[Steps, ...] = ()
     reasons: tuple[Steps, ...] = ()
     doubts: frozenset[Phrase] = frozenset()
@@ -79,10 +79,10 @@ class DiscourseMarkers:
 
     def remove_tag(self, tokens: Tokens) -> Tokens:
         """Remove the tag at the end: "..., isn't it?", "..., okay?"."""
-        place = self._tag(tokens, self.asking | self.telling)
+        place = self._tag(tokens, self.question_tags | self.statement_tags)
         if place is None:
             return tokens
-        return replace(tokens.part(0, place), asks=tokens.words[place:] in self.asking)
+        return replace(tokens.part(0, place), asks=tokens.words[place:] in self.question_tags)
 
     def after_reason(self, tokens: Tokens) -> Tokens | None:
         """Return what follows a reason ("..., so pass me the mug"), None without one."""
@@ -97,11 +97,11 @@ class DiscourseMarkers:
 
     def request_before_tag(self, tokens: Tokens) -> Tokens | None:
         """Return the request before a tag that only urges: "..., will you?"; None without one."""
-        place = self._tag(tokens, self.telling)
+        place = self._tag(tokens, self.statement_tags)
         if place is None:
             return None
         tag = (BREAK, *tokens.words[place:])
-        starts = (n for n in range(_LONGEST) if (*tokens.words[:n], *tag) in self.wishing)
+        starts = (n for n in range(_LONGEST) if (*tokens.words[:n], *tag) in self.request_tags)
         return replace(tokens.part(next(starts, 0), place), asks=False)
 
     def _tag(self, tokens: Tokens, tags: Collection[Phrase]) -> int | None:

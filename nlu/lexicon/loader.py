@@ -35,7 +35,7 @@ _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "asides", "endings", "nameable", "denying", "denied"),
+    *("constructions", "discourse_markers", "endings", "nameable", "denying", "denied"),
 )
 
 
@@ -120,7 +120,7 @@ class LexiconBuilder:
             self._read_word(field)
         for field in _items(parts, "constructions"):
             self._read_construction(field)
-        for kind, field in _entries(parts, "asides"):
+        for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
     def expand_endings(self, tokens: Tokens) -> Tokens:

@@ -72,7 +72,7 @@ def test_a_request_follows_its_reason() -> None:
     assert after("the soup boils, so pass it") is None
 
 
-@pytest.mark.parametrize(("kind", "asks"), [("asking", True), ("telling", False)])
+@pytest.mark.parametrize(("kind", "asks"), [("question_tags", True), ("statement_tags", False)])
 def test_a_tag_makes_a_question_or_does_not(kind: str, asks: bool) -> None:
     """A tag like "right?" asks, one like "okay?" does not."""
     known = discourse_markers(kind, "tag")

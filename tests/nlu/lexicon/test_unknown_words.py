@@ -100,7 +100,7 @@ def test_a_misspelling_is_asked_about(language: Language, text: str, suggestion:
 
 def test_a_speaker_may_insist_on_a_new_word(language: Language) -> None:
     """A word is new when its speaker says so, however close it is to another."""
-    understood = language.understand("A hamper is used for containing", insist={"hamper"})
+    understood = language.understand("A hamper is used for containing", accepted={"hamper"})
 
     assert understood.new_words == (NewWord("hamper", "object", "hamper"),)
 
