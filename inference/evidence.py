@@ -63,11 +63,6 @@ def conjunction_min(intervals: Sequence[Interval]) -> Interval:
     )
 
 
-def disjunction(intervals: Sequence[Interval]) -> Interval:
-    """OR of independent propositions: [1 - Π(1-a), 1 - Π(1-b)], the dual of `conjunction`."""
-    return conjunction([i.negated() for i in intervals]).negated()
-
-
 # --- Modus ponens ------------------------------------------------------------------------
 
 

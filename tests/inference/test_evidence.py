@@ -14,7 +14,6 @@ from hilt.inference.evidence import (
     Operators,
     certainty,
     conjunction,
-    disjunction,
     fuse_cautious,
     fuse_dempster,
     fuse_yager,
@@ -41,7 +40,7 @@ def close(one: Interval, other: Interval) -> bool:
     return (one.lower, one.upper) == pytest.approx((other.lower, other.upper), abs=1e-12)
 
 
-# --- AND, OR, NOT --------------------------------------------------------------------------
+# --- Conjunction ---------------------------------------------------------------------------
 
 
 @given(st.permutations([Interval(0.3, 0.7), Interval(0.21, 0.9), Interval(0.77, 0.8)]))
@@ -60,12 +59,6 @@ def test_conjunction_with_truth_changes_nothing(interval: Interval):
 def test_conjunction_with_falsehood_is_false(interval: Interval):
     """[0, 0] is the zero of AND."""
     assert conjunction([interval, FALSE]) == FALSE
-
-
-@given(intervals, intervals)
-def test_de_morgan_holds(one: Interval, other: Interval):
-    """NOT of an AND is the OR of the NOTs."""
-    assert close(conjunction([one, other]).negated(), disjunction([one.negated(), other.negated()]))
 
 
 @given(grid_intervals, grid_intervals)
