@@ -13,14 +13,14 @@ doing anything.
 from __future__ import annotations
 
 import gc
-from collections.abc import Collection, Generator, Iterable, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 from ..ontology.confidence import Degrees, load_degrees
 from ..ontology.errors import UnknownNameError
+from ..ontology.garbage_collection import paused_garbage_collection
 from ..ontology.yaml_reader import read_yaml
 from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
@@ -49,22 +49,6 @@ LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 _WORD_FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 
 
-@contextmanager
-def _paused_gc() -> Generator[None]:
-    """Pause the garbage collector, which would find nothing to free among thousands of new terms.
-
-    Measured: a language loads in 0.6 s instead of 0.8 s; beside a large heap an utterance takes
-    15 % less time.
-    """
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
-
-
 @dataclass(frozen=True, repr=False)
 class Language:
     """One language with one vocabulary; immutable.
@@ -86,7 +70,7 @@ class Language:
     learned: tuple[NewWord, ...] = ()
 
     @classmethod
-    @_paused_gc()
+    @paused_garbage_collection()
     def load(
         cls,
         language: str = "english",
@@ -159,7 +143,7 @@ class Language:
         )
         return replace(self, parser=parser, learned=(*self.learned, *added))
 
-    @_paused_gc()
+    @paused_garbage_collection()
     def understand(
         self,
         text: str,

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The domain model: vocabulary, object types, action trees and settings, as data with readers.
 
-vocabulary   namespaces, prefixes and IRIs of the RDF graph
-objects      object types with their parts, properties and materials; geometry has their shapes
-actions      action trees: the steps that achieve a goal
-confidence   degrees of confidence and their intervals: "often" is [0.75, 1]
-evidence     operators on belief intervals: modus ponens, fusion, certainty
-yaml_reader  YAML values with positions, for precise error messages
-errors       all exceptions of Hilt
-cache        the user's cache folder
+vocabulary          namespaces, prefixes and IRIs of the RDF graph
+objects             object types with their parts, properties and materials
+geometry            the shapes of parts
+actions             action trees: the steps that achieve a goal
+confidence          degrees of confidence and their intervals: "often" is [0.75, 1]
+evidence_operators  modus ponens, fusion and certainty of belief intervals
+yaml_reader         YAML values with positions, for precise error messages
+errors              all exceptions of Hilt
+cache               the user's cache folder
+garbage_collection  a pause of Python's garbage collector
 
 >>> from hilt.ontology import load_objects
 >>> sorted(load_objects()["knife"].parts)

@@ -12,10 +12,8 @@ bounded memory. Any other store is sorted first.
 
 from __future__ import annotations
 
-import gc
 import re
-from collections.abc import Callable, Collection, Generator, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import lru_cache
 from typing import (
     BinaryIO,
@@ -30,6 +28,7 @@ from typing import (
 )
 
 from ...ontology.errors import StoreError, ValidationError
+from ...ontology.garbage_collection import paused_garbage_collection
 from ...ontology.vocabulary import PREFIXES, Iri, term
 from ..history import ASSERTS, HISTORY
 from ..rdf import rule_mapping
@@ -176,7 +175,7 @@ def scan_converted(
         ValidationError: a rule is malformed.
     """
     rules = _RuleRows(convert, take, ProgressCounter(progress))
-    with store.writing(), no_garbage_collection():
+    with store.writing(), paused_garbage_collection():
         _scan(store, BELIEFS, rules.feed, predicates=predicates, is_large=_is_large(store))
     return rules.finish()
 
@@ -197,18 +196,6 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[Quad]:
         if rules_only and graph == HISTORY:
             found = (quad for quad in found if quad.subject in sources)
         yield from found if is_large else sorted(found, key=_order)
-
-
-@contextmanager
-def no_garbage_collection() -> Generator[None]:
-    """Switch the cyclic collector off: millions of values are made, and none refers to itself."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 class ProgressCounter:

@@ -21,6 +21,7 @@ from itertools import chain, islice
 from typing import BinaryIO, Protocol, TypeVar, cast, get_args, runtime_checkable
 
 from ...ontology.errors import DataError, ValidationError
+from ...ontology.garbage_collection import paused_garbage_collection
 from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance
 from ..knowledge_base import KnowledgeBase
@@ -40,7 +41,6 @@ from ..validation import (
     stage,
 )
 from ..writer import to_milliseconds
-from .exporter import no_garbage_collection
 from .reconciliation import (
     BelievedRules,
     ImportPlan,
@@ -171,7 +171,7 @@ def _import(
     dry_run: bool,
     check: Callable[[Store], Iterable[Finding]],
 ) -> ImportSummary:
-    with base.store.writing(), no_garbage_collection():
+    with base.store.writing(), paused_garbage_collection():
         plan = ImportPlan(base.sequence)
         lines = _lines(base, rules, progress, plan, source=source, check=check)
         if dry_run:
