@@ -15,6 +15,7 @@ from itertools import chain
 import numpy as np
 
 from .. import poses
+from ..models.polygons import area, convex_hull
 from ..poses import Array
 from ..robot.collision import Spheres
 from ..robot.gripper_poses import DOWN
@@ -272,35 +273,12 @@ def _strike_pose(rotation: Array, held: Array, hand: Array) -> StrikePose | None
     if lowest > float((hand @ rotation.T)[:, 2].min()) - HAND_CLEARANCE:
         return None
     face = at[at[:, 2] < lowest + LEVEL]
-    area = _hull_area(face[:, :2])
-    if area < MIN_FACE:
+    size = area(convex_hull(face[:, :2]))
+    if size < MIN_FACE:
         return None
     middle = face.mean(axis=0)
     inner = middle + (1 - INWARDS) * (face - middle)
     lever = np.linalg.norm(inner[:, :2], axis=1)
     point = np.array([*inner[np.argmin(lever), :2], lowest])
-    score = np.sqrt(min(area / BEST_FACE, 1.0)) - LEVER_COST * float(lever.min())
+    score = np.sqrt(min(size / BEST_FACE, 1.0)) - LEVER_COST * float(lever.min())
     return StrikePose(rotation, rotation.T @ point, score - TILT_COST * (1 + float(rotation[2, 2])))
-
-
-def _hull_area(points: Array) -> float:
-    """The area of the convex hull of points (n, 2) [m^2]."""
-    order = points[np.lexsort((points[:, 1], points[:, 0]))]
-    if len(order) < 3:
-        return 0.0
-    x, y = np.array([*_hull_side(order), *_hull_side(order[::-1])]).T
-    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
-
-
-def _hull_side(points: Array) -> list[Array]:
-    """One side of the convex hull, without its last point (Andrew 1979)."""
-    side: list[Array] = []
-    for point in points:
-        while len(side) > 1 and _turn(side[-2], side[-1], point) <= 0:
-            side.pop()
-        side.append(point)
-    return side[:-1]
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

@@ -17,6 +17,7 @@ from ...ontology.errors import SimulationError
 from ...ontology.objects import Mount
 from .. import poses
 from ..models.object_models import ObjectModel
+from ..models.polygons import convex_hull, distance
 from ..poses import Array
 from .scene import Placement, Scene
 
@@ -98,8 +99,10 @@ def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> 
     rest = model.kind.rest(placement.rest or drawn)
     rotation = poses.rotation_from_rpy(*rest.turn)
     points = model.points @ rotation.T
+    # Points that differ by rounding only would be corners without a side between them.
+    footprint = convex_hull(np.round(points[:, :2], 9))
     filled = replace(placement, rest=rest.name)
-    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), outline(points[:, :2]))
+    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), footprint)
 
 
 def _sort_key(laid: _Laid) -> tuple[bool, float]:
@@ -147,46 +150,3 @@ def _is_within(footprint: Array) -> bool:
     low, high = np.array(LIMITS).T
     inside = bool((footprint >= low).all() and (footprint <= high).all())
     return inside and float(np.linalg.norm(footprint, axis=1).max()) <= REACH
-
-
-def outline(points: Array) -> Array:
-    """Return the convex hull of points (n, 2), counter-clockwise (Andrew 1979)."""
-    # Points that differ by rounding only would be corners without a side between them.
-    ordered = np.unique(np.round(points, 9), axis=0)
-    return np.array(_half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1])
-
-
-def _half_hull(points: Array) -> list[Array]:
-    chain: list[Array] = []
-    for point in points:
-        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0:
-            chain.pop()
-        chain.append(point)
-    return chain
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-
-
-def distance(first: Array, second: Array) -> float:
-    """Return the distance of two convex polygons (n, 2) and (m, 2) [m]; 0 if they overlap."""
-    if not (_separated(first, second) or _separated(second, first)):
-        return 0.0
-    return min(_corner_distance(first, second), _corner_distance(second, first))
-
-
-def _separated(first: Array, second: Array) -> bool:
-    """Return whether a side of the first polygon has all of the second on its outer side."""
-    ahead = np.roll(first, -1, axis=0) - first
-    offsets = second[None] - first[:, None]  # (sides, corners, 2)
-    aside = ahead[:, None, 0] * offsets[..., 1] - ahead[:, None, 1] * offsets[..., 0]
-    return bool((aside < 0).all(axis=1).any())
-
-
-def _corner_distance(corners: Array, polygon: Array) -> float:
-    ahead = np.roll(polygon, -1, axis=0) - polygon
-    offsets = corners[:, None] - polygon[None]  # (corners, sides, 2)
-    along = np.einsum("csd,sd->cs", offsets, ahead) / np.einsum("sd,sd->s", ahead, ahead)
-    nearest = offsets - np.clip(along, 0, 1)[..., None] * ahead[None]
-    return float(np.linalg.norm(nearest, axis=2).min())

@@ -6,18 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim.models.object_models import object_model
-from hilt.sim.scene.placement import LIMITS, REACH, Spot, distance, outline, place_objects
+from hilt.sim.models.polygons import distance
+from hilt.sim.scene.placement import LIMITS, REACH, Spot, place_objects
 from hilt.sim.scene.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 
 OBJECTS = load_objects()
-coordinates = st.floats(-1, 1).map(lambda x: round(x, 3))
-clouds = st.lists(st.tuples(coordinates, coordinates), min_size=5, max_size=12, unique=True)
 
 
 def arranged(scene: Scene) -> tuple[Spot, ...]:
@@ -162,29 +161,6 @@ def test_full_table_is_told():
 
     with pytest.raises(SimulationError, match="no room on the table for 30 objects"):
         arranged(Scene(many, 0))
-
-
-@settings(max_examples=50)
-@given(clouds, clouds)
-def test_distance_is_symmetric(first, second):
-    """It does not matter from which polygon one measures."""
-    a, b = (
-        outline(np.array(cloud) + np.arange(len(cloud))[:, None] * 1e-4)
-        for cloud in (first, second)
-    )
-
-    assert distance(a, b) == pytest.approx(distance(b, a))
-
-
-@pytest.mark.parametrize(
-    ("shift", "expected"),
-    [((3, 0), 2.0), ((0.5, 0.5), 0.0), ((4, 5), 5.0), ((0, 0), 0.0), ((0.2, 1.5), 0.5)],
-)
-def test_distance_of_squares(shift: tuple[float, float], expected: float):
-    """Unit squares apart by a shift are as far apart as geometry says; overlapping ones are not."""
-    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-
-    assert distance(square, square + shift) == pytest.approx(expected)
 
 
 def test_nail_brings_its_block():
