@@ -28,13 +28,21 @@ class PointLabel(IntEnum):
 
 @dataclass(frozen=True)
 class LabelledCloud:
-    """The points that grasps of a part of an object are planned on."""
+    """The points that grasps of a part of an object are planned on.
 
-    points: Array  # (n, 3), in the world [m]
-    labels: np.ndarray  # (n,) of `PointLabel`; those of the part to be grasped are `TARGET`
-    table: float  # height of the table [m]
-    centre_of_mass: Array  # of the object, as estimated (3,) [m]
-    mass: float  # of the object [kg]
+    Attributes:
+        points: points (n, 3) in the world [m].
+        labels: `PointLabel` of each point (n,); the part to be grasped is `TARGET`.
+        table: height of the table [m].
+        centre_of_mass: estimated centre of mass of the object (3,), in the world [m].
+        mass: mass of the object [kg].
+    """
+
+    points: Array
+    labels: np.ndarray
+    table: float
+    centre_of_mass: Array
+    mass: float
 
     @classmethod
     def of(
@@ -82,12 +90,19 @@ class LabelledCloud:
 
 @dataclass(frozen=True, eq=False)
 class GraspContext:
-    """An object that is to be grasped, and what surrounds it."""
+    """An object that is to be grasped, and what surrounds it.
+
+    Attributes:
+        percept: the object as it is seen.
+        kind: type of the object, which gives the masses of its parts.
+        part: name of the part to grasp; None for any.
+        neighbours: points (n, 3) on all other objects, in the world [m].
+    """
 
     percept: Percept
-    kind: ObjectType  # its type, for the masses of its parts
-    part: str | None  # to grasp it by; None for any
-    neighbours: Array  # points on all other objects (n, 3) [m]
+    kind: ObjectType
+    part: str | None
+    neighbours: Array
 
     @property
     def allowed_parts(self) -> tuple[str, ...]:

@@ -45,11 +45,17 @@ _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 @dataclass(frozen=True)
 class GraspPlan:
-    """The grasps of a part, best first, and why other candidates were rejected."""
+    """The grasps of a part, best first, and why other candidates were rejected.
+
+    Attributes:
+        grasps: the grasps that are possible, best first.
+        rejected: number of rejected poses for each reason.
+        examples: some rejected poses, for display.
+    """
 
     grasps: tuple[Grasp, ...]
-    rejected: Mapping[str, int]  # reason -> number of rejected poses
-    examples: tuple[Grasp, ...] = ()  # some rejected poses, for display
+    rejected: Mapping[str, int]
+    examples: tuple[Grasp, ...] = ()
 
     @property
     def reason(self) -> str:

@@ -29,12 +29,19 @@ SIDE_CLEARANCE = 0.0035  # [m] between a finger and the part as the hand comes d
 
 @dataclass(frozen=True)
 class GraspCandidates:
-    """Poses of the open gripper."""
+    """Poses of the open gripper.
 
-    world_from_grip: Array  # (c, 4, 4)
-    width: Array  # (c,) of what is between the fingers [m]
-    too_wide: int  # number of samples that were wider than the gripper opens
-    blocked: int  # number of samples without room for the fingers
+    Attributes:
+        world_from_grip: poses (c, 4, 4) of the grip frame.
+        width: width of what is between the fingers (c,) [m].
+        too_wide: number of samples that were wider than the gripper opens.
+        blocked: number of samples without room for the fingers.
+    """
+
+    world_from_grip: Array
+    width: Array
+    too_wide: int
+    blocked: int
 
 
 def sample_grasps(

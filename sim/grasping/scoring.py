@@ -54,16 +54,27 @@ _NONE, _TOO_WIDE, _SLOPE, _UNEVEN, _PART, _NEIGHBOUR, _TABLE = range(len(REJECTI
 
 @dataclass(frozen=True)
 class GraspScores:
-    """The scores of c poses of the hand."""
+    """The scores of c poses of the hand.
 
-    world_from_grip: Array  # (c, 4, 4), with the part centred between the pads
-    width: Array  # (c,) of the part between the pads [m]
-    section_width: Array  # (c,) of everything between the fingers [m]
-    opening: Array  # (c,) of the gripper before it closes [m]
-    score: Array  # (c,), at most 1; poses whose score is not above 0 are rejected
-    rejection: np.ndarray  # (c,), index in `REJECTIONS` of why a pose is rejected; 0 for not at all
-    slope: Array  # (c, 2), how much the part widens along x and z of the grip, per side
-    twist: Array  # (c,), angle of the faces to the pads about the approach [rad]
+    Attributes:
+        world_from_grip: poses (c, 4, 4) of the grip frame, with the part centred between the pads.
+        width: width of the part between the pads (c,) [m].
+        section_width: width of everything between the fingers (c,) [m].
+        opening: opening of the gripper before it closes (c,) [m].
+        score: scores (c,), at most 1; a pose whose score is not above 0 is rejected.
+        rejection: index (c,) into `REJECTIONS` of the reason for rejection; 0 for accepted poses.
+        slope: by how much the part widens along x and z of the grip frame, per side (c, 2).
+        twist: angle between the faces of the part and the pads, about the approach (c,) [rad].
+    """
+
+    world_from_grip: Array
+    width: Array
+    section_width: Array
+    opening: Array
+    score: Array
+    rejection: np.ndarray
+    slope: Array
+    twist: Array
 
     def __getitem__(self, index: np.ndarray) -> GraspScores:
         """The scores of some poses."""
@@ -129,14 +140,23 @@ def score_grasps(
 
 @dataclass(frozen=True)
 class HandPointPairs:
-    """The p pairs of a hand and a point near it. Most points are far from most hands."""
+    """The p pairs of a hand and a point near it. Most points are far from most hands.
 
-    hands: int  # number of hands
-    hand: np.ndarray  # (p,), index of the hand, in ascending order
-    x: Array  # (p,) of the point in the grip frame of that hand [m]
-    y: Array  # (p,) [m]
-    z: Array  # (p,) [m]
-    label: np.ndarray  # (p,) of the point
+    Attributes:
+        hands: number of hands.
+        hand: index of the hand of each pair (p,), in ascending order.
+        x: x of the point in the grip frame of that hand (p,) [m].
+        y: y of the point (p,) [m].
+        z: z of the point (p,) [m].
+        label: label of the point (p,).
+    """
+
+    hands: int
+    hand: np.ndarray
+    x: Array
+    y: Array
+    z: Array
+    label: np.ndarray
 
     @classmethod
     def find(

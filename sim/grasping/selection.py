@@ -22,12 +22,19 @@ EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
 
 @dataclass(frozen=True)
 class GraspTask:
-    """An object to be grasped, and the attempts so far."""
+    """An object to be grasped, and the attempts so far.
 
-    name: str  # of the object; empty for no task
-    part: str | None  # by which it must be grasped; None for any
-    tried: tuple[Grasp, ...] = ()  # the grasps on which the gripper has closed
-    failures: tuple[str, ...] = ()  # why attempts failed, in order
+    Attributes:
+        name: name of the object; empty for no task.
+        part: name of the part to grasp; None for any.
+        tried: the grasps on which the gripper has closed.
+        failures: reasons why the attempts failed, in order.
+    """
+
+    name: str
+    part: str | None
+    tried: tuple[Grasp, ...] = ()
+    failures: tuple[str, ...] = ()
 
     @property
     def attempts(self) -> int:

@@ -66,15 +66,25 @@ class FingerContacts:
 
 @dataclass(frozen=True)
 class HeldObject:
-    """The object in the hand."""
+    """The object in the hand.
 
-    context: GraspContext  # how it was seen before it was grasped
-    path: GraspPath  # by which it was grasped
-    world_from_start: Array  # its pose before that (4, 4)
-    hand_from_object: Array  # its pose in the hand when the fingers had closed (4, 4)
-    points: Array  # (n, 3), its cloud in the hand frame [m]
-    torque: float  # of gravity about the line between the fingers when it lies level [N m]
-    free: Array  # (3,), from the grip to its other parts, in the hand frame; zero without any [m]
+    Attributes:
+        context: the object and its surroundings as seen before the grasp.
+        path: the path of the grasp.
+        world_from_start: pose (4, 4) of the object before the grasp.
+        hand_from_object: pose (4, 4) of the object in the hand when the fingers had closed.
+        points: point cloud of the object (n, 3) in the hand frame [m].
+        torque: largest torque of gravity about the line between the fingers [N m].
+        free: vector (3,) from the grip to the other parts, in the hand frame; zero without any [m].
+    """
+
+    context: GraspContext
+    path: GraspPath
+    world_from_start: Array
+    hand_from_object: Array
+    points: Array
+    torque: float
+    free: Array
 
     @property
     def name(self) -> str:

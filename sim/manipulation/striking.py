@@ -227,11 +227,17 @@ class Striking:
 
 @dataclass(frozen=True)
 class StrikePose:
-    """An orientation of the hand in which a face of the held object strikes."""
+    """An orientation of the hand in which a face of the held object strikes.
 
-    rotation: Array  # `world_from_grip` (3, 3) at the blow
-    point: Array  # of the face that meets the target (3,), in the grip frame [m]
-    score: float  # the higher the better
+    Attributes:
+        rotation: rotation of `world_from_grip` (3, 3) at the blow.
+        point: point of the face that meets the target (3,), in the grip frame [m].
+        score: score of the pose; higher is better.
+    """
+
+    rotation: Array
+    point: Array
+    score: float
 
     def world_from_grip(self, target: Array) -> Array:
         """The grip (4, 4) with the face at a point (3,) of the world [m]."""

@@ -218,12 +218,20 @@ def wrap_caption(picture: Picture, text: str) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class GraspMark:
-    """A grasp to draw."""
+    """A grasp to draw.
 
-    world_from_grip: Array  # (4, 4), origin between the pads, y along the closing, z ahead
-    opening: float  # between the fingers [m]
-    accepted: bool  # whether it is possible
-    chosen: bool = False  # whether it is the one that is carried out
+    Attributes:
+        world_from_grip: pose (4, 4) of the grip frame: origin between the pads, y along the closing
+            direction, z ahead.
+        opening: distance between the fingers [m].
+        accepted: whether the grasp is possible.
+        chosen: whether it is the grasp that is carried out.
+    """
+
+    world_from_grip: Array
+    opening: float
+    accepted: bool
+    chosen: bool = False
 
 
 def draw_grasps(picture: Picture, camera: Camera, marks: Sequence[GraspMark]) -> Picture:

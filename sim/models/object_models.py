@@ -40,12 +40,19 @@ _SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.p
 
 @dataclass(frozen=True)
 class ObjectModel:
-    """An object type as the simulator knows it."""
+    """An object type as the simulator knows it.
+
+    Attributes:
+        kind: the object type.
+        urdf: its URDF file, with the meshes beside it.
+        corners: corners (n, 3) of the collision pieces of each part, in the object's frame [m].
+        silhouette: mean area that it shows to a camera above the table [m^2].
+    """
 
     kind: ObjectType
-    urdf: Path  # its description, with meshes beside it
-    corners: Mapping[str, Array]  # part -> corners of its pieces (n, 3), in the object's frame [m]
-    silhouette: float  # the area that it shows to a camera above the table, on average [m^2]
+    urdf: Path
+    corners: Mapping[str, Array]
+    silhouette: float
 
     @property
     def mounted(self) -> Path:

@@ -37,10 +37,15 @@ MIN_MESH_SIZE = 0.002  # [m], a mesh smaller than this could not be seen
 
 @dataclass(frozen=True)
 class SolidGeometry:
-    """The geometry of one solid in the frame of its object."""
+    """The geometry of one solid in the frame of its object.
 
-    visual: trimesh.Trimesh | None  # the surface that cameras see; None when it is invisible
-    collision: tuple[Array, ...]  # corners (n, 3) of the convex pieces that others touch
+    Attributes:
+        visual: the surface that cameras see; None when it is invisible.
+        collision: corners (n, 3) of each of the convex pieces that collide [m].
+    """
+
+    visual: trimesh.Trimesh | None
+    collision: tuple[Array, ...]
 
 
 def build_solid(solid: Solid) -> SolidGeometry:

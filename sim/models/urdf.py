@@ -108,13 +108,21 @@ def _numbers(values: Sequence[float] | Array) -> str:
 
 @dataclass(frozen=True)
 class Attachment:
-    """A hand from another file."""
+    """A hand from another file.
 
-    urdf: Path  # that file
-    link: str  # the link in it that is attached, with all that hangs on it
-    carrier: str  # the link of the arm that carries it
-    at: tuple[float, float, float]  # where on that link [m]
-    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  # roll, pitch and yaw there [rad]
+    Attributes:
+        urdf: URDF file of the hand.
+        link: link in that file that is attached, with all links below it.
+        carrier: link of the arm that carries the hand.
+        at: position x, y, z on the carrier [m].
+        turn: roll, pitch and yaw on the carrier [rad].
+    """
+
+    urdf: Path
+    link: str
+    carrier: str
+    at: tuple[float, float, float]
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def robot_file(

@@ -23,16 +23,27 @@ _JOINT_KINDS = {0: "revolute", 1: "prismatic", 4: "fixed"}
 
 @dataclass(frozen=True)
 class JointInfo:
-    """A joint of a body, as its URDF describes it."""
+    """A joint of a body, as its URDF describes it.
+
+    Attributes:
+        name: name of the joint.
+        link: name of the link that the joint moves.
+        parent: name of the link that carries the joint.
+        kind: "revolute", "prismatic", "fixed" or "other".
+        limits: lowest and highest position [rad] or [m].
+        speed: highest speed [rad/s] or [m/s].
+        effort: highest torque [N m] or force [N].
+        axis: axis in the frame of the joint (3,).
+    """
 
     name: str
-    link: str  # that it moves
-    parent: str  # link that carries it
-    kind: str  # "revolute", "prismatic", "fixed" or "other"
-    limits: tuple[float, float]  # lowest and highest position [rad] or [m]
-    speed: float  # limit [rad/s] or [m/s]
-    effort: float  # limit [Nm] or [N]
-    axis: tuple[float, float, float]  # in the frame of the joint
+    link: str
+    parent: str
+    kind: str
+    limits: tuple[float, float]
+    speed: float
+    effort: float
+    axis: tuple[float, float, float]
 
 
 @dataclass(frozen=True)

@@ -12,16 +12,27 @@ from .client import PhysicsClient
 
 @dataclass(frozen=True)
 class Contact:
-    """Two links that touch; `body` and `link` are those that were asked for."""
+    """Two links that touch; `body` and `link` are those that were asked for.
+
+    Attributes:
+        body: body that was asked for.
+        link: link of that body.
+        other: the other body.
+        other_link: link of the other body.
+        position: x, y, z in the world [m].
+        normal: unit vector from the other link towards this one.
+        gap: distance of the surfaces; negative where they overlap [m].
+        force: force along the normal [N].
+    """
 
     body: str
     link: str
     other: str
     other_link: str
-    position: tuple[float, float, float]  # in the world [m]
-    normal: tuple[float, float, float]  # from the other one towards this one, unit length
-    gap: float  # distance of the surfaces; negative where they overlap [m]
-    force: float  # along the normal [N]
+    position: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    gap: float
+    force: float
 
 
 class Contacts:

@@ -31,12 +31,19 @@ class Light:
 
 @dataclass(frozen=True)
 class Image:
-    """A rendered image with depth and labels."""
+    """A rendered image with depth and labels.
 
-    colour: NDArray[np.uint8]  # (height, width, 3)
-    depth: NDArray[np.float32]  # as in an OpenGL depth buffer, (height, width) in [0, 1]
-    labels: NDArray[np.int32]  # number of the body and link of each pixel, (height, width)
-    names: Mapping[int, tuple[str, str]]  # label -> (body, link); nothing has no name
+    Attributes:
+        colour: red, green and blue of each pixel (height, width, 3), in 0..255.
+        depth: OpenGL depth buffer (height, width), in [0, 1].
+        labels: label of each pixel (height, width).
+        names: body and link of each label; pixels that show nothing have a label without a name.
+    """
+
+    colour: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    labels: NDArray[np.int32]
+    names: Mapping[int, tuple[str, str]]
 
 
 class Rendering:

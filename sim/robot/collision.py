@@ -25,11 +25,17 @@ FINGER_RADIUS = 0.45  # as a share of the finger's width
 
 @dataclass(frozen=True)
 class Spheres:
-    """Spheres fixed to the links of an arm."""
+    """Spheres fixed to the links of an arm.
 
-    link: np.ndarray  # (s,), index of the link in the chain
-    centre: Array  # (s, 3) in the frame of that link [m]
-    radius: Array  # (s,) [m]
+    Attributes:
+        link: index of the link in the chain (s,).
+        centre: centre in the frame of that link (s, 3) [m].
+        radius: radius (s,) [m].
+    """
+
+    link: np.ndarray
+    centre: Array
+    radius: Array
 
     def joined(self, other: Spheres) -> Spheres:
         """These spheres and others."""

@@ -17,12 +17,19 @@ TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
 
 @dataclass(frozen=True)
 class Grasp:
-    """A pose of the gripper from which it closes on a part."""
+    """A pose of the gripper from which it closes on a part.
 
-    world_from_grip: Array  # (4, 4), the grip frame when the fingers close
-    width: float  # of the part between the pads [m]
-    opening: float  # of the gripper before it closes [m]
-    score: float  # at most 1, the higher the better
+    Attributes:
+        world_from_grip: pose (4, 4) of the grip frame when the fingers close.
+        width: width of the part between the pads [m].
+        opening: opening of the gripper before it closes [m].
+        score: score of the grasp, at most 1; higher is better.
+    """
+
+    world_from_grip: Array
+    width: float
+    opening: float
+    score: float
 
     @property
     def approach(self) -> Array:

@@ -33,23 +33,38 @@ ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
 
 @dataclass(frozen=True)
 class ChainJoint:
-    """One joint of a chain, as in the URDF."""
+    """One joint of a chain, as in the URDF.
+
+    Attributes:
+        name: name of the joint.
+        kind: "revolute", "prismatic" or "fixed".
+        parent_from_joint: pose (4, 4) on the link before it.
+        axis: unit axis (3,) in the joint's frame.
+        low: lowest position [rad] or [m].
+        high: highest position [rad] or [m].
+        speed: highest speed [rad/s] or [m/s].
+    """
 
     name: str
-    kind: str  # "revolute", "prismatic" or "fixed"
-    parent_from_joint: Array  # (4, 4), pose on the link before it
-    axis: Array  # (3,), unit, in the joint's frame
-    low: float  # limit [rad] or [m]
-    high: float  # limit [rad] or [m]
-    speed: float  # limit [rad/s] or [m/s]
+    kind: str
+    parent_from_joint: Array
+    axis: Array
+    low: float
+    high: float
+    speed: float
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Solutions of inverse kinematics for m targets."""
+    """Solutions of inverse kinematics for m targets.
 
-    joints: Array  # (m, k) [rad], the best postures, within the limits; for paths (m, t, k)
-    found: np.ndarray  # (m,) bool, whether that posture reaches the target within the tolerances
+    Attributes:
+        joints: the best postures (m, k) within the limits [rad]; (m, t, k) for paths.
+        found: whether each posture reaches its target within the tolerances (m,), bool.
+    """
+
+    joints: Array
+    found: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -32,22 +32,38 @@ class Gripper:
 
     The grip frame lies midway between the pads: x along their width, y the closing direction, z out
     of the hand.
+
+    Attributes:
+        joints: names of the joints of the two fingers.
+        links: names of the links of the two fingers.
+        grip: distance from the hand's origin to the grip frame, along z [m].
+        opening: widest gap between the pads [m].
+        force: force of each finger [N].
+        pad_width: width of the flat part of a finger, along x [m].
+        finger_width: width of a finger, along x [m].
+        pad_length: length of a pad along z, centred on the grip frame [m].
+        tip: z of the finger tips in the grip frame [m].
+        finger_thickness: thickness of a finger at its tip, along y [m].
+        root_thickness: thickness of a finger between the hand and `root`, along y [m].
+        root: z in the grip frame at which the fingers become thicker [m].
+        palm: z of the front of the hand in the grip frame [m].
+        palm_size: size of the hand along x and y [m].
     """
 
     joints: tuple[str, str]
     links: tuple[str, str]
-    grip: float  # from the hand's origin to the grip frame, along z [m]
-    opening: float  # the widest gap between the pads [m]
-    force: float  # of each finger [N]
-    pad_width: float  # of the flat part of a finger, along x [m]
-    finger_width: float  # along x [m]
-    pad_length: float  # along z, centred on the grip frame [m]
-    tip: float  # z of the finger tips in the grip frame [m]
-    finger_thickness: float  # along y, at the tip [m]
-    root_thickness: float  # the same between the hand and `root` [m]
-    root: float  # z in the grip frame where the fingers become thicker [m]
-    palm: float  # z of the front of the hand in the grip frame [m]
-    palm_size: tuple[float, float]  # of the hand along x and y [m]
+    grip: float
+    opening: float
+    force: float
+    pad_width: float
+    finger_width: float
+    pad_length: float
+    tip: float
+    finger_thickness: float
+    root_thickness: float
+    root: float
+    palm: float
+    palm_size: tuple[float, float]
 
     @property
     def hand_from_grip(self) -> Array:
@@ -62,18 +78,31 @@ _GRIPPER_LENGTHS = [
 
 @dataclass(frozen=True)
 class RobotType:
-    """A type of robot."""
+    """A type of robot.
 
-    name: str  # in settings
-    label: str  # for people
-    urdf: Path  # file of the arm
-    hand: str  # the link at the end of the arm
-    home: Array  # (k,) posture in which the arm waits [rad]
-    turns: tuple[float, ...]  # added to its first joint for more starts of inverse kinematics [rad]
+    Attributes:
+        name: name in settings.
+        label: name for people.
+        urdf: URDF file of the arm.
+        hand: name of the link at the end of the arm.
+        home: posture (k,) in which the arm waits [rad].
+        turns: angles added to the first joint for more starts of inverse kinematics [rad].
+        gripper: the gripper; None for an arm without one.
+        spheres: centres and radii (n, 4) of the collision spheres of each link [m].
+        attachment: the hand, when it comes from another file.
+        speeds: speed limits of the joints, where the URDF has none [rad/s].
+    """
+
+    name: str
+    label: str
+    urdf: Path
+    hand: str
+    home: Array
+    turns: tuple[float, ...]
     gripper: Gripper | None
-    spheres: Mapping[str, Array]  # link -> (n, 4), centres and radii of its collision spheres [m]
-    attachment: Attachment | None = None  # the hand, when it comes from another file
-    speeds: tuple[float, ...] = ()  # limits of the joints, where the URDF has none [rad/s]
+    spheres: Mapping[str, Array]
+    attachment: Attachment | None = None
+    speeds: tuple[float, ...] = ()
 
     @cached_property
     def file(self) -> Path:

@@ -37,22 +37,36 @@ VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 
 @dataclass(frozen=True)
 class GraspPath:
-    """A path to a grasp, and the lift after it, as postures (n, k) [rad]."""
+    """A path to a grasp, and the lift after it, as postures (n, k) [rad].
 
-    grasp: Grasp  # where it leads; the pose may be turned by half a turn about the approach
-    transit: Array  # from here to the pose before the grasp
-    approach: Array  # from there to the grasp
-    lift: Array  # from the grasp upwards
+    Attributes:
+        grasp: the grasp at the end; its pose may be turned by half a turn about the approach.
+        transit: path from the current posture to the pose before the grasp.
+        approach: path from there to the grasp.
+        lift: path from the grasp upwards.
+    """
+
+    grasp: Grasp
+    transit: Array
+    approach: Array
+    lift: Array
 
 
 @dataclass(frozen=True)
 class PathPlanner:
-    """Plans paths that start where a robot is now."""
+    """Plans paths that start where a robot is now.
+
+    Attributes:
+        robot: the robot.
+        table: height of the table [m].
+        scene: points (n, 3) on everything on the table, in the world [m].
+        obstacles: points (n, 3) of the scene without the object that is to be grasped [m].
+    """
 
     robot: Robot
-    table: float  # height of the table [m]
-    scene: Array  # points (n, 3) on everything on the table [m]
-    obstacles: Array  # the same without the object that is to be grasped
+    table: float
+    scene: Array
+    obstacles: Array
 
     def grasp_paths(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[GraspPath]:
         """Paths to those grasps that can be reached and lifted by `lift` [m], in order."""

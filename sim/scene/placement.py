@@ -31,11 +31,17 @@ MAX_ROUNDS = 60  # times that all are drawn again
 
 @dataclass(frozen=True)
 class Spot:
-    """The pose at which one object of a scene is dropped."""
+    """The pose at which one object of a scene is dropped.
 
-    placement: Placement  # with all that the scene left open filled in
-    world_from_object: Array  # (4, 4)
-    footprint: Array  # corners of the area that it covers (k, 2), counter-clockwise [m]
+    Attributes:
+        placement: the placement, with all that the scene left open filled in.
+        world_from_object: pose (4, 4) of the object.
+        footprint: corners (k, 2) of the area that it covers on the table, counter-clockwise [m].
+    """
+
+    placement: Placement
+    world_from_object: Array
+    footprint: Array
 
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Spot, ...]:

@@ -42,10 +42,15 @@ MAX_COUNT = 12  # objects of a random scene: there is no room for more
 
 @dataclass(frozen=True)
 class Clutter:
-    """How full a table is."""
+    """How full a table is.
 
-    more: int  # objects added to those that were named
-    gap: float  # smallest distance between two objects [m]
+    Attributes:
+        more: number of objects that are added to those that were named.
+        gap: smallest distance between two objects [m].
+    """
+
+    more: int
+    gap: float
 
 
 CLUTTER = {"low": Clutter(2, 0.06), "medium": Clutter(4, 0.035), "high": Clutter(7, GAP)}
@@ -53,23 +58,38 @@ CLUTTER = {"low": Clutter(2, 0.06), "medium": Clutter(4, 0.035), "high": Clutter
 
 @dataclass(frozen=True)
 class Placement:
-    """One object of a scene; the seed decides where its position, yaw or rest is None."""
+    """One object of a scene; the seed decides where its position, yaw or rest is None.
 
-    name: str  # of this object: "knife", "knife 2", ...
-    object: str  # name of its type
-    at: tuple[float, float] | None = None  # x, y of its frame on the table [m]
-    yaw: float | None = None  # its turn about the vertical [rad]
-    rest: str | None = None  # name of the way it lies or stands
-    within: str | None = None  # name of the object that it stands in, as a nail in its block
+    Attributes:
+        name: name of this object: "knife", "knife 2", ...
+        object: name of its type.
+        at: x and y of its frame on the table [m].
+        yaw: rotation about the vertical [rad].
+        rest: name of the orientation in which it lies or stands.
+        within: name of the object that it stands in, as a nail in its block.
+    """
+
+    name: str
+    object: str
+    at: tuple[float, float] | None = None
+    yaw: float | None = None
+    rest: str | None = None
+    within: str | None = None
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A description of what is on the table."""
+    """A description of what is on the table.
 
-    placements: tuple[Placement, ...]  # each with its own name
-    seed: int  # from which everything left open is drawn
-    gap: float = GAP  # smallest distance between two objects [m]
+    Attributes:
+        placements: the objects, each with a name of its own.
+        seed: seed from which everything left open is drawn.
+        gap: smallest distance between two objects [m].
+    """
+
+    placements: tuple[Placement, ...]
+    seed: int
+    gap: float = GAP
 
     @property
     def types(self) -> tuple[str, ...]:

@@ -48,14 +48,22 @@ class World(AbstractContextManager["World"]):
     """The room with the objects of one scene.
 
     Use it in a `with` block, or `close` it.
+
+    Attributes:
+        scene: the scene.
+        engine: the physics engine.
+        objects: all object types, by name.
+        kinds: type of each object on the table, by the object's name.
+        models: model of each type, by the type's name.
+        watcher: is called after every step.
     """
 
     scene: Scene
     engine: PhysicsEngine
-    objects: Mapping[str, ObjectType]  # all object types, by name
-    kinds: Mapping[str, ObjectType]  # name of each object on the table -> its type
-    models: Mapping[str, ObjectModel]  # type -> its model
-    watcher: Callable[[], None] | None = None  # called after every step
+    objects: Mapping[str, ObjectType]
+    kinds: Mapping[str, ObjectType]
+    models: Mapping[str, ObjectModel]
+    watcher: Callable[[], None] | None = None
     _supports: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod

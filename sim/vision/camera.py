@@ -48,14 +48,23 @@ class Window:
 
 @dataclass(frozen=True)
 class Camera:
-    """One camera."""
+    """One camera.
 
-    name: str  # unique among the cameras of a scene
-    eye: tuple[float, float, float]  # its position [m]
-    target: tuple[float, float, float]  # the point it looks at [m]
-    field: float = radians(46)  # vertical angle of view [rad]
-    width: int = 640  # of the image [pixels]
-    height: int = 480  # of the image [pixels]
+    Attributes:
+        name: name, unique among the cameras of a scene.
+        eye: position x, y, z of the camera [m].
+        target: point x, y, z that it looks at [m].
+        field: vertical angle of view [rad].
+        width: width of the image [pixels].
+        height: height of the image [pixels].
+    """
+
+    name: str
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    field: float = radians(46)
+    width: int = 640
+    height: int = 480
 
     @cached_property
     def world_from_camera(self) -> Array:
@@ -125,14 +134,23 @@ class Camera:
 
 @dataclass(frozen=True)
 class CameraImage:
-    """An image of one camera, or a window of one."""
+    """An image of one camera, or a window of one.
+
+    Attributes:
+        camera: the camera.
+        colour: red, green and blue of each pixel (height, width, 3), in 0..255.
+        depth: depth along the camera's z axis (height, width) [m].
+        labels: label of what each pixel shows (height, width).
+        names: body and link of each label, without that of empty pixels.
+        window: the window of the whole image that this is.
+    """
 
     camera: Camera
-    colour: NDArray[np.uint8]  # (height, width, 3)
-    depth: NDArray[np.float32]  # along the camera's z axis, (height, width) [m]
-    labels: NDArray[np.int32]  # (height, width), what each pixel shows
-    names: Mapping[int, tuple[str, str]]  # label -> (body, link); without that of empty pixels
-    window: Window  # which part of the whole image this is
+    colour: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    labels: NDArray[np.int32]
+    names: Mapping[int, tuple[str, str]]
+    window: Window
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""

@@ -37,15 +37,25 @@ STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
 
 @dataclass(frozen=True, eq=False)
 class Classifier:
-    """A trained network."""
+    """A trained network.
 
-    mean: Array  # of the inputs (d,)
-    deviation: Array  # of the inputs (d,)
-    hidden: Array  # (d, h)
-    hidden_bias: Array  # (h,)
-    output: Array  # (h, c)
-    output_bias: Array  # (c,)
-    temperature: float = 1.0  # by which logits are divided
+    Attributes:
+        mean: means of the inputs (d,).
+        deviation: standard deviations of the inputs (d,).
+        hidden: weights of the hidden layer (d, h).
+        hidden_bias: biases of the hidden layer (h,).
+        output: weights of the output layer (h, c).
+        output_bias: biases of the output layer (c,).
+        temperature: by which the logits are divided.
+    """
+
+    mean: Array
+    deviation: Array
+    hidden: Array
+    hidden_bias: Array
+    output: Array
+    output_bias: Array
+    temperature: float = 1.0
 
     def logits(self, inputs: Array) -> Array:
         """Calibrated logits (n, c) of inputs (n, d)."""
@@ -145,12 +155,20 @@ def _gradients(weights: list[Array], inputs: Array, classes: Integers) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class NoveltyDetector:
-    """Examples of each class, to tell known inputs from novel ones."""
+    """Examples of each class, to tell known inputs from novel ones.
 
-    deviation: Array  # of each input within classes (d,); the unit of distances
-    examples: Array  # some members of all classes (m, d)
-    classes: Integers  # the class of each example (m,)
-    limit: Array  # distance to the nearest example up to which an input is known (c,)
+    Attributes:
+        deviation: standard deviation of each input within the classes (d,); the unit of distances.
+        examples: some members of all classes (m, d).
+        classes: class of each example (m,).
+        limit: for each class, the distance to the nearest example up to which an input is known
+            (c,).
+    """
+
+    deviation: Array
+    examples: Array
+    classes: Integers
+    limit: Array
 
     @classmethod
     def fit(

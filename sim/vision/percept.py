@@ -19,11 +19,17 @@ from ..poses import Array
 
 @dataclass(frozen=True, eq=False)
 class PartPercept:
-    """The visible surface of one part."""
+    """The visible surface of one part.
+
+    Attributes:
+        name: name of the part.
+        cloud: points on its surface (n, 3), in the world [m]; read-only.
+        pixels: number of pixels that show it, of all cameras.
+    """
 
     name: str
-    cloud: Array  # points on its surface (n, 3), in the world [m]; read-only
-    pixels: int  # number of pixels of all cameras that show it
+    cloud: Array
+    pixels: int
 
     def __post_init__(self) -> None:
         self.cloud.flags.writeable = False
@@ -34,13 +40,21 @@ class PartPercept:
 
 @dataclass(frozen=True, eq=False)
 class Percept:
-    """One detected object."""
+    """One detected object.
 
-    name: str  # under which the object is tracked
-    object: str  # its type, as detected
-    confidence: float  # in that type, in [0, 1]
-    parts: Mapping[str, PartPercept]  # the visible parts, by name
-    properties: frozenset[str] = field(default_factory=frozenset[str])  # of the object as a whole
+    Attributes:
+        name: name under which the object is tracked.
+        object: its detected type.
+        confidence: confidence in that type, in [0, 1].
+        parts: the visible parts, by name.
+        properties: properties of the object as a whole.
+    """
+
+    name: str
+    object: str
+    confidence: float
+    parts: Mapping[str, PartPercept]
+    properties: frozenset[str] = field(default_factory=frozenset[str])
 
     def part(self, name: str) -> PartPercept:
         """One of the visible parts.

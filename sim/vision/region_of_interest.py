@@ -29,13 +29,21 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 @dataclass(frozen=True)
 class RegionOfInterest:
-    """Renders the objects of interest at one moment."""
+    """Renders the objects of interest at one moment.
+
+    Attributes:
+        engine: the physics engine.
+        objects: names of the bodies of interest.
+        hidden: names of all other bodies.
+        links: body and link of each of the m possible occluders.
+        corners: corners of the bounding boxes of the occluders (m, 8, 3), in the world [m].
+    """
 
     engine: PhysicsEngine
-    objects: Collection[str]  # names of the bodies of interest
-    hidden: tuple[str, ...]  # all other bodies
-    links: tuple[tuple[str, str], ...]  # body and link of each possible occluder; m of them
-    corners: Array  # of their bounding boxes (m, 8, 3), in the world [m]
+    objects: Collection[str]
+    hidden: tuple[str, ...]
+    links: tuple[tuple[str, str], ...]
+    corners: Array
 
     @classmethod
     def around(
