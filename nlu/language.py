@@ -5,7 +5,7 @@
 >>> language.understand("To pass a knife grab it by the blade").semantics
 'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same nine files. A
+A second language is a second folder beside `ontology/english`, with the same eight files. A
 `Session` understands the utterances of a conversation one after the other, without believing or
 doing anything.
 """
@@ -34,7 +34,6 @@ from .lexicon.tokenizer import tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .parsing.clarification import Clarification
-from .parsing.frames import load_frames
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
@@ -102,14 +101,7 @@ class Language:
         names = vocabulary if vocabulary is not None else household_vocabulary()
         lexicon = Lexicon(builder.vocabulary(names), builder.lexicon)
         interpreter = Interpreter(degrees.intervals, builder.tool_acts(), frozenset(names.contexts))
-        parser = SentenceParser(
-            grammar,
-            lexicon,
-            combinator,
-            interpreter,
-            load_pragmatics(),
-            load_frames(folder / "frames.yaml", grammar),
-        )
+        parser = SentenceParser(grammar, lexicon, combinator, interpreter, load_pragmatics())
         answers = load_answers(
             folder / "answers.yaml", inflection, builder.act_names(), builder.tool_phrases()
         )
@@ -171,9 +163,7 @@ class Language:
     @cached_property
     def utterance_parser(self) -> UtteranceParser:
         """The parser of utterances with the words known now."""
-        known = KnownWords(
-            self.parser.lexicon, self.parser.frames.words, self.builder, self.inflection
-        )
+        known = KnownWords(self.parser.lexicon, self.builder, self.inflection)
         clarification = Clarification(
             self.parser, known, self.inflection, self.answers, self.realizer, self.examples
         )

@@ -29,8 +29,6 @@ class Combination(Enum):
     """`X/^Y Y/^Z` gives `X/^Z`."""
     BACKWARD_COMPOSITION = "<B"
     """`Y\\^Z X\\^Y` gives `X\\^Z`."""
-    GATHERED = "+"
-    """A frame that takes its parts in any order."""
 
 
 Sign: TypeAlias = int

@@ -104,8 +104,6 @@ class KnownWords:
     """The words that are known, and the entries that all others may stand for."""
 
     lexicon: Lexicon
-    framed: frozenset[str]
-    """The words of frames, which add nothing."""
     builder: LexiconBuilder
     inflection: Inflection
 
@@ -177,7 +175,7 @@ class KnownWords:
         """
         if (
             first == second
-            or not self._may_end_a_name(second)
+            or second in self.builder.closed
             or not self._may_name(first, {"N", "MS", "K"})
             or not self._may_name(second, {"N", "NS"})
         ):
@@ -193,13 +191,8 @@ class KnownWords:
             return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
         return any(word in self.lexicon.names.get(kind, ()) for kind in kinds)
 
-    def _may_end_a_name(self, word: str) -> bool:
-        """Whether a word may end the name of a thing: "territory", which adds nothing, does not."""
-        is_named = word in self.lexicon or word in self.builder.nameable
-        return word not in self.builder.closed and (is_named or word not in self.framed)
-
     def _has(self, word: str) -> bool:
-        return word in self.lexicon or word in self.builder.closed or word in self.framed
+        return word in self.lexicon or word in self.builder.closed
 
     @cached_property
     def _unnamed(self) -> frozenset[str]:

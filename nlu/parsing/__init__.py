@@ -2,14 +2,12 @@
 """Parsing: from the text of an utterance to its readings, or to the clarification it needs.
 
 chart           the CCG chart of a token sequence, and its derivations
-frames          frames as data: objects, uses and degrees that have a meaning in any order
-frame_parser    beam search for the ways in which a frame covers all tokens
 derivation      derivation trees as text, JSON and SVG
-parser          the readings of one sentence, from its chart or from frames
+parser          the readings of one sentence, from its chart
 reading_filter  which readings may introduce new words, and what "no" negates
 segmentation    splitting at pauses, and combining the meanings of segments
 clarification   answers to utterances that have no single clear reading
-strategies      the order in which an utterance is tried: sentence, segments, frames, ...
+strategies      the order in which an utterance is tried: sentence, segments, ...
 understanding   the result: reading, meaning, new words, discourse state
 """
 

@@ -2,8 +2,6 @@
 from .chart import Chart, Derivation
 from .clarification import Clarification
 from .derivation import DerivationStep, draw_svg
-from .frame_parser import parse_frames
-from .frames import Frame, Frames, load_frames
 from .parser import SentenceParser, UtteranceContext
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
@@ -15,8 +13,6 @@ __all__ = [
     "Clarification",
     "Derivation",
     "DerivationStep",
-    "Frame",
-    "Frames",
     "Reading",
     "ReadingFilter",
     "SentenceParser",
@@ -25,7 +21,5 @@ __all__ = [
     "UtteranceParser",
     "combine_meanings",
     "draw_svg",
-    "load_frames",
-    "parse_frames",
     "segmentations",
 ]

@@ -28,7 +28,7 @@ class Derivation(NamedTuple):
         value: the meaning.
         cost: the sum of the costs of its words and unary rules; the lower, the likelier.
         rule: the lexical entry, unary rule, or combinatory rule that gave it.
-        parts: none for a word, one for a unary rule, two for a combination, all of a frame.
+        parts: none for a word, one for a unary rule, two for a combination.
     """
 
     category: Category

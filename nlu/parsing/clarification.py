@@ -75,7 +75,7 @@ class Clarification:
         """
         known = self.known_words
         for word in words:
-            if word.said in accepted or word.said in self.parser.frames.words:
+            if word.said in accepted:
                 continue
             close = closest_word(word.said, names_for_role(word.role, self.parser.lexicon))
             if close is not None:

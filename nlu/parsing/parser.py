@@ -2,8 +2,8 @@
 """The parser: from the tokens of one sentence to its readings, the likeliest first.
 
 Only derivations of the whole token sequence count, so that no word is ever dropped. A derivation
-comes from the CCG chart or from a frame; its predicate form is resolved against the discourse,
-becomes a speech act, then an intention, then a meaning.
+comes from the CCG chart; its predicate form is resolved against the discourse, becomes a speech
+act, then an intention, then a meaning.
 """
 
 from __future__ import annotations
@@ -17,15 +17,13 @@ from ..grammar.grammar import Grammar
 from ..lexicon.lexicon import Entry, Lexicon
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
-from ..semantics.coreference import IT, SOMETHING, Discourse, RefusedError, resolve
+from ..semantics.coreference import IT, Discourse, RefusedError, resolve
 from ..semantics.interpretation import Interpreter
 from ..semantics.meaning import Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import Form, form_of
 from .chart import Chart, Derivation
 from .derivation import lexical_entries, subderivations
-from .frame_parser import parse_frames
-from .frames import Frames
 from .understanding import Reading
 
 MAX_EXPECTED = 5
@@ -49,31 +47,28 @@ class UtteranceContext:
 
 @dataclass(frozen=True)
 class SentenceParser:
-    """Finds the readings of one sentence, by frames where the grammar does not cover it."""
+    """Finds the readings of one sentence."""
 
     grammar: Grammar
     lexicon: Lexicon
     combinator: Combinator
     interpreter: Interpreter
     pragmatics: Pragmatics
-    frames: Frames
 
     def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
         """Return the filled chart of a token sequence, with guesses for the words at positions."""
         return Chart(tokens.words, self.lexicon, self.combinator, guesses)
 
     def readings(
-        self, chart: Chart, tokens: Tokens, context: UtteranceContext, *, by_frames: bool = False
+        self, chart: Chart, tokens: Tokens, context: UtteranceContext
     ) -> tuple[list[Reading], RefusedError | None]:
         """Return one reading per meaning of the whole sentence, the likeliest first.
 
-        The second result is why the likeliest derivation without a meaning has none. Derivations
-        come from the chart or, with `by_frames`, from frames.
+        The second result is why the likeliest derivation without a meaning has none.
         """
         best: dict[Meaning, Reading] = {}
         refusal: RefusedError | None = None
-        found = self._parse_frames(chart, tokens) if by_frames else self._derivations(chart)
-        for act, derivation in found:
+        for act, derivation in self._derivations(chart):
             try:
                 reading = self._reading(act, derivation, tokens, context)
             except RefusedError as error:
@@ -118,11 +113,6 @@ class SentenceParser:
             for derivation in chart.derivations(category)
         ]
         return sorted(found, key=lambda each: each[1].cost)
-
-    def _parse_frames(self, chart: Chart, tokens: Tokens) -> list[tuple[str, Derivation]]:
-        found = sorted(parse_frames(self.frames, tokens, chart), key=lambda each: each.cost)
-        named = (each for each in found if not _has_unnamed_object(form_of(each.value)))
-        return [(self.grammar.roots[each.category], each) for each in named]
 
     def _reading(
         self, act: str, derivation: Derivation, tokens: Tokens, context: UtteranceContext
@@ -174,14 +164,6 @@ def _each_once(descriptions: Iterable[str]) -> tuple[str, ...]:
 def _simplest_first(category: Category) -> tuple[int, int, str]:
     shown = str(category)
     return shown.count("/") + shown.count("\\"), len(shown), shown
-
-
-def _has_unnamed_object(form: Form) -> bool:
-    """Whether it is an action rule on "something", which a frame may only guess."""
-    if form.name == "and":
-        return any(map(_has_unnamed_object, form.arguments))
-    is_action = form.name == "implies" and form.arguments[1].name == "graspObject"
-    return is_action and any(part.name in SOMETHING for part in form.arguments[0])
 
 
 def _fill_persons(form: Form, context: UtteranceContext) -> Form:

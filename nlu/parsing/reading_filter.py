@@ -31,19 +31,14 @@ class ReadingFilter:
     known_words: KnownWords
     inflection: Inflection
 
-    def accepted(
-        self, readings: Sequence[Reading], tokens: Tokens, *, by_frames: bool
-    ) -> list[Reading]:
-        """Return the readings of a whole sentence that may be accepted, in the same order.
-
-        Readings by frames may introduce fewer new words: frames ignore the order of words.
-        """
+    def accepted(self, readings: Sequence[Reading], tokens: Tokens) -> list[Reading]:
+        """Return the readings of a whole sentence that may be accepted, in the same order."""
         negated = self._is_thing_negated(tokens)
         return [
             each
             for each in readings
             if (not negated or _is_negative(each.meaning))
-            and self._may_introduce_words(each, tokens, by_frames=by_frames)
+            and self._may_introduce_words(each, tokens)
         ]
 
     def _is_thing_negated(self, tokens: Tokens) -> bool:
@@ -56,7 +51,7 @@ class ReadingFilter:
             for place, word in enumerate(words[:-1], start=1)
         )
 
-    def _may_introduce_words(self, reading: Reading, tokens: Tokens, *, by_frames: bool) -> bool:
+    def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
         meaning, words = reading.meaning, reading.new_words
         if not words:
             return True
@@ -65,10 +60,8 @@ class ReadingFilter:
         if len(words) > MAX_NEW_NAMES or not all(map(_is_name, words)):
             return False
         if isinstance(meaning, (Command, ToolCommand)):
-            # No action is done to people, and only the order of words can show that a use is one.
-            has_person = tokens.proper.intersection(word.said for word in words)
-            is_guess = by_frames and any(word.role != "object" for word in words)
-            return not has_person and not is_guess
+            # No action is done to people.
+            return not tokens.proper.intersection(word.said for word in words)
         return isinstance(meaning, Question)
 
     def _may_name_agent(self, words: Iterable[NewWord]) -> bool:

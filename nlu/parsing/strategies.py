@@ -4,8 +4,7 @@
 1. as one sentence, by the grammar;
 2. as a sequence of segments, split at the pauses, which have one meaning together;
 3. both again without discourse markers, and with a qualifier moved to the front;
-4. by frames, from the things that it names in any order;
-5. as a request after a reason: "the soup is hot, so pass me the ladle".
+4. as a request after a reason: "the soup is hot, so pass me the ladle".
 
 Each of them accounts for all words of the utterance.
 """
@@ -66,7 +65,7 @@ class _Attempt:
         self._tools, self._accepted = tools, accepted
         self._markers = tools.builder.discourse_markers
         self._charts: dict[object, Chart] = {}
-        self._sentences: dict[tuple[Tokens, UtteranceContext, bool], Understanding] = {}
+        self._sentences: dict[tuple[Tokens, UtteranceContext], Understanding] = {}
         self._fronted: set[Tokens] = set()  # those with a qualifier moved to the front
 
     def understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
@@ -93,13 +92,13 @@ class _Attempt:
     def _strategies_after(self, result: Understanding) -> Sequence[Strategy]:
         """The strategies to try after the one that takes the utterance as one sentence."""
         by_grammar = (self._by_segments, self._without_markers)
-        by_guessing = (self._by_frames, self._after_reason)
+        strategies = (*by_grammar, self._after_reason)
         match result.meaning:
             case Misunderstanding() | AskBack(choices=()):
-                return (*by_grammar, *by_guessing)
+                return strategies
             case AskBack(choices=(_,)):
                 # With one word corrected it would be a sentence: there is no need to guess.
-                return by_grammar if result.readings else (*by_grammar, *by_guessing)
+                return by_grammar if result.readings else strategies
             case _:
                 return ()
 
@@ -111,11 +110,9 @@ class _Attempt:
             found = again if again.reading is not None else found
         return found
 
-    def _by_segments(
-        self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool = False
-    ) -> Understanding | None:
+    def _by_segments(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         for segments in segmentations(tokens):
-            found = self._segments(segments, context, by_frames=by_frames)
+            found = self._segments(segments, context)
             combined = combine_meanings([each.meaning for each in found]) if found else None
             if combined is None:
                 continue
@@ -148,20 +145,6 @@ class _Attempt:
                 return found
         return None
 
-    def _by_frames(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """By frames, else the first question that one of them leads to."""
-        question: Understanding | None = None
-        for variant in filter(_has_words, dict.fromkeys(self._variants(tokens))):
-            found = self._sentence(variant, context, by_frames=True)
-            if found.reading is not None:
-                return found
-            segmented = self._by_segments(variant, context, by_frames=True)
-            if segmented is not None:
-                return segmented
-            if question is None and isinstance(found.meaning, AskBack):
-                question = found
-        return question
-
     def _after_reason(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         rest = self._markers.after_reason(self._tools.builder.expand_endings(tokens))
         found = self._understand(rest, context) if rest else None
@@ -182,7 +165,7 @@ class _Attempt:
                 yield fronted
 
     def _segments(
-        self, segments: Sequence[Tokens], context: UtteranceContext, *, by_frames: bool
+        self, segments: Sequence[Tokens], context: UtteranceContext
     ) -> list[Understanding]:
         """Each segment understood after those before it; empty when one of them is not."""
         if self._topic(segments[-1], context) is not None:
@@ -191,7 +174,7 @@ class _Attempt:
         found: list[Understanding] = []
         topic: Form | None = None
         for segment in segments:
-            each = self._segment(segment, context, by_frames=by_frames)
+            each = self._sentence(segment, context)
             if each.reading is None:
                 if topic is not None:
                     return []
@@ -202,7 +185,7 @@ class _Attempt:
                 continue
             if topic is not None:
                 # A topic is only said for a segment that refers to it.
-                alone = self._segment(segment, _with_object(None, context), by_frames=by_frames)
+                alone = self._sentence(segment, _with_object(None, context))
                 if alone.reading is not None:
                     return []
             topic = None
@@ -210,36 +193,24 @@ class _Attempt:
             context = replace(context, discourse=each.discourse)
         return found if topic is None else []
 
-    def _segment(
-        self, segment: Tokens, context: UtteranceContext, *, by_frames: bool
-    ) -> Understanding:
-        found = self._sentence(segment, context)
-        if by_frames and found.reading is None:
-            return self._sentence(segment, context, by_frames=True)
-        return found
-
-    def _sentence(
-        self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool = False
-    ) -> Understanding:
-        key = (tokens, context, by_frames)
+    def _sentence(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
+        key = (tokens, context)
         found = self._sentences.get(key)
         if found is None:
-            found = self._parse(tokens, context, by_frames=by_frames)
+            found = self._parse(tokens, context)
             if tokens in self._fronted and _has_several_rules(found):
                 # The qualifier was said of one of them; moved, it no longer shows of which.
                 found = _understanding(tokens, context, Misunderstanding(tokens.text))
             self._sentences[key] = found
         return found
 
-    def _parse(
-        self, tokens: Tokens, context: UtteranceContext, *, by_frames: bool
-    ) -> Understanding:
+    def _parse(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
         """The one reading that is likelier than all others, else the clarification needed."""
         tools, clarify = self._tools, self._tools.clarification
         unknown = tools.known_words.unknown(tokens)
         chart = self._chart(tokens, unknown)
-        readings, refusal = tools.parser.readings(chart, tokens, context, by_frames=by_frames)
-        accepted = tools.reading_filter.accepted(readings, tokens, by_frames=by_frames)
+        readings, refusal = tools.parser.readings(chart, tokens, context)
+        accepted = tools.reading_filter.accepted(readings, tokens)
         chosen = decide(accepted)
         answer: Meaning | None
         if chosen is not None:
