@@ -34,6 +34,7 @@ class Field:
         line: 1-based line of its first character.
         column: 1-based column of its first character.
         text_line: the line itself, for the caret below it.
+        keys: the keys of a mapping, in the order of the file.
     """
 
     value: Any
@@ -41,6 +42,7 @@ class Field:
     line: int
     column: int
     text_line: str = dataclasses.field(default="", compare=False, repr=False)
+    keys: tuple[Field, ...] = dataclasses.field(default=(), compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:
         """Return an error about this value, with its position."""
@@ -109,14 +111,14 @@ class Field:
             raise self.fail(f"expected a mapping, found {self.shown()}.")
         found: dict[str, Field] = self.value
         known = {*required, *(optional or ())}
-        for key, field in found.items() if optional is not None else ():
-            if key not in known:
+        for key in self.keys if optional is not None else ():
+            if key.value not in known:
                 expected = ", ".join(sorted(known))
-                close = _suggestion(key, known)
-                raise field.fail(f'unknown key "{key}"{close}; expected {expected}.')
-        for key in required:
-            if key not in found:
-                raise self.fail(f'the key "{key}" is missing; found {", ".join(found) or "none"}.')
+                close = _suggestion(key.value, known)
+                raise key.fail(f'unknown key "{key.value}"{close}; expected {expected}.')
+        for name in required:
+            if name not in found:
+                raise self.fail(f'the key "{name}" is missing; found {", ".join(found) or "none"}.')
         return found
 
     def plain(self) -> Any:
@@ -226,7 +228,7 @@ class _FieldBuilder:
         is_list = kind == "SequenceStartEvent"
         if event.tag is not None and event.tag != f"{_TAG}{'seq' if is_list else 'map'}":
             raise self._tag_error(event, event.tag)
-        field = self._at(event, self._items() if is_list else self._entries())
+        field = self._at(event, self._items()) if is_list else self._mapping(event)
         self._depth -= 1
         return field
 
@@ -236,14 +238,16 @@ class _FieldBuilder:
             items.append(self._field(event))
         return tuple(items)
 
-    def _entries(self) -> dict[str, Field]:
+    def _mapping(self, start: Any) -> Field:
         entries: dict[str, Field] = {}
+        keys: list[Field] = []
         while type(event := self._next()).__name__ not in _END:
             key = self._field(event)
             if key.text() in entries:
                 raise key.fail(f'the key "{key.value}" is given twice.')
+            keys.append(key)
             entries[key.value] = self._field(self._next())
-        return entries
+        return self._at(start, entries, tuple(keys))
 
     def _scalar(self, event: Any) -> Field:
         # Fast path: most values are quoted texts.
@@ -271,11 +275,11 @@ class _FieldBuilder:
             self._tags[event.value] = found
         return found
 
-    def _at(self, event: Any, value: object) -> Field:
+    def _at(self, event: Any, value: object, keys: tuple[Field, ...] = ()) -> Field:
         mark = event.start_mark
         line: int = mark.line
         text = self._lines[line] if line < len(self._lines) else ""
-        return Field(value, self._source, line + 1, mark.column + 1, text)
+        return Field(value, self._source, line + 1, mark.column + 1, text, keys)
 
     def _tag_error(self, event: Any, tag: str) -> DataError:
         return self._at(event, None).fail(

@@ -101,7 +101,7 @@ def test_configuration_is_read_from_yaml(tmp_path: Path):
     [
         (
             "scene: all\nrobott: kuka",
-            r'agent.yaml:2:9: unknown key "robott" .did you mean "robot',
+            r'agent.yaml:2:1: unknown key "robott" .did you mean "robot',
         ),
         ("seed: high", r'agent.yaml:1:7: expected a whole number, found "high"'),
         ("gui: 1", r"agent.yaml:1:6: expected true or false, found 1"),

@@ -64,7 +64,7 @@ def test_thresholds_are_data(tmp_path: Path):
     ("text", "message"),
     [
         ("fusion: dempsta\n", r':1:9: There is no fusion "dempsta"\. Did you mean "dempster"\?'),
-        ("fusoin: yager\n", r':1:9: unknown key "fusoin" \(did you mean "fusion"\?\)'),
+        ("fusoin: yager\n", r':1:1: unknown key "fusoin" \(did you mean "fusion"\?\)'),
         ("threshold: {default: 2}\n", r":1:22: expected a number in \[0, 1\], found 2"),
         ("threshold: {contexts: {}}\n", r':1:12: the key "default" is missing'),
         ("threshold: {default: 0, contexts: {'spot:x': 0}}\n", r':1:46: "spot" is no kind'),

@@ -137,9 +137,9 @@ def test_tree_of_the_same_name_takes_the_place_of_hilts(tmp_path: Path):
         ("is_a: use", "is_a: sue", r':5:11: There is no other action "sue"\. Did you mean "use"'),
         ("is_a: use", "is_a: season", r':5:11: There is no other action "season"'),
         ("of: patient", "of: salt", r':7:48: There is no parameter "salt"'),
-        ("affords: seasonWith", "afords: x", r':7:31: unknown key "afords"'),
+        ("affords: seasonWith", "afords: x", r':7:23: unknown key "afords"'),
         ("pickUp: tool", "season: tool", r':5:5: the tree "season" contains itself'),
-        ("object: tool", "thing: tool", r':9:45: unknown key "thing"'),
+        ("object: tool", "thing: tool", r':9:38: unknown key "thing"'),
     ],
 )
 def test_mistake_is_told_with_line_column_and_caret(

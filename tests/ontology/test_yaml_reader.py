@@ -51,7 +51,7 @@ def test_unknown_key_is_refused_with_what_there_is():
     """A misspelt key is told with the nearest one."""
     field = parse_yaml("name: knife\nmas: 0.1")
 
-    with pytest.raises(DataError, match=r'2:6: unknown key "mas" \(did you mean "mass"\?\); expe'):
+    with pytest.raises(DataError, match=r'2:1: unknown key "mas" \(did you mean "mass"\?\); expe'):
         field.entries(required={"name", "mass"}, optional=())
 
 
