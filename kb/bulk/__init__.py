@@ -5,7 +5,9 @@ statements      N-Quads and N-Triples, read subject by subject
 rule_lines      rules as lines of N-Quads: serialization, and the fast reading of exports
 importer        the import, which checks rules as they stream by and writes them as one unit
 reconciliation  conflicts, trust and the numbering of utterances between an import and a base
-exporter        the export, from one pass over a store
+row_scan        the statements of a graph as rows, in one pass over a store
+rule_scan       the rules of a store, in one pass
+exporter        the export of statements as text
 """
 
 import lazy_loader

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 
-from .exporter import scan_rules, write_statements
+from .exporter import write_statements
 from .importer import ImportObserver, import_rules, import_statements
 from .reconciliation import ImportSummary, MergeConflict
 from .rule_lines import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from .rule_scan import scan_rules
 from .statements import RuleBlock, StatementGroup, read_groups
 
 __all__ = [

@@ -15,17 +15,12 @@ from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from ..bulk.exporter import (
-    MAX_SORTED,
-    TEXT_FORMATS,
-    ProgressCounter,
-    scan_rules,
-    statements,
-    write_statements,
-)
+from ..bulk.exporter import TEXT_FORMATS, statements, write_statements
 from ..bulk.importer import Statements, import_rules, import_statements
 from ..bulk.reconciliation import ImportSummary
+from ..bulk.row_scan import MAX_SORTED, ProgressCounter
 from ..bulk.rule_lines import RuleSerializer, SerializedRule
+from ..bulk.rule_scan import scan_rules
 from ..bulk.statements import RuleBlock, StatementGroup, expand_blocks, read_groups
 from ..knowledge_base import KnowledgeBase
 from ..merge import merge

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rdflib import Graph
 
-from hilt.kb.bulk import exporter, importer
+from hilt.kb.bulk import importer, row_scan
 from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import transfer
 from hilt.kb.formats.csv_table import TableWriter, read_table, rule_cells
@@ -58,7 +58,7 @@ def contents(base: KnowledgeBase) -> set[object]:
 @pytest.fixture
 def streamed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every file is large."""
-    monkeypatch.setattr(exporter, "MAX_SORTED", 0)
+    monkeypatch.setattr(row_scan, "MAX_SORTED", 0)
     monkeypatch.setattr(transfer, "MAX_STAGED", 0)
     monkeypatch.setattr(importer, "_MAX_APPLIED", 0)
 

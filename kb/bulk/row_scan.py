@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scan of a graph: its statements as rows of text, in one pass over the store.
+
+To look up how a term is written costs the engine more than to find its statement, and half of all
+terms are a few predicates, classes and statuses. So the query returns those as codes and looks up
+the rest only. For 30,000 rules that takes 4.5 s as N-Quads and 4.1 s as TriG, where the engine's
+own dump takes 5.1 s and 5.4 s.
+
+A large store on disk is scanned in its own order, which is the same for equal bases, and in
+bounded memory. The rows of any other store are sorted first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from typing import BinaryIO, NamedTuple, Protocol, TypeAlias, cast, get_args, runtime_checkable
+
+from ...ontology.errors import StoreError
+from ...ontology.vocabulary import Iri, term
+from ..history import ASSERTS
+from ..rdf import rule_mapping
+from ..rdf.terms import DECIMAL, XSD, Quad, Term, as_sparql, literal
+from ..rule import GRASP_OBJECT, USED_FOR, Status
+from ..stores.base import Store
+from .statements import complete_lines
+
+# Takes some rows, each of one statement: subject, code, predicate and object, with tabs between.
+# The predicate is empty where the code stands for it, the object where the code includes it.
+# Terms are written as in Turtle, numbers and booleans without quotes.
+TakeRows: TypeAlias = Callable[[Sequence[str]], object]
+Progress: TypeAlias = Callable[[int], None]  # is called with how many are done so far
+
+MAX_SORTED = 200_000  # statements; a scan of more has the order of the store
+
+_BUFFER = 2**18  # bytes that are split into rows at once
+_STEP = 10_000  # rows or rules between two calls of the progress
+_OTHER, _FIRST_CODE = 99, 10  # of two digits, so that they are sorted as text
+
+
+class PredicateObject(NamedTuple):
+    """A predicate and, where it is one of a few, its object."""
+
+    predicate: Iri
+    object: Iri | None = None
+
+
+_STATUSES = tuple(rule_mapping.status_iri(cast(Status, one)) for one in get_args(Status))
+_FEW_OBJECTS = {
+    rule_mapping.TYPE: (*rule_mapping.CLASSES.values(), term("Utterance")),
+    rule_mapping.STATUS: _STATUSES,
+    rule_mapping.FUNCTOR: (term(USED_FOR), term(GRASP_OBJECT)),
+}
+_MANY_OBJECTS = (
+    *(rule_mapping.FEATURE, rule_mapping.CONTEXT, rule_mapping.LOWER, rule_mapping.UPPER),
+    *(rule_mapping.DERIVED_FROM, rule_mapping.GENERATED_AT, rule_mapping.ATTRIBUTED_TO),
+    *(rule_mapping.PART, rule_mapping.AFFORDANCE, rule_mapping.ARGUMENT),
+)
+_PREDICATES = (
+    *(*_MANY_OBJECTS, ASSERTS, rule_mapping.RULE, rule_mapping.LABEL),
+    *(rule_mapping.edge_property(USED_FOR), rule_mapping.edge_property(GRASP_OBJECT)),
+    *(rule_mapping.TYPE, rule_mapping.STATUS, rule_mapping.FUNCTOR),
+)
+_WITH_OBJECT = [PredicateObject(key, one) for key, few in _FEW_OBJECTS.items() for one in few]
+_FIRST_PREDICATE = _FIRST_CODE + len(_WITH_OBJECT)
+CODES = {  # of predicates, or predicates with one of a few objects, in rows
+    pair: number
+    for number, pair in enumerate((*_WITH_OBJECT, *map(PredicateObject, _PREDICATES)), _FIRST_CODE)
+}
+PAIRS = {str(number): pair for pair, number in CODES.items()}
+RULE_PREDICATES = (*_MANY_OBJECTS, rule_mapping.STATUS, rule_mapping.FUNCTOR)
+
+
+@runtime_checkable
+class RowStore(Protocol):
+    """A store that writes the rows of a query as text."""
+
+    @property
+    def is_sorted(self) -> bool:
+        """Whether the statements of a graph come subject by subject."""
+        ...
+
+    def dump_rows(self, query: str, stream: BinaryIO) -> None:
+        """Write the rows of a SELECT query as tab-separated values."""
+        ...
+
+
+def scan_graph(
+    store: Store, graph: Iri, take: TakeRows, *, in_order: bool, predicates: Collection[Iri] = ()
+) -> None:
+    """Pass the statements of a graph to `take`, those about a subject together.
+
+    Args:
+        store: what is read.
+        graph: whose statements.
+        take: is called with some rows at a time.
+        in_order: whether the rows are passed on in the order of the store, and not sorted; only
+            where `is_large`.
+        predicates: the wanted ones, some of those with a code; all where none are given.
+    """
+    if in_order:
+        _dump(store, graph, take, predicates)
+        return
+    rows: list[str] = []
+    if isinstance(store, RowStore):
+        _dump(store, graph, rows.extend, predicates)
+    else:
+        found = store.quads(None, None, None, graph)
+        rows += (_row(quad) for quad in found if not predicates or quad.predicate in predicates)
+    rows.sort()
+    take(rows)
+
+
+def is_large(store: Store) -> bool:
+    """Whether a store has its statements subject by subject, and more than `MAX_SORTED`."""
+    if not isinstance(store, RowStore) or not store.is_sorted:
+        return False
+    some = f"SELECT ?node {{ GRAPH ?graph {{ ?node ?key ?value }} }} LIMIT {MAX_SORTED + 1}"
+    ((count,),) = store.select(f"SELECT (COUNT(*) AS ?count) {{ {{ {some} }} }}")
+    return cast(int, count) > MAX_SORTED
+
+
+def read_row(row: str) -> tuple[Iri, Term]:
+    """Return the predicate and object of a row about a rule, which is given without the rule."""
+    code, _, value = row.split("\t")
+    predicate, known = PAIRS[code]
+    return predicate, known or _term(value)
+
+
+class ProgressCounter:
+    """Counts what is done, and reports it now and then."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.total = self._reported = 0
+        self._progress = progress
+
+    def add(self, number: int) -> None:
+        """Count some more."""
+        self.total += number
+        if self._progress and self.total - self._reported >= _STEP:
+            self._reported = self.total
+            self._progress(self.total)
+
+
+def _dump(store: Store, graph: Iri, take: TakeRows, predicates: Collection[Iri]) -> None:
+    """Have the engine write rows, and pass them on."""
+    rows = _RowStream(take)
+    try:
+        cast(RowStore, store).dump_rows(_query(graph, predicates), cast(BinaryIO, rows))
+    except StoreError as error:
+        raise (rows.failure or error) from error
+    rows.pass_on()
+
+
+class _RowStream:
+    """The stream that the engine writes rows to.
+
+    Attributes:
+        failure: why the rows could not be passed on, where they could not.
+    """
+
+    def __init__(self, take: TakeRows) -> None:
+        self.failure: OSError | None = None
+        self._take, self._held, self._size = take, list[bytes](), 0
+        self._rest, self._is_header = b"", True
+
+    def write(self, chunk: bytes, /) -> int:
+        self._held.append(chunk)
+        self._size += len(chunk)
+        if self._size > _BUFFER:
+            try:
+                self.pass_on()
+            except OSError as error:  # of the file, not of the store
+                self.failure = error
+                raise
+        return len(chunk)
+
+    def flush(self) -> None:
+        pass
+
+    def pass_on(self) -> None:
+        """Pass on the rows that are complete."""
+        rows, self._rest = complete_lines(self._rest, b"".join(self._held))
+        self._held.clear()
+        self._size = 0
+        if rows and self._is_header:
+            self._is_header = False
+            del rows[0]
+        self._take(rows)
+
+
+def _query(graph: Iri, predicates: Collection[Iri]) -> str:
+    code = str(_OTHER)
+    for key in reversed([key for key in _PREDICATES if not predicates or key in predicates]):
+        inner = str(CODES[PredicateObject(key)])
+        for value in _FEW_OBJECTS.get(key, ()):
+            inner = f"IF(sameTerm(?end, <{value}>), {CODES[PredicateObject(key, value)]}, {inner})"
+        code = f"IF(sameTerm(?key, <{key}>), {inner}, {code})"
+    return f"""SELECT ?node ?code ?other ?value {{
+  GRAPH <{graph}> {{ ?node ?key ?end }}
+  BIND({code} AS ?code) {f"FILTER(?code < {_OTHER})" if predicates else ""}
+  BIND(IF(?code = {_OTHER}, ?key, ?nothing) AS ?other)
+  BIND(IF(?code < {_FIRST_PREDICATE}, ?nothing, ?end) AS ?value)
+}}"""
+
+
+def _row(quad: Quad) -> str:
+    """The row of a statement, as the engine writes it."""
+    subject, predicate, value, _ = quad
+    if isinstance(value, Iri) and (code := CODES.get(PredicateObject(predicate, value))):
+        return f"{as_sparql(subject)}\t{code}\t\t"
+    code = CODES.get(PredicateObject(predicate), _OTHER)
+    other = as_sparql(predicate) if code == _OTHER else ""
+    return f"{as_sparql(subject)}\t{code}\t{other}\t{as_sparql(value)}"
+
+
+def _term(text: str) -> Term:
+    """The term of a row: an IRI, a number, or a quoted literal with its datatype."""
+    if text.startswith("<"):
+        return Iri(text[1:-1])
+    if not text.startswith('"'):
+        return literal(text, DECIMAL)
+    value, _, datatype = text[1:].partition('"^^<')
+    return literal(value, datatype[:-1] or f"{XSD}string")
