@@ -5,7 +5,7 @@
 >>> language.understand("To pass a knife grab it by the blade").semantics
 'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same eight files. A
+A second language is a second folder beside `ontology/english`, with the same nine files. A
 `Session` understands the utterances of a conversation one after the other, without believing or
 doing anything.
 """
@@ -45,7 +45,7 @@ from .semantics.pragmatics import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
-_WORD_FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
+_WORD_FILES = ("lexicon.yaml", "clauses.yaml", "constructions.yaml", "requests.yaml")
 
 
 @dataclass(frozen=True, repr=False)

@@ -157,10 +157,13 @@ class KnownWords:
         if token.capital:
             yield from builder.noun("person", word, role="person", cost=_PERSON_COST)
         for bare in self._bare_forms(word):
-            looks_inflected = bare == word and self.inflection.origins(word, "ing")
-            cost = _VERB_COST + (_SINGULAR_COST if looks_inflected else 0.0)
-            yield from builder.verb_forms(Verb(bare, ("new_act",), bare), "context", cost)
-            yield from builder.verb_forms(Verb(bare, ("new_affordance",), None), "affordance")
+            looks_inflected = bare == word and any(
+                self.inflection.origins(word, form) for form in ("ing", "third")
+            )
+            cost = _SINGULAR_COST if looks_inflected else 0.0
+            act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
+            yield from builder.verb_forms(act, "context", _VERB_COST + cost)
+            yield from builder.verb_forms(use, "affordance", cost)
 
     def _bare_forms(self, word: str) -> Iterator[str]:
         yield word

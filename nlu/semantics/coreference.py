@@ -16,6 +16,7 @@ from .predicates import Form
 IT = Form("it")
 SOMETHING = frozenset({"something", "anything"})
 
+_OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
 _HILT = Form("self")
 _OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
 _OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
@@ -46,12 +47,24 @@ def resolve(form: Form, discourse: Discourse) -> Form:
     Raises:
         RefusedError: there is no referent, or one rule is about two objects.
     """
-    rest = _simplified(_resolve_rules(form.mapped(_with_tool), discourse))
+    form = form.mapped(_with_use).mapped(_with_tool)
+    rest = _simplified(_resolve_rules(form, discourse))
     if not any(part == IT for part in rest):
         return rest
     if discourse.object is None:
         raise RefusedError("no_referent", asks=True, word=IT.name)
     return _simplified(_replace_it(rest, discourse.object))
+
+
+def _with_use(form: Form) -> Form | None:
+    """`thatIs(x, implies(x, cutting, high))`, a relative clause, as `usedFor(x, cutting)`."""
+    if form.name != "thatIs":
+        return None
+    thing, clause = form.arguments
+    if clause.name != "implies" or clause.arguments[1].name in {"graspObject", *_OF_USE}:
+        raise RefusedError("one_thing_at_a_time")
+    _, use, degree = clause.arguments
+    return Form("notUsedFor" if degree.name == "none" else "usedFor", (thing, use))
 
 
 def _with_tool(form: Form) -> Form | None:
