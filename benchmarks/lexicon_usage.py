@@ -311,7 +311,10 @@ class Recorder:
         recorder, attempt, markers = self, strategies._Attempt, DiscourseMarkers
         segments, by_segments = attempt._segments, attempt._by_segments
         end_of, tag, reason, bounds = (
-            markers._end, markers._tag, markers.after_reason, markers.mark_boundaries,
+            markers._end,
+            markers._tag,
+            markers.after_reason,
+            markers.mark_boundaries,
         )
 
         def all_segments(self: Any, *given: Any, **options: Any) -> Any:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import ast
-import itertools
 import json
 import random
 import re
@@ -88,7 +87,7 @@ def generated(language: Language) -> Iterator[Utterance]:
 def documented() -> Iterator[Utterance]:
     """Whatever reads like an utterance in documents, examples and the code of the tests."""
     texts: dict[str, None] = {}
-    for path in sorted(ROOT.glob("docs/**/*.md")) + [ROOT / "README.md"]:
+    for path in [*sorted(ROOT.glob("docs/**/*.md")), ROOT / "README.md"]:
         for found in _QUOTED.finditer(path.read_text(encoding="utf-8")):
             texts[found[1] or found[2]] = None
     for folder in ("tests", "agent", "examples", "benchmarks"):

@@ -25,7 +25,6 @@ def filled(value: Any, verb: dict[str, str]) -> Any:
     return value
 
 
-
 def cases() -> Iterator[object]:
     """Each form of each verb: its text and its meaning."""
     for verb in DATA["verbs"]:
@@ -34,7 +33,7 @@ def cases() -> Iterator[object]:
             yield pytest.param(says.format(**verb), wanted, id=f"{verb['v']}-{name}")
 
 
-@pytest.mark.parametrize(("text", "wanted"), cases())
+@pytest.mark.parametrize(("text", "wanted"), list(cases()))
 def test_every_verb_is_understood_in_every_form(
     language: Language, text: str, wanted: dict[str, object]
 ) -> None:
