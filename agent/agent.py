@@ -93,6 +93,7 @@ class Agent:
             lambda: self.goals,
             self.visible,
             EpisodeRecorder(base, self.circumstances, self.state).record,
+            holding=self.holding,
             seed=self.scene.seed,
             other=dialogue,
         )
@@ -181,6 +182,10 @@ class Agent:
             return tuple(placement.object for placement in self.scene.placements)
         features = [f"object:{name}" for name in self.objects]
         return tuple(percept.object for percept in self.goals.vision.search(features))
+
+    def holding(self) -> str | None:
+        """Return the name of the object in the simulated hand; None when it is empty."""
+        return self.body.holding if "body" in self.__dict__ else None
 
     def quote(self, utterance: int) -> str:
         """Return the text of the utterance with this number.

@@ -40,12 +40,18 @@ from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import Meaning, Rule, Statement
+from .semantics.meaning import Meaning, Rule, Statement, Topic
 from .semantics.pragmatics import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
-_WORD_FILES = ("lexicon.yaml", "clauses.yaml", "constructions.yaml", "requests.yaml")
+_WORD_FILES = (
+    "lexicon.yaml",
+    "clauses.yaml",
+    "constructions.yaml",
+    "requests.yaml",
+    "conversation.yaml",
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -221,7 +227,7 @@ class Session:
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
-        if isinstance(understood.meaning, Statement):
+        if isinstance(understood.meaning, (Statement, Topic)):
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 

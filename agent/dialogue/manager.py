@@ -9,7 +9,7 @@ also one that is refused or not understood.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,13 +26,20 @@ from .. import protocols
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import Ending, ExecutionResult, GoalResult, Slot, SpokenAnswer
 from ..execution.request import Request
-from .questions import Knowledge, answer
+from .knowledge import Knowledge
+from .questions import answer
 from .reply import Reply
-from .teaching import Lesson, lesson_from_statement, rule_to_retract, word_from_base, word_to_keep
-from .translation import meaning_from_rule, request_from_command
+from .teaching import (
+    lesson_from_statement,
+    rules_to_retract,
+    word_for_person,
+    word_from_base,
+    word_to_keep,
+)
+from .translation import declined, meaning_from_rule, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
-    "tell": ("statement", "correction"),
+    "tell": ("statement", "correction", "topic"),
     "do": ("command",),
     "ask": ("question",),
 }
@@ -84,6 +91,7 @@ class DialogueManager:
         visible: returns the names of the objects in view.
         record_episode: called with every command that was carried out and its reply, and whether
             it is to be kept.
+        holding: returns the name of the object in the hand, None when it is empty.
         seed: the seed of everything random, kept with each reply.
         other: a language part that is asked first.
 
@@ -101,12 +109,13 @@ class DialogueManager:
         visible: Callable[[], tuple[str, ...]],
         record_episode: Callable[[Request, Reply, bool], None],
         *,
+        holding: Callable[[], str | None] = lambda: None,
         seed: int = 0,
         other: protocols.Dialogue | None = None,
     ) -> None:
         self.base = base
         self._other = other
-        people = (_person(name) for name in base.trust_by_speaker())
+        people = (word_for_person(name) for name in base.trust_by_speaker())
         self.language = language.with_words(
             (*(word_from_base(word) for word in base.words()), *people)
         )
@@ -114,15 +123,18 @@ class DialogueManager:
         self.contexts: dict[Atom, Interval] = {}
         self.last_done: Reply | None = None
         self._goals = goals
-        self._visible = visible
+        self._visible, self._holding = visible, holding
         self._record_episode = record_episode
         self._discourse = Discourse()
         self._pending: Pending | None = None
         self._topic: tuple[Rule, ...] = ()
+        self._retracted: tuple[Rule, ...] = ()  # and no other rule was spoken of since
         self._just_acted = False  # and no rule was spoken of since
+        self._last_said = ""
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
             meaning.Statement: self._learn,
             meaning.Retraction: self._forget,
+            meaning.Topic: self._open_topic,
             meaning.Command: self._carry_out_command,
             meaning.ToolCommand: self._carry_out_command,
             meaning.Question: self._answer,
@@ -157,7 +169,9 @@ class DialogueManager:
             return self._answered(turn, f"only_{only}", "not_understood")
         if understood.kind != "acknowledgement":
             self._pending = None
-        return self._listeners[type(understood.meaning)](turn, understood.meaning)
+        reply = self._listeners[type(understood.meaning)](turn, understood.meaning)
+        self._last_said = reply.said
+        return reply
 
     def _understood(
         self, text: str, speaker: str, accepted: Collection[str], heard: float
@@ -175,7 +189,10 @@ class DialogueManager:
         if not self._trusts(turn.speaker):
             return self._answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         taught = lesson_from_statement(self.base, said, turn.speaker, turn.heard, self._topic)
-        spoken = " ".join(self._say(each) for each in self._echo(turn, taught))
+        trust = self.base.trust(turn.speaker)
+        weight = trust.lower if trust else 0.0
+        echo = taught.echo(self._in_words, turn.speaker, weight, turn.heard)
+        spoken = " ".join(self._say(each) for each in (*echo, *_new(turn.understood.new_words)))
         self.base.believe(
             turn.understood.text,
             turn.understood.content,
@@ -192,28 +209,6 @@ class DialogueManager:
         self._set_topic(told)
         return replace(self._reply(turn, spoken), rules=told)
 
-    def _echo(self, turn: DialogueTurn, taught: Lesson) -> Iterator[SpokenAnswer]:
-        """The confirmation of what was learned: an answer for each rule and each word."""
-        trust = self.base.trust(turn.speaker)
-        weight = trust.lower if trust else 0.0
-        key = "revised" if taught.supersedes else "learned"
-        key = "learned_weighed" if min(weight, turn.heard) < 1.0 else key
-        for rule, said in zip(taught.rules, taught.said, strict=True):
-            counts = rule.interval.discounted(weight)
-            yield SpokenAnswer(
-                "known_already" if taught.is_known else key,
-                {
-                    "rule": self._in_words(rule),
-                    "confidence": (round(counts.lower, 4), round(counts.upper, 4)),
-                    "told": (said.lower, said.upper),
-                    "heard": (turn.heard, 1.0),
-                    "trust": (weight, 1.0),
-                    "speaker": turn.speaker,
-                },
-            )
-        for word in turn.understood.new_words:
-            yield SpokenAnswer("learned_word", {"word": word.word, "role": word.role})
-
     def _in_words(self, rule: Rule) -> str:
         said = meaning_from_rule(rule)
         return self.language.phrase(said) if said else repr(rule)
@@ -223,23 +218,50 @@ class DialogueManager:
         return self.language.answers.with_source(what, (support.lower, support.upper), rule.speaker)
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
-        if said.rule is None and self._just_acted:  # "never mind" means the action
+        if said == meaning.Retraction() and self._just_acted:  # "never mind" means the action
             return self._answered(turn, "forget_what", "failed")
-        rule = self._to_forget(turn, said)
-        if rule is not None and rule.speaker != turn.speaker:
-            return self._answered(turn, "not_yours", "failed", speaker=rule.speaker)
-        if rule is None:
+        rules = rules_to_retract(self.base, said, turn.speaker, self._topic)
+        own = [rule for rule in rules if rule.speaker == turn.speaker]
+        if rules and not own:
+            return self._answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
+        if not own:
             return self._answered(turn, "nothing_to_forget", "failed")
-        spoken = self._say(SpokenAnswer("forgotten", {"rule": self._in_words(rule)}))
-        understood = turn.understood
-        self.base.retract(rule.id, understood.text, understood.content, turn.speaker, answer=spoken)
-        return replace(self._reply(turn, spoken), rules=(rule,))
+        return self._retract(turn, own)
 
-    def _to_forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Rule | None:
-        """The rule to retract: the one named, else the last one mentioned, else the last taught."""
-        if said.rule is None and self._topic:
-            return self._topic[-1]
-        return rule_to_retract(self.base, said, turn.speaker)
+    def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
+        phrases = tuple(self._in_words(rule) for rule in rules)
+        spoken = self._say(SpokenAnswer("forgotten", {"rules": phrases}))
+        understood = turn.understood
+        self.base.believe(
+            understood.text,
+            understood.content,
+            turn.speaker,
+            (),
+            retracts=[rule.id for rule in rules],
+            kind="correction",
+            answer=spoken,
+        )
+        self._topic, self._retracted = (), tuple(rules)
+        return replace(self._reply(turn, spoken), rules=self._retracted)
+
+    def _open_topic(self, turn: DialogueTurn, said: meaning.Topic) -> Reply:
+        """Ask about what the speaker wants to speak of, which may be a new thing."""
+        if not self._trusts(turn.speaker):
+            return self._answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        words = turn.understood.new_words
+        spoken = self._say(SpokenAnswer("topic", {"object": said.topic}))
+        self.base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            (),
+            words=[word_to_keep(word, turn.speaker) for word in words],
+            kind="topic",
+            answer=spoken,
+            heard=turn.heard,
+        )
+        self.language = self.language.with_words(words)
+        return self._reply(turn, spoken)
 
     # --- Commands -----------------------------------------------------------------------------
 
@@ -249,10 +271,10 @@ class DialogueManager:
         if not self._trusts(turn.speaker):
             return self._answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.negated:
-            return self._spoken(turn, _declined(said))
+            return self._spoken(turn, declined(said))
         if turn.understood.unknown:
             words = turn.understood.unknown
-            key = "unknown_use" if words == (_use_of(said),) else "unknown_thing"
+            key = "unknown_use" if words == (use_of(said),) else "unknown_thing"
             return self._answered(turn, key, "asked", words=words)
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
@@ -284,7 +306,15 @@ class DialogueManager:
 
     def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
         knowledge = Knowledge(
-            self.base, self._in_words, self._weighed, self._visible, self.last_done, self._topic
+            self.base,
+            self._in_words,
+            self._weighed,
+            self._visible,
+            self.last_done,
+            self._topic,
+            self._holding,
+            self._last_said,
+            self._retracted,
         )
         found, rules = answer(said, knowledge)
         self._set_topic(rules)
@@ -337,7 +367,7 @@ class DialogueManager:
         """Make these rules the topic; "no, by the handle" and "forget that" mean the last."""
         said = meaning_from_rule(rules[-1]) if rules else None
         if said:
-            self._topic, self._just_acted = rules, False
+            self._topic, self._retracted, self._just_acted = rules, (), False
             self._discourse = replace(self._discourse, rule=said)
 
     def _trusts(self, speaker: str) -> bool:
@@ -381,20 +411,6 @@ class DialogueManager:
         return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)
 
 
-def _use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
-    target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
-    return target.used_for or target.not_used_for
-
-
-def _declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
-    if isinstance(said, meaning.ToolCommand):
-        return SpokenAnswer(
-            "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
-        )
-    name = said.target.object or said.target.used_for or "thing"
-    return SpokenAnswer("will_not", {"goal": said.goal, "object": name}, "refused")
-
-
-def _person(name: str) -> NewWord:
-    """The name of a speaker as a word, for "do you trust kim?"."""
-    return NewWord(name.lower(), "person", name)
+def _new(words: Sequence[NewWord]) -> Iterator[SpokenAnswer]:
+    for word in words:
+        yield SpokenAnswer("learned_word", {"word": word.word, "role": word.role})

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from ...inference.abduction import Hypothesis, find_hypotheses
 from ...inference.affordance import FIND, Affordances
@@ -13,46 +13,15 @@ from ...inference.explanation import candidate_names, rejection_reason
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
-from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from ..execution.outcome import Decision, Slot, SpokenAnswer
+from ..execution.outcome import Decision, SpokenAnswer
+from .knowledge import Answered, Knowledge, spoken
 from .reply import Reply
+from .self_report import SELF_REPORTS
 
-Describe = Callable[[Rule], str]
-Answered = tuple[SpokenAnswer, tuple[Rule, ...]]
-
-
-@dataclass(frozen=True)
-class Knowledge:
-    """What questions are answered from.
-
-    Attributes:
-        base: the knowledge base.
-        describe: puts a rule into words.
-        weigh: adds the confidence and the speaker of a rule to some words.
-        visible: the names of the objects in view, in the order of the scene.
-        last: the reply to the last command.
-        topic: the rules that were mentioned last; none after a command that needed none.
-    """
-
-    base: KnowledgeBase
-    describe: Describe
-    weigh: Callable[[str, Rule], str]
-    visible: Callable[[], tuple[str, ...]]
-    last: Reply | None
-    topic: tuple[Rule, ...] = ()
-
-    @property
-    def decision(self) -> Decision | None:
-        """The decision of the last command; None when it made none."""
-        return self.last.result.decision if self.last and self.last.result else None
-
-
-def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
-    """Return an answer by its key, with those of its slots that are filled."""
-    given = {name: value for name, value in slots.items() if value is not None}
-    return SpokenAnswer(key, given, "done" if done else "failed")
+SURE = (0.6, 0.9)
+"""From these certainties on Hilt says that it is fairly sure, and quite sure."""
 
 
 def answer(question: Question, known: Knowledge) -> Answered:
@@ -121,12 +90,16 @@ def _about(question: Question, known: Knowledge) -> Answered:
 
 
 def _confidence(question: Question, known: Knowledge) -> Answered:
+    if known.retracted and question == Question("confidence"):
+        said = tuple(known.describe(rule) for rule in known.retracted)
+        return spoken("no_longer_sure", done=True, rules=said), ()
     rules = _meant(question, known)
     if not rules:
         return spoken("not_known"), ()
-    interval = rules[0].support
-    slots = {"rule": known.describe(rules[0]), "confidence": (interval.lower, interval.upper)}
-    return spoken("confidence", done=True, **slots), (rules[0],)
+    rule = rules[0]
+    sure = max(rule.support.lower, 1 - rule.support.upper)
+    key = ("hardly_sure", "fairly_sure", "quite_sure")[bisect(SURE, sure)]
+    return spoken(key, done=True, rule=known.describe(rule), speaker=rule.speaker), (rule,)
 
 
 def _source(question: Question, known: Knowledge) -> Answered:
@@ -185,13 +158,13 @@ def _see(question: Question, known: Knowledge) -> Answered:
 def _trust(question: Question, known: Knowledge) -> Answered:
     if question.speaker is None:
         return spoken("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
-    trust = known.base.trust(known.base.match_speaker(question.speaker))
-    key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
-    return spoken(key, done=True, speaker=question.speaker), ()
-
-
-def _capabilities(_: Question, __: Knowledge) -> Answered:
-    return spoken("capabilities", done=True), ()
+    speaker = known.base.match_speaker(question.speaker)
+    trust = known.base.trust(speaker)
+    if speaker not in known.base.trust_by_speaker():
+        key = "knows_nobody"
+    else:
+        key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
+    return spoken(key, done=True, speaker=speaker), ()
 
 
 # --- Why, and why not ----------------------------------------------------------------------
@@ -362,9 +335,9 @@ def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
 
 
 _ANSWERS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
+    **SELF_REPORTS,
     "about": _about,
     "best_for": _best_for,
-    "capabilities": _capabilities,
     "confidence": _confidence,
     "how": _how,
     "is_used_for": _is_used_for,

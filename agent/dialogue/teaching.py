@@ -8,7 +8,7 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...kb.interval import Interval
@@ -16,7 +16,8 @@ from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_words import Word
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
-from ...nlu.semantics.meaning import Retraction, Statement
+from ...nlu.semantics.meaning import ANY_OBJECT, Retraction, Statement
+from ..execution.outcome import SpokenAnswer
 from .translation import rule_from_meaning
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
@@ -38,6 +39,29 @@ class Lesson:
     said: tuple[Interval, ...]
     supersedes: tuple[Rule, ...]
     is_known: bool
+
+    def echo(
+        self, describe: Callable[[Rule], str], speaker: str, trust: float, heard: float
+    ) -> Iterator[SpokenAnswer]:
+        """The confirmation of what was learned: an answer for each rule.
+
+        `trust` in the speaker and how well they were `heard` are in [0, 1].
+        """
+        key = "revised" if self.supersedes else "learned"
+        key = "learned_weighed" if min(trust, heard) < 1.0 else key
+        for rule, said in zip(self.rules, self.said, strict=True):
+            counts = rule.interval.discounted(trust)
+            yield SpokenAnswer(
+                "known_already" if self.is_known else key,
+                {
+                    "rule": describe(rule),
+                    "confidence": (round(counts.lower, 4), round(counts.upper, 4)),
+                    "told": (said.lower, said.upper),
+                    "heard": (heard, 1.0),
+                    "trust": (trust, 1.0),
+                    "speaker": speaker,
+                },
+            )
 
 
 def lesson_from_statement(
@@ -90,15 +114,26 @@ def can_replace(one: Rule, other: Rule) -> bool:
     return one.kind == "action" or one.argument == other.argument
 
 
-def rule_to_retract(base: KnowledgeBase, said: Retraction, speaker: str) -> Rule | None:
-    """Return the rule that a speaker retracts: the one that is named, else the last one taught."""
+def rules_to_retract(
+    base: KnowledgeBase, said: Retraction, speaker: str, topic: Sequence[Rule] = ()
+) -> Sequence[Rule]:
+    """Return the rules that a speaker retracts, or those of others if the speaker has none.
+
+    They are those about the object that is named, or the one rule that is named, else the last one
+    of the `topic`, else the last one taught.
+    """
+    if said.about:
+        rules = base.rules(object=None if said.about == ANY_OBJECT else said.about)
+        return [rule for rule in rules if rule.speaker == speaker] or rules
+    if said.rule is None and topic:
+        return topic[-1:]
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
     if said.rule is not None:
         wanted = rule_from_meaning(said.rule, speaker)
         told = [
             rule for rule in told if can_replace(rule, wanted) and rule.argument == wanted.argument
         ]
-    return told[-1] if told else None
+    return told[-1:]
 
 
 def word_to_keep(word: NewWord, speaker: str) -> Word:
@@ -109,3 +144,8 @@ def word_to_keep(word: NewWord, speaker: str) -> Word:
 def word_from_base(word: Word) -> NewWord:
     """Return a stored word as the language takes it."""
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
+
+
+def word_for_person(name: str) -> NewWord:
+    """Return the name of a speaker as a word, for "do you trust kim?"."""
+    return NewWord(name.lower(), "person", name)

@@ -16,6 +16,7 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.interpretation import GOALS
 from ...ontology.actions import Actions
+from ..execution.outcome import SpokenAnswer
 from ..execution.request import Argument, Request
 
 
@@ -76,6 +77,22 @@ def request_from_command(
     if command.recipient:
         arguments["recipient"] = command.recipient
     return Request(command.goal, arguments, speaker, part=command.part)
+
+
+def use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
+    """Return the use that a command asks for; None when it names the thing."""
+    target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+    return target.used_for or target.not_used_for
+
+
+def declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
+    """Return the answer to a command not to do something."""
+    if isinstance(said, meaning.ToolCommand):
+        return SpokenAnswer(
+            "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
+        )
+    name = said.target.object or said.target.used_for or "thing"
+    return SpokenAnswer("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
 def action_words(actions: Actions, language: Language) -> list[NewWord]:

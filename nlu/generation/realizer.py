@@ -27,6 +27,7 @@ from ..semantics.meaning import (
     Rule,
     Statement,
     ToolCommand,
+    Topic,
 )
 from .templates import SLOT, AnswerTemplates
 
@@ -64,14 +65,26 @@ class Realizer:
                 return self._command(meaning)
             case Question():
                 return self._question(meaning)
-            case Retraction(None):
-                return self._say("rules", "last_taken_back")
-            case Retraction(rule) if rule is not None:
-                return self._say("rules", "taken_back", rule=self._rule(rule, reported=True))
+            case Retraction() | Topic():
+                return self._turn(meaning)
             case Acknowledgement(ack):
                 return self._say("replies", ack)
             case _:
                 raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
+
+    def _turn(self, meaning: Retraction | Topic) -> str:
+        """A sentence that retracts rules or opens a topic."""
+        match meaning:
+            case Topic(name):
+                return self._say("rules", "topic", object=name)
+            case Retraction(about=None, rule=None):
+                return self._say("rules", "last_taken_back")
+            case Retraction(rule) if rule is not None:
+                return self._say("rules", "taken_back", rule=self._rule(rule, reported=True))
+            case Retraction(about=name) if name and name != ANY_OBJECT:
+                return self._say("rules", "taken_back_about", object=name)
+            case _:
+                return self._say("rules", "all_taken_back")
 
     def _statement(self, rules: tuple[Rule, ...]) -> str:
         text = self._say("rules", "several").join(self._rule(rule) for rule in rules)

@@ -27,7 +27,7 @@ MOST_OF_NEVER = 0.1
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
-_LISTED = frozenset({"list", "things", "quotes", "names"})
+_LISTED = frozenset({"list", "things", "kinds", "quotes", "names"})
 _SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _LISTED
 
 
@@ -152,6 +152,7 @@ class AnswerTemplates:
             "name": _capitalised,
             "list": str,
             "things": self.inflection.with_article,
+            "kinds": lambda word: self.inflection.form(word, "plural"),
             "quotes": lambda text: f'"{text.removesuffix(".")}"',
             "names": _capitalised,
         }

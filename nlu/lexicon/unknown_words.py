@@ -131,7 +131,7 @@ class KnownWords:
         found = {
             place: self._guesses(token, 0.0 if token in unknown else _NAMEABLE_COST)
             for place, token in enumerate(tokens.items)
-            if token in unknown or token.word in self._unnamed
+            if token in unknown or token.word in self._unnamed | self._named_within
         }
         for place, (first, second) in enumerate(pairwise(tokens.words)):
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
@@ -200,6 +200,12 @@ class KnownWords:
     @cached_property
     def _unnamed(self) -> frozenset[str]:
         return self.builder.nameable - self.named
+
+    @cached_property
+    def _named_within(self) -> frozenset[str]:
+        """Words that occur in longer names only: "soldering" in "soldering iron"."""
+        names = {name for names in self.lexicon.names.values() for name in names}
+        return self.named - names
 
     @cached_property
     def _things(self) -> frozenset[str]:

@@ -15,7 +15,7 @@ from ..lexicon.inflection import Inflection
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..lexicon.vocabulary import NewWord
-from ..semantics.meaning import Command, Meaning, Question, Statement, ToolCommand
+from ..semantics.meaning import Command, Meaning, Question, Statement, ToolCommand, Topic
 from .understanding import Reading
 
 MAX_NEW_NAMES = 2
@@ -57,6 +57,8 @@ class ReadingFilter:
             return True
         if isinstance(meaning, Statement):
             return not self._may_name_agent(words)
+        if isinstance(meaning, Topic):
+            return [word.role for word in words] == ["object"]
         if len(words) > MAX_NEW_NAMES or not all(map(_is_name, words)):
             return False
         if isinstance(meaning, (Command, ToolCommand)):

@@ -19,7 +19,15 @@ from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.coreference import update_discourse
-from ..semantics.meaning import AskBack, Command, Meaning, Misunderstanding, Statement, ToolCommand
+from ..semantics.meaning import (
+    AskBack,
+    Command,
+    Meaning,
+    Misunderstanding,
+    Statement,
+    ToolCommand,
+    Topic,
+)
 from ..semantics.predicates import Form
 from .chart import Chart
 from .clarification import Clarification
@@ -269,7 +277,7 @@ def _understanding(
     readings: int = 0,
 ) -> Understanding:
     people, discourse = (context.speaker, context.addressee), context.discourse
-    new_words = reading.new_words if reading and isinstance(meaning, Statement) else ()
+    new_words = reading.new_words if reading and isinstance(meaning, (Statement, Topic)) else ()
     if reading is not None:
         discourse = update_discourse(meaning, reading.speech_act.arguments[-1], discourse)
     return Understanding(

@@ -18,7 +18,9 @@ SOMETHING = frozenset({"something", "anything"})
 
 _OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
 _HILT = Form("self")
-_OBJECT_FIRST = frozenset({"usesOf", "about", "see", "source", "why", "whyNot"})
+_OBJECT_FIRST = frozenset(
+    {"usesOf", "about", "see", "source", "why", "whyNot", "topic", "exceptions", "inHand"}
+)
 _OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
 
 

@@ -26,12 +26,18 @@ from .meaning import (
     Rule,
     Statement,
     ToolCommand,
+    Topic,
 )
 from .predicates import Form
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
 
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
+
+_BARE_QUESTIONS = frozenset(
+    {"capabilities", "hearing", "identity", "known", "repeated", "wellbeing"}
+)
+"""The questions that name nothing."""
 
 _QUESTIONS = {
     "usesOf": "uses_of",
@@ -44,11 +50,15 @@ _QUESTIONS = {
     "whyPart": "why",
     "whyNot": "why_not",
     "whyNotPart": "why_not",
+    "exceptions": "exceptions",
     "howSure": "confidence",
+    "inHand": "holding",
+    "lastDone": "last_done",
+    "lastTold": "last_told",
     "source": "source",
     "see": "see",
+    "told": "told",
     "trust": "trust",
-    "capabilities": "capabilities",
 }
 """The name of the question that the form of each name asks."""
 
@@ -84,7 +94,8 @@ class Interpreter:
             case "wantBelieve" if content.name in {"alsoOf", "alsoFor", "alsoBy"}:
                 return self._analogous_rule(content, discourse)
             case "wantBelieve":
-                return self._statement(content)
+                is_topic = content.name == "topic"
+                return Topic(_kind(content.arguments[0])) if is_topic else self._statement(content)
             case "want":
                 return self._command(content)
             case "wantKnow":
@@ -114,6 +125,8 @@ class Interpreter:
 
     def _correction(self, form: Form, discourse: Discourse) -> Meaning:
         """The rule that replaces an earlier one, or the retraction of a rule."""
+        if form.name == "retractAbout":
+            return Retraction(about=_kind_and_properties(form.arguments[0])[0])
         if form.name == "retract":
             if not form.arguments:
                 return Retraction()
@@ -256,16 +269,21 @@ class Interpreter:
 
     def _question(self, form: Form) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         match form.name, form.arguments:
-            case ("capabilities", _) | ("howSure" | "source" | "see" | "trust", ()):
+            case (name, ()) if name in _BARE_QUESTIONS:
+                return Question(name)
+            case (
+                "howSure" | "source" | "see" | "trust" | "exceptions" | "inHand" | "lastDone",
+                (),
+            ):
                 return Question(_QUESTIONS[form.name])
-            case ("usesOf" | "about", (thing, *_)):
+            case ("usesOf" | "about" | "exceptions" | "inHand", (thing, *_)):
                 return Question(_QUESTIONS[form.name], object=_kind(thing))
             case ("aboutUse" | "best" | "whatIf", (use, *_)):
                 return Question(_QUESTIONS[form.name], affordance=self._affordance(use))
             case ("whyPart" | "whyNotPart", (part, *_)):
                 return Question(_QUESTIONS[form.name], part=_part_name(part))
-            case ("trust", (person, *_)):
-                return Question("trust", speaker=_name(person))
+            case ("trust" | "told" | "lastTold", (person, *_)):
+                return Question(_QUESTIONS[form.name], speaker=_name(person))
             case "isTrue" | "howSure", (rule, *_):
                 return self._question_on_rule(_QUESTIONS[form.name], rule)
             case "source", (Form(name="implies" | "and") as rule, *_):

@@ -170,9 +170,10 @@ class Question(_Record):
     """A question of the speaker.
 
     Attributes:
-        ask: `about`, `best_for`, `capabilities`, `confidence`, `how`, `is_used_for`,
-            `objects_for`, `see`, `source`, `trust`, `uses_of`, `what_if`, `which_context`, `why`
-            or `why_not`.
+        ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `hearing`,
+            `holding`, `how`, `identity`, `is_used_for`, `known`, `last_done`, `last_told`,
+            `objects_for`, `repeated`, `see`, `source`, `told`, `trust`, `uses_of`, `wellbeing`,
+            `what_if`, `which_context`, `why` or `why_not`.
         object, affordance, context, part, speaker: what the question names, else None.
     """
 
@@ -187,14 +188,34 @@ class Question(_Record):
 
 @dataclass(frozen=True)
 class Retraction:
-    """The speaker retracts a rule: "forget that"; None stands for the rule taught last."""
+    """The speaker retracts a rule: "forget that"; or all that they said about an object.
+
+    Attributes:
+        rule: the rule to retract; None stands for the rule taught last.
+        about: the object all of whose rules are retracted instead, or `ANY_OBJECT`.
+    """
 
     kind: ClassVar[str] = "correction"
     rule: Rule | None = None
+    about: str | None = None
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
+        if self.about:
+            return {"retract": {"about": self.about}}
         return {"retract": "last" if self.rule is None else self.rule.as_json()}
+
+
+@dataclass(frozen=True)
+class Topic(_Record):
+    """What the next sentences are about: "I'm going to teach you about a soldering iron".
+
+    Attributes:
+        topic: a kind of object, which may be new.
+    """
+
+    kind: ClassVar[str] = "topic"
+    topic: str
 
 
 @dataclass(frozen=True)
@@ -202,7 +223,7 @@ class Acknowledgement(_Record):
     """An utterance that only keeps the conversation going.
 
     Attributes:
-        ack: `okay`, `thanks`, `praise`, `yes`, `no` or `greeting`.
+        ack: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting` or `farewell`.
     """
 
     kind: ClassVar[str] = "acknowledgement"
@@ -255,6 +276,7 @@ Meaning = (
     | ToolCommand
     | Question
     | Retraction
+    | Topic
     | Acknowledgement
     | AskBack
     | Misunderstanding

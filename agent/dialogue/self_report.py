@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Questions about Hilt itself: what it is, holds, did, and was told by whom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+
+from ...kb.history import Utterance
+from ...kb.rule import Rule
+from ...nlu.semantics.meaning import Command, Question, ToolCommand
+from .knowledge import Answered, Knowledge, spoken
+from .reply import Reply
+
+MOST_LISTED = 3
+"""So many rules are told one by one; of more only the objects are named."""
+
+_TAUGHT = frozenset({"statement", "correction"})
+
+
+def _fixed(key: str, _: Question, __: Knowledge) -> Answered:
+    """The answer that is always the same."""
+    return spoken(key, done=True), ()
+
+
+def _holding(question: Question, known: Knowledge) -> Answered:
+    held = known.holding()
+    if question.object and question.object != held:
+        return spoken("not_held", done=True, object=question.object), ()
+    if held is None:
+        return spoken("holds_nothing", done=True), ()
+    return spoken("grasped_somewhere", done=True, object=held), ()
+
+
+def _last_done(_: Question, known: Knowledge) -> Answered:
+    last, decision = known.last, known.decision
+    if last is None or last.result is None:
+        return spoken("nothing_done"), ()
+    best = decision.object.best if decision else None
+    if not last.is_done or not last.result.world.executed or best is None or decision is None:
+        return spoken("did_nothing", done=True, said=last.said), ()
+    key = "did_by" if decision.chosen_part else "did"
+    names = {"object": best.object, "part": decision.chosen_part}
+    if decision.patient:
+        key, names = "done_with_tool", {"tool": best.object, "patient": decision.patient}
+    return spoken(key, done=True, goal=_goal(last), **names), decision.rules
+
+
+def _goal(reply: Reply) -> str:
+    said = reply.understanding.meaning
+    return said.goal if isinstance(said, (Command, ToolCommand)) else "use"
+
+
+def _repeated(_: Question, known: Knowledge) -> Answered:
+    return spoken("repeated" if known.said else "nothing_said", done=True, said=known.said), ()
+
+
+def _known(_: Question, known: Knowledge) -> Answered:
+    rules = known.base.rules()
+    return _listed("known", rules, known) if rules else (spoken("nothing_known", done=True), ())
+
+
+def _told(question: Question, known: Knowledge) -> Answered:
+    speaker = known.base.match_speaker(question.speaker or "")
+    rules = known.base.rules(speaker=speaker)
+    if not rules:
+        return spoken("told_nothing", done=True, speaker=speaker), ()
+    return _listed("told", rules, known, speaker=speaker)
+
+
+def _listed(key: str, rules: Sequence[Rule], known: Knowledge, **slots: str) -> Answered:
+    """The rules themselves, or what they are about if there are many."""
+    if len(rules) <= MOST_LISTED:
+        said = tuple(known.describe(rule) for rule in rules)
+        return spoken(key, done=True, rules=said, **slots), tuple(rules)
+    objects = tuple(dict.fromkeys(rule.object or "thing" for rule in rules))[:MOST_LISTED]
+    number = str(len(rules))
+    return spoken(f"{key}_many", done=True, number=number, objects=objects, **slots), ()
+
+
+def _last_told(question: Question, known: Knowledge) -> Answered:
+    speaker = known.base.match_speaker(question.speaker or "")
+    last = next(_taught_by(speaker, known), None)
+    if last is None:
+        return spoken("told_nothing", done=True, speaker=speaker), ()
+    rules = tuple(rule for rule in known.base.rules(speaker=speaker) if rule.id in last.asserts)
+    key = "source" if rules else "told_but_retracted"
+    return spoken(key, done=True, speaker=speaker, texts=last.text), rules
+
+
+def _taught_by(speaker: str, known: Knowledge) -> Iterator[Utterance]:
+    """What a speaker taught, newest first."""
+    for each in known.base.history(newest_first=True):
+        if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
+            yield each
+
+
+def _exceptions(question: Question, known: Knowledge) -> Answered:
+    rules = known.base.rules(object=question.object) if question.object else known.topic
+    rules = rules or known.base.rules()
+    found = tuple(dict.fromkeys(_exceptions_to(rules, known.base.rules())))
+    if not found:
+        return spoken("no_exceptions", done=True), ()
+    said = tuple(known.describe(rule) for rule in found)
+    return spoken("exceptions", done=True, rules=said), found
+
+
+def _exceptions_to(rules: Iterable[Rule], others: Sequence[Rule]) -> Iterator[Rule]:
+    """The rules that hold for some of the same things and deny what a rule asserts."""
+    for rule in rules:
+        for other in others:
+            is_special = other.features >= rule.features and other.contexts >= rule.contexts
+            if is_special and other.argument == rule.argument and other.asserts != rule.asserts:
+                yield other
+
+
+SELF_REPORTS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
+    "capabilities": partial(_fixed, "capabilities"),
+    "exceptions": _exceptions,
+    "hearing": partial(_fixed, "hearing"),
+    "holding": _holding,
+    "identity": partial(_fixed, "identity"),
+    "known": _known,
+    "last_done": _last_done,
+    "last_told": _last_told,
+    "repeated": _repeated,
+    "told": _told,
+    "wellbeing": partial(_fixed, "wellbeing"),
+}
+"""How each question about Hilt itself is answered."""
