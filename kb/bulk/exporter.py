@@ -170,13 +170,23 @@ class _TurtleWriter:
                 text.append(f"{' .' if self._node else ''}\n{_name(node)} ")
                 self._node = node
             text.append(f"{_short(other)} " if other else self._middles[code])
-            text.append(_name(value) if value.startswith("<") else value)
+            text.append(_value(value))
         self._stream.write("".join(text).encode())
 
     def end(self) -> None:
         """End a graph."""
         last = " .\n" if self._node else ""
         self._stream.write(f"{last}{'}' if self._has_graphs else ''}\n".encode())
+
+
+def _value(value: str) -> str:
+    """An object, with the prefix of its IRI or datatype."""
+    if value.startswith("<"):
+        return _name(value)
+    if not value.endswith(">"):
+        return value
+    quoted, _, datatype = value.rpartition("^^")
+    return f"{quoted}^^{_short(datatype)}"
 
 
 def _name(node: str) -> str:

@@ -111,6 +111,18 @@ def test_every_statement_of_every_form_is_written(kind: str, form: str, quads: l
     assert count == len(found)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_turtle_abbreviates_datatypes(kind: str):
+    """A datatype is written with its prefix."""
+    stream = io.BytesIO()
+    quad = Quad(iri("object", "knife"), term("x"), TIME, BELIEFS)
+
+    with filled(kind, [quad]) as store:
+        write_statements(store, stream, "turtle", None, rules_only=False)
+
+    assert b'"2026-11-21T09:00:00Z"^^xsd:dateTime' in stream.getvalue()
+
+
 @pytest.mark.parametrize("form", ["ntriples", "turtle"])
 @given(STATEMENTS)
 @settings(deadline=None, max_examples=15)
