@@ -27,6 +27,7 @@ from .generation.templates import AnswerTemplates, Slot, load_answers
 from .grammar.combinators import Combinator
 from .grammar.grammar import load_grammar
 from .grammar.notation import save_cache
+from .lexicon.controls import ControlPhrases, load_controls
 from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
@@ -40,10 +41,12 @@ from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import Meaning, Rule, Statement, Topic
+from .semantics.meaning import Control, Meaning, Rule, Statement, Topic
 from .semantics.pragmatics import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
+
+MAX_CONTROL_WORDS = 12
 
 _WORD_FILES = (
     "lexicon.yaml",
@@ -72,6 +75,7 @@ class Language:
     builder: LexiconBuilder
     inflection: Inflection
     degrees: Degrees
+    controls: ControlPhrases
     learned: tuple[NewWord, ...] = ()
 
     @classmethod
@@ -120,7 +124,9 @@ class Language:
             gc.freeze()
             gc.unfreeze()
         examples = _examples(folder / "examples.yaml", builder.contractions)
-        return cls(language, parser, examples, answers, realizer, builder, inflection, degrees)
+        controls = load_controls(folder / "controls.yaml")
+        parts = (parser, examples, answers, realizer, builder, inflection, degrees, controls)
+        return cls(language, *parts)
 
     def __repr__(self) -> str:
         return f"<Language {self.name}, {len(self.learned)} words learned>"
@@ -164,7 +170,22 @@ class Language:
                 to be sure what is wanted, the meaning is a question back.
         """
         context = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
+        control = self.control(text)
+        if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
+            return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         return self.utterance_parser.understand(text, context, accepted)
+
+    def control(self, text: str) -> Control | None:
+        """Return the control that a text is ("stop", "put it down"), None for any other text."""
+        tokens = tokenize(text, self.builder.contractions)
+        if len(tokens.items) > MAX_CONTROL_WORDS:
+            return None
+
+        def named(start: int, end: int) -> str | None:
+            return self.parser.named_object(tokens.part(start, end))
+
+        found = self.controls.match(tokens.words, named)
+        return Control(*found) if found else None
 
     @cached_property
     def utterance_parser(self) -> UtteranceParser:

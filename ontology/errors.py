@@ -14,6 +14,7 @@
     ├── ValidationError (ValueError)     a graph or rule that violates the SHACL shapes
     ├── MissingExtraError (ImportError)  an optional package is not installed
     ├── SimulationError (RuntimeError)   the simulator cannot do what was requested
+    ├── MotionInterruptedError (Runtime.) a motion was ended from another thread
     └── WorkersError (RuntimeError)      worker processes or nodes cannot be started or reached
 
 They are defined here because every other package imports `ontology`, which imports none of them.
@@ -156,6 +157,13 @@ class MissingExtraError(HiltError, ImportError):
 
 class SimulationError(HiltError, RuntimeError):
     """The simulator cannot do what was requested."""
+
+
+class MotionInterruptedError(HiltError, RuntimeError):
+    """A motion was ended from another thread; a robot's body reports it and does not raise it."""
+
+    def __init__(self) -> None:
+        super().__init__("The motion was interrupted.")
 
 
 class WorkersError(HiltError, RuntimeError):

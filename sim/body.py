@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The robot's body: vision, one arm with a hand, and the world it acts in.
 
-It searches for features, takes objects by the part it is told, lifts, hands over, puts back, points
+It searches for features, takes objects by the part it is told, lifts, hands over, puts down, points
 and strikes. It knows nothing of rules: which object and which part is decided elsewhere. Every
 motion returns a `MotionReport`: a motion that fails is tried again with another grasp where that
 can help, and what cannot be done is reported without trying it.
@@ -9,7 +9,7 @@ can help, and what cannot be done is reported without trying it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from hashlib import sha256
 from pathlib import Path
@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ontology.errors import MotionInterruptedError
 from ..ontology.objects import ObjectType
 from .manipulation.motion import HandMotion
 from .manipulation.pick_and_place import LIFT_HEIGHT, PickAndPlace
 from .manipulation.report import MotionReport
 from .manipulation.striking import Striking
+from .robot.interruption import Interruption
 from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
@@ -52,6 +54,8 @@ class Body(AbstractContextManager["Body"]):
         robot: its name in `robots.yaml`.
         vision: where percepts come from: "mask", "learned" or "learned:FILE".
         noise: of the cameras' depths; none when None.
+        interruption: pauses or ends motions from another thread; a motion that is ended reports
+            "interrupted".
 
     Attributes:
         world: the table, the objects, and time.
@@ -71,12 +75,16 @@ class Body(AbstractContextManager["Body"]):
         robot: str = "panda",
         vision: str = "mask",
         noise: Noise | None = None,
+        interruption: Interruption | None = None,
     ) -> None:
         kind = find_robot(robot)
         self.world = World.build(scene, objects, gui=gui)
         self.vision = open_vision(self.world, source=vision, noise=noise)
         sleeping = SleepManager(self.world)
-        self.robot = Robot(self.world.engine, kind, step=sleeping.step)
+        self.interruption = interruption or Interruption()
+        self.robot = Robot(
+            self.world.engine, kind, step=sleeping.step, interruption=self.interruption
+        )
         receiver, meeting = np.array(RECEIVER), np.array(MEETING)
         motion = HandMotion(self.robot, table=TABLE_HEIGHT, receiver=receiver, meeting=meeting)
         self._vision = CachedVision(self.world, self.vision)
@@ -143,38 +151,53 @@ class Body(AbstractContextManager["Body"]):
 
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
         """Close the hand on an object, by this part only; None leaves the choice to the hand."""
-        return self.pick_and_place.grasp(percept, part)
+        return self._moved("grasp", lambda: self.pick_and_place.grasp(percept, part))
 
     def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
         """Lift the held object from the table and hold it for a second."""
-        return self.pick_and_place.lift(height_m)
+        return self._moved("lift", lambda: self.pick_and_place.lift(height_m))
 
     def hold(self, seconds: float) -> MotionReport:
         """Stand still with the held object."""
-        return self.pick_and_place.hold(seconds)
+        return self._moved("hold", lambda: self.pick_and_place.hold(seconds))
 
     def hand_over(self) -> MotionReport:
         """Bring the held object to the receiver, its free part first, and hold it there."""
-        return self.pick_and_place.hand_over()
+        return self._moved("hand_over", self.pick_and_place.hand_over)
 
     def put_back(self) -> MotionReport:
         """Put the held object back where it was taken up, and let it go."""
-        return self.pick_and_place.put_back()
+        return self._moved("put_back", self.pick_and_place.put_back)
+
+    def put_down(self) -> MotionReport:
+        """Put the held object on the nearest free place of the table, and let it go."""
+        return self._moved("put_down", self.pick_and_place.put_down)
+
+    def release(self) -> MotionReport:
+        """Open the hand where it is, and go back to the waiting posture."""
+        return self._moved("release", self.pick_and_place.release)
+
+    def _moved(self, action: str, move: Callable[[], MotionReport]) -> MotionReport:
+        """The report of a motion, also of one that is ended while it runs."""
+        try:
+            return move()
+        except MotionInterruptedError:
+            return self.pick_and_place.interrupted(action)
 
     # --- pointing and striking ----------------------------------------------------------------
 
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at an object without touching it."""
-        return self.pick_and_place.point_at(percept)
+        return self._moved("point_at", lambda: self.pick_and_place.point_at(percept))
 
     def move_above(self, percept: Percept) -> MotionReport:
         """Bring the held object above one that is to be driven in, a face of it downwards."""
-        return self.striking.move_above(percept)
+        return self._moved("move_above", lambda: self.striking.move_above(percept))
 
     def raise_(self) -> MotionReport:
         """Bring the held object back above what it strikes, ready for a blow."""
-        return self.striking.raise_()
+        return self._moved("raise", self.striking.raise_)
 
     def lower(self) -> MotionReport:
         """Strike once; the report says how deep the target is in."""
-        return self.striking.lower()
+        return self._moved("lower", self.striking.lower)

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+from .controls import ControlPhrases, load_controls
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection, load_inflection
 from .lexicon import Entry, Lexicon, Sense
@@ -8,6 +9,7 @@ from .unknown_words import KnownWords, closest_word
 from .vocabulary import NewWord, Vocabulary, household_vocabulary
 
 __all__ = [
+    "ControlPhrases",
     "DiscourseMarkers",
     "Entry",
     "Inflection",
@@ -21,6 +23,7 @@ __all__ = [
     "Vocabulary",
     "closest_word",
     "household_vocabulary",
+    "load_controls",
     "load_inflection",
     "tokenize",
 ]

@@ -87,6 +87,16 @@ class SentenceParser:
                 return form
         return None
 
+    def named_object(self, tokens: Tokens) -> str | None:
+        """Return the kind of object that tokens name, with or without properties; else None."""
+        for derivation in self.chart(tokens, {}).derivations(self.grammar.topic):
+            form = form_of(derivation.value)
+            while form.name == "having":
+                form = form.arguments[0]
+            if not form.arguments and form != IT and form.name not in SOMETHING:
+                return form.name.replace("_", " ")
+        return None
+
     def is_generic(self, chart: Chart) -> bool:
         """Whether an utterance only names any object of a kind: "knives", "a knife"."""
         return any(

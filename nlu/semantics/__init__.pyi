@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 from .coreference import Discourse, RefusedError, resolve
 from .interpretation import Interpreter
-from .meaning import Command, Meaning, Question, Rule, Statement, ToolCommand
+from .meaning import Command, Control, Meaning, Question, Rule, Statement, ToolCommand
 from .pragmatics import Intention, Pragmatics, load_pragmatics
 from .predicates import Form, fill, form_of, form_of_term, match, term_of
 
 __all__ = [
     "Command",
+    "Control",
     "Discourse",
     "Form",
     "Intention",

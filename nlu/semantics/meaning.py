@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The meanings of utterances: rules, commands, questions, corrections, acknowledgements.
+"""The meanings of utterances: rules, commands, questions, corrections, replies, controls.
 
 These frozen values are all that other packages get. Names are lower-case words in the singular,
 with a space between several ("wine glass"); affordances are gerunds ("cutting"). A confidence is a
@@ -231,6 +231,25 @@ class Acknowledgement(_Record):
 
 
 @dataclass(frozen=True)
+class Control(_Record):
+    """A control word, obeyed at any time: "stop", "wait", "put it down".
+
+    Attributes:
+        control: `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`.
+        object: the object to let go of or to put down, when it is named.
+    """
+
+    kind: ClassVar[str] = "control"
+    control: str
+    object: str | None = None
+
+    @property
+    def is_halt(self) -> bool:
+        """Whether it only ends or pauses what is being done, which anybody may ask for."""
+        return self.control in {"stop", "wait"}
+
+
+@dataclass(frozen=True)
 class AskBack:
     """The utterance is ambiguous or close to a known one: Hilt must ask a clarification question.
 
@@ -278,6 +297,7 @@ Meaning = (
     | Retraction
     | Topic
     | Acknowledgement
+    | Control
     | AskBack
     | Misunderstanding
 )

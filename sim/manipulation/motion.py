@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motions of the hand: grasp, lift, hold, carry, hand over, put back and point at objects.
+"""Motions of the hand: grasp, lift, hold, carry, hand over, put down and point at objects.
 
 Success is judged by the contacts of the fingers and the height of the object, never by what was
 commanded. A motion that fails returns the reason and raises nothing.
@@ -33,6 +33,9 @@ LOST_CHECKS = 2  # without contact, after which an object is lost
 HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for a held object
 HELD_GAP = 0.006  # [m] between a held object and obstacles
 RELEASE_HEIGHT = 0.003  # [m] above where it was taken up, an object is released
+PLACES = ((0.35, 0.66), (-0.36, 0.37))  # [m], x and y of the grip where objects are put down
+PLACE_STEP, PLACE_GAP = 0.05, 0.03  # [m] between two places, and to other objects
+PLACE_HEIGHT = 0.10  # [m] above a place, from where an object is lowered
 RELEASE_TIME = 0.4  # [s]
 RETREAT = 0.08  # [m] the open hand goes back
 POINTING_GAP = 0.05  # [m] between the finger tips and the object pointed at
@@ -234,14 +237,42 @@ class HandMotion:
     def put_back(self, held: HeldObject, planner: PathPlanner) -> str:
         """Put the held object down where it lay; return the reason of failure, or ""."""
         above = self.plan_carry(held, held.path.lift[-1], planner)
-        if above is None:
-            return "unreachable"
+        return "unreachable" if above is None else self._put_at(held, above, np.zeros(3), planner)
+
+    def put_down(self, held: HeldObject, planner: PathPlanner) -> str:
+        """Put the held object on the nearest free place; return the reason of failure, or ""."""
+        for shift in self._free_places(held, planner):
+            raised = poses.translation(*shift) @ poses.translation(0, 0, PLACE_HEIGHT)
+            goal = planner.inverse_kinematics((raised @ held.path.grasp.world_from_grip)[None])
+            above = self.plan_carry(held, goal.joints[0], planner) if goal.found[0] else None
+            if above is not None:
+                return self._put_at(held, above, shift, planner)
+        return "no_room"
+
+    def _put_at(self, held: HeldObject, above: Array, shift: Array, planner: PathPlanner) -> str:
+        """Carry the held object to a place, `shift` (3,) [m] from where it lay, and release it."""
         if not self.carry(held, above):
             return "dropped"
-        down = poses.translation(0, 0, RELEASE_HEIGHT) @ held.path.grasp.world_from_grip
-        self._follow_if(planner.plan_straight(down), APPROACH_PACE)
+        down = poses.translation(*shift) @ poses.translation(0, 0, RELEASE_HEIGHT)
+        path = planner.plan_straight(down @ held.path.grasp.world_from_grip)
+        self._follow_if(path, APPROACH_PACE)
         self.release(planner)
         return ""
+
+    def _free_places(self, held: HeldObject, planner: PathPlanner) -> Iterator[Array]:
+        """Shifts (3,) [m] from where the object lay to places with room, the nearest first."""
+        start = held.path.grasp.world_from_grip[:2, 3]
+        axes = (np.arange(low, high, PLACE_STEP) for low, high in PLACES)
+        places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+        far = np.linalg.norm(places - self.robot.world_from_grip[:2, 3], axis=1)
+        cloud = held.context.percept.cloud
+        cloud = cloud[voxel_downsample(cloud, HELD_CELL), :2]
+        others = planner.obstacles[voxel_downsample(planner.obstacles, HELD_CELL), :2]
+        for place in places[np.argsort(far, kind="stable")]:
+            shift = place - start
+            gaps = np.linalg.norm((cloud + shift)[:, None] - others[None], axis=-1)
+            if gaps.min(initial=np.inf) > PLACE_GAP:
+                yield np.array([*shift, 0.0])
 
     def _hand_over_postures(self, held: HeldObject, planner: PathPlanner) -> Iterator[Array]:
         """Postures for handing over, the free part towards the receiver, then the nearest."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pick and place: grasp an object by a part, lift it, hand it over, put it back, or point at it.
+"""Pick and place: grasp an object by a part, lift it, hand it over, put it down, or point at it.
 
 Each action returns a `MotionReport`. A failed grasp is followed by another one until the attempts
 are used up, and a lost object is grasped again; what is impossible is reported without trying.
@@ -13,13 +13,14 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
 from ..grasping.planner import GraspPlan
 from ..grasping.selection import GraspTask, select_grasp
 from ..poses import Array
 from ..robot.gripper_poses import Grasp
-from ..robot.path_planner import GraspPath
+from ..robot.path_planner import GraspPath, PathPlanner
 from ..scene.world import SleepManager, World
 from ..vision.percept import Percept
 from ..vision.sensors import CachedVision
@@ -28,6 +29,7 @@ from .report import MotionReport
 
 LIFT_HEIGHT = 0.15  # [m]
 MIN_LIFT = 0.10  # [m], less is not lifted
+RAISED = 0.01  # [m], from which on an object has left the table, as after an interruption
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
@@ -64,13 +66,15 @@ class PickAndPlace:
         self._rng = np.random.default_rng(seed)
         self._task = GraspTask("", None)
         self._before: dict[str, Array] = {}  # poses of all objects before the task
+        self._is_interrupted = False  # since the last motion, which left the arm where it was
 
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
         """Close the gripper on an object, by this part; None leaves the choice to the robot."""
         if self.motion.robot.kind.gripper is None:
             return MotionReport("grasp", ok=False, reason="no_gripper")
-        if self.held:
-            self.put_back()
+        if self._resumes(percept, part):
+            return self.report("grasp", "")
+        self.clear_hand()
         self._task = GraspTask(percept.name, part)
         self._before = {name: self._world.pose(name) for name in self._world.kinds}
         self._sleeping.sleep_again(but=percept.name)
@@ -106,10 +110,43 @@ class PickAndPlace:
             self.held = None
         return self.report("put_back", reason)
 
+    def put_down(self) -> MotionReport:
+        """Put the held object on the nearest free place of the table, and release it."""
+        if self.held is None:
+            return MotionReport("put_down", ok=False, reason="nothing_held")
+        reason = self.motion.put_down(self.held, self.motion.path_planner(self.held.context))
+        if not reason:
+            self.held = None
+        return self.report("put_down", reason)
+
+    def release(self) -> MotionReport:
+        """Open the gripper where it is, and go home."""
+        if self.held is None:
+            return MotionReport("release", ok=False, reason="nothing_held")
+        self.drop()
+        return self.report("release", "")
+
+    def clear_hand(self) -> None:
+        """Empty the hand: put what it holds back, or down; leave where it was interrupted."""
+        if self.held and not self.put_back().ok and not self.put_down().ok:
+            self.drop()
+        if self._is_interrupted:
+            points = self._vision.obstacles("")
+            motion = self.motion
+            motion.release(PathPlanner(motion.robot, motion.table, points, points))
+        self._is_interrupted = False
+
+    def interrupted(self, action: str) -> MotionReport:
+        """Report on a motion that was ended while it ran."""
+        held = self.held
+        if held and not self.motion.finger_contacts().holds(held.name):
+            self.held = None
+        self._is_interrupted = True
+        return self.report(action, "interrupted")
+
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at an object without touching it; a held one is put back before."""
-        if self.held:
-            self.put_back()
+        self.clear_hand()
         context = self._observe(percept.name, None)
         if context is None:
             return MotionReport("point_at", ok=False, reason="nothing_seen")
@@ -143,6 +180,14 @@ class PickAndPlace:
             slip_rad=slip_rad,
             bumped=self._bumped(),
         )
+
+    def _resumes(self, percept: Percept, part: str | None) -> bool:
+        """Whether the hand still holds an object as wanted, after an interruption."""
+        held = self.held
+        if not self._is_interrupted or held is None or held.name != percept.name:
+            return False
+        self._is_interrupted = False
+        return part in {None, held.context.part}
 
     # --- steps --------------------------------------------------------------------------------
 
@@ -197,7 +242,12 @@ class PickAndPlace:
         """Close the gripper once; the reason of failure, and what the fingers touch."""
         name = self._task.name
         before = self._world.pose(name)
-        contacts = self.motion.grasp(path)
+        try:
+            contacts = self.motion.grasp(path)
+        except MotionInterruptedError:
+            if self.motion.finger_contacts().holds(name):
+                self.held = self.motion.held_object(context, path, before)
+            raise
         self._task = self._task.with_attempt(path.grasp)
         allowed = {(name, part) for part in context.allowed_parts}
         if contacts.both - allowed:
@@ -228,7 +278,9 @@ class PickAndPlace:
         held = self.held
         if held is None:
             return MotionReport("lift", ok=False, reason="nothing_held")
-        if not self.motion.lift(held, height_m, self.motion.path_planner(held.context)):
+        gained = self.motion.height_gained(held)
+        rest = height_m if gained < RAISED else max(0.0, height_m - gained)
+        if rest and not self.motion.lift(held, rest, self.motion.path_planner(held.context)):
             return self.report("lift", "slipped")
         held_s = self.motion.hold_still(held, HOLD_TIME)
         if held_s < HOLD_TIME:

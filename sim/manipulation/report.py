@@ -20,6 +20,8 @@ REASONS = {
     "nothing_to_strike": "the object to be struck is not there, or does not stand in another one",
     "not_driven": "the object that was struck does not go in",
     "no_gripper": "the robot has no gripper",
+    "no_room": "there is no free place on the table",
+    "interrupted": "the motion was ended while it ran",
 }
 
 

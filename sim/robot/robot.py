@@ -18,6 +18,7 @@ from ..physics.contacts import Contact
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
 from .collision import Spheres, arm_spheres, finger_spheres
+from .interruption import Interruption
 from .models import Gripper, RobotType
 
 NAME = "robot"
@@ -32,6 +33,8 @@ GEAR_FORCE, GEAR_STIFFNESS = 200.0, 0.3
 GAIN, DAMPING = 0.3, 1.0  # of the arm's motors: errors below a millimetre at full pace
 OPENING_FORCE = 40.0  # [N]
 PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
+REACTION_STEPS = 6  # between two looks at the interruption while nothing is commanded: 25 ms
+BRAKE_STEPS, AT_REST = 60, 0.02  # at most, until the arm is slower [rad/s] when it is interrupted
 MIN_DURATION = 0.12  # [s], of a path
 ROUNDING = 0.1  # [s] over which corners are rounded
 
@@ -40,7 +43,8 @@ class Robot:
     """A robot of one `kind` in a physics engine.
 
     It stands at `world_from_base`, by default the origin. `step` advances time by a number of
-    steps, by default with the engine's own method.
+    steps, by default with the engine's own method. Motions end with a `MotionInterruptedError`
+    when another thread asks the `interruption` to stop.
     """
 
     def __init__(
@@ -50,9 +54,11 @@ class Robot:
         *,
         world_from_base: Array | None = None,
         step: Callable[[int], None] | None = None,
+        interruption: Interruption | None = None,
     ) -> None:
         self.engine, self.kind = engine, kind
-        self.advance = step or engine.step
+        self.interruption = interruption or Interruption()
+        self._step = step or engine.step
         self.world_from_base = np.eye(4) if world_from_base is None else world_from_base
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
@@ -126,13 +132,33 @@ class Robot:
         `stop`, called at every step, returns true. Returns whether it came to the path's end.
         """
         positions, speeds = time_path(path, self.chain.speed, step=TIME_STEP, pace=pace)
-        for position, speed in zip(positions, speeds, strict=True):
+        for index, (position, speed) in enumerate(zip(positions, speeds, strict=True)):
+            if self.interruption.is_requested:
+                self.halt()
+                rest = np.vstack([self.joints, positions[index:]])
+                return self.follow(rest, pace=pace, stop=stop)
             self._hold_arm(position, speed)
-            self.advance(1)
+            self._step(1)
             if stop is not None and stop():
                 self._hold_arm(self.joints)
                 return False
         return True
+
+    def advance(self, count: int) -> None:
+        """Let `count` steps pass while the arm stands still."""
+        for done in range(0, count, REACTION_STEPS):
+            if self.interruption.is_requested:
+                self.interruption.wait()
+            self._step(min(REACTION_STEPS, count - done))
+
+    def halt(self) -> None:
+        """Bring the arm to rest, and wait while the interruption is a pause."""
+        self._hold_arm(self.joints)
+        for _ in range(BRAKE_STEPS):
+            self._step(1)
+            if np.abs(self.engine.joints.speeds(NAME, self._joints)).max() < AT_REST:
+                break
+        self.interruption.wait()
 
     def wait(self, seconds: float) -> None:
         """Stand still for some time [s]."""
@@ -147,16 +173,23 @@ class Robot:
 
     def close(self) -> None:
         """Close the gripper until it meets something or its end, and squeeze."""
-        for joint in self.gripper.joints:
-            self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
+        self._drive_fingers()
         still = 0
         for step in range(round(CLOSING_TIME / TIME_STEP)):
-            self.advance(1)
+            if self.interruption.is_requested:
+                self.open(self.opening)
+                self.halt()
+                self._drive_fingers()
+            self._step(1)
             speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
             if still == STILL_STEPS:
                 break
         self.advance(SQUEEZE_STEPS)
+
+    def _drive_fingers(self) -> None:
+        for joint in self.gripper.joints:
+            self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
 
     def finger_contacts(self) -> tuple[tuple[Contact, ...], tuple[Contact, ...]]:
         """The contacts of the first and of the second finger."""
