@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from ..inference.affordance import Affordances
@@ -24,6 +25,7 @@ from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
 from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType
+from ..sim.robot.interruption import Interruption
 from . import protocols
 from .config import AgentConfig, actions_with, load_language, open_base
 from .dialogue.manager import DialogueManager
@@ -86,13 +88,16 @@ class Agent:
         )
         self.simulate = embodiment.simulate and vision is None
         self._vision, self._motion = vision, motion
+        self.interruption = Interruption()
+        self._hearing = Lock()
         self._film: Film | None = None
+        self._episodes = EpisodeRecorder(base, self.circumstances, self.state)
         self.dialogue = DialogueManager(
             base,
             language.with_words(action_words(actions, language)),
             lambda: self.goals,
             self.visible,
-            EpisodeRecorder(base, self.circumstances, self.state).record,
+            self._episodes.record,
             holding=self.holding,
             seed=self.scene.seed,
             other=dialogue,
@@ -137,6 +142,9 @@ class Agent:
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply.
 
+        Any thread may call it. Utterances are heard one after the other, but for controls: "stop",
+        "wait" or "put it down" interrupt the command that is being carried out.
+
         Args:
             text: what is said.
             speaker: who says it.
@@ -144,13 +152,39 @@ class Agent:
             heard: the confidence of the speech recogniser, in [0, 1].
             keep: whether a command is written to the history and kept as an episode.
         """
+        control = self.dialogue.language.control(text) if self.is_busy else None
+        if control and control.control in {"wait", "continue"}:
+            self.interrupt(control.control)
+            return self.dialogue.hear_aside(text, control, speaker=speaker, heard=heard, keep=keep)
+        if control or self.interruption.is_paused:
+            self.interrupt("stop")
+        with self._hearing:
+            self.interruption.clear()
+            return self._hear(text, speaker, only, heard, keep)
+
+    def _hear(self, text: str, speaker: str, only: str | None, heard: float, keep: bool) -> Reply:
         if self._film:
             self._film.begin(text)
         reply = self.dialogue.hear(text, speaker=speaker, only=only, heard=heard, keep=keep)
+        if reply.understanding.kind == "control":
+            self._episodes.forget_state()
         if self._film:
             self._film.end(reply.said)
             reply = reply.with_pictures(str(self._film.path))
         return reply
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether an utterance is being heard, or a command carried out, in any thread."""
+        return self._hearing.locked()
+
+    def interrupt(self, control: str = "stop") -> None:
+        """Let the command that is carried out "stop", "wait" or "continue"; for any thread.
+
+        The arm reacts within 50 ms of simulated time. A command that is stopped ends as failed.
+        """
+        requests = {"wait": self.interruption.pause, "continue": self.interruption.resume}
+        requests.get(control, self.interruption.stop)()
 
     def attempt(self, text: str, request: Request) -> tuple[GoalResult, str]:
         """Carry out a request; return its result and the spoken answer."""
@@ -202,7 +236,7 @@ class Agent:
         Raises:
             MissingExtraError: the simulator is not installed.
         """
-        return self.embodiment.open_body()
+        return self.embodiment.open_body(self.interruption)
 
     @cached_property
     def goals(self) -> GoalManager:
@@ -215,6 +249,7 @@ class Agent:
             body or self._motion,
             grips=_grips(self.objects),
             parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
+            interruption=self.interruption,
         )
 
     @contextmanager
@@ -247,12 +282,6 @@ class Agent:
                 yield
             finally:
                 self._film = None
-
-    def reset_body(self) -> None:
-        """Close the simulated body; the next command starts with the initial scene."""
-        self._release_body()
-        for made in ("body", "goals"):
-            self.__dict__.pop(made, None)
 
     def close(self) -> None:
         """Release the body and the base."""

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A conversation on a terminal or through a pipe: an utterance per line, and slash commands.
 
-On a terminal `readline` gives a prompt, a history over sessions, and completion of known words.
+On a terminal `readline` gives a prompt, a history over sessions, and completion of known words. The
+lines are heard in a thread of their own, so that "stop" can be typed while the arm moves.
 """
 
 from __future__ import annotations
@@ -9,7 +10,8 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping
-from dataclasses import dataclass
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
 
@@ -20,6 +22,7 @@ from rich.text import Text
 from ..kb.rule import check_speaker
 from ..ontology.errors import ValidationError
 from .agent import Agent
+from .dialogue.reply import Reply
 from .presentation import console as shown
 from .presentation.text import printable
 
@@ -27,6 +30,7 @@ QUIT = "/quit"
 QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
 SPEAKER = "/speaker"
 HISTORY_LENGTH = 1000  # lines
+PATIENCE = 1.5  # [s] until the next line can be typed although the last one is not answered
 _DELIMITERS = " \t\n,.;:!?\"'"
 
 
@@ -36,13 +40,16 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
     if chat.is_interactive:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
     said = (
-        read_lines(lambda: f"{chat.speaker}> ", chat.completable) if chat.is_interactive else source
+        read_lines(lambda: chat.prompt, chat.completable, chat.interrupt)
+        if chat.is_interactive
+        else source
     )
     for line in (line.removeprefix("\ufeff").strip() for line in said):
         if line in QUIT_WORDS:
-            return
+            break
         if line:
             chat.handle_line(line)
+    chat.close()
 
 
 @dataclass
@@ -60,6 +67,14 @@ class Chat:
     out: Console
     speaker: str
     is_interactive: bool
+    _worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    _waiting: list[Future[None]] = field(default_factory=list[Future[None]])
+    _is_interrupted: bool = False  # by a control whose answer is not there yet
+
+    @property
+    def prompt(self) -> str:
+        """What stands before the line that is typed."""
+        return f"{self.speaker}> "
 
     def handle_line(self, line: str) -> None:
         """Show the answer to an utterance, or the result of a slash command."""
@@ -69,7 +84,7 @@ class Chat:
         elif name == SPEAKER:
             self.out.print(self._set_speaker(rest.strip()))
         elif line in _COMMANDS:
-            self.out.print(_COMMANDS[line](self.agent))
+            self._do(lambda: self.out.print(_COMMANDS[line](self.agent)))
         else:
             self.out.print(Text(f"There is no {line}. {_help()}"))
 
@@ -77,17 +92,62 @@ class Chat:
         """Return the words that the Tab key can complete."""
         return {*self.agent.dialogue.language.known_words, *_COMMANDS, SPEAKER, QUIT}
 
+    def interrupt(self) -> None:
+        """Stop what is being done, and drop the lines that wait to be heard."""
+        self._drop_waiting()
+        if self.agent.is_busy:
+            self.agent.interrupt()
+        wait(self._waiting)
+
+    def close(self) -> None:
+        """Wait for the last answer."""
+        wait(self._waiting)
+        self._worker.shutdown()
+
     def _converse(self, line: str) -> None:
+        self._waiting = [each for each in self._waiting if not each.done()]
+        control = self.agent.dialogue.language.control(line) if self._waiting else None
+        if control is None:
+            self._do(lambda: self._hear(line))
+            return
+        if control.control not in {"wait", "continue"}:
+            self._drop_waiting()
+            self._is_interrupted = True
+        self._hear(line)
+        self._is_interrupted = False
+
+    def _drop_waiting(self) -> None:
+        for each in self._waiting:
+            each.cancel()
+
+    def _do(self, work: Callable[[], None]) -> None:
+        """Do something in the other thread; return when it is done, or takes long."""
+        if not self.is_interactive:
+            work()
+            return
+        done = self._worker.submit(work)
+        self._waiting.append(done)
         try:
             with self.out.status("..."):
-                reply = self.agent.hear(line, speaker=self.speaker)
+                wait([done], PATIENCE)
         except KeyboardInterrupt:
-            self.agent.reset_body()
-            self.out.print(Text("Stopped. The next command starts with the initial scene."))
-            return
+            self.interrupt()
+        if done.done():
+            done.result()
+        else:
+            done.add_done_callback(lambda _: self.out.print(self.prompt, end=""))
+
+    def _hear(self, line: str) -> None:
+        try:
+            reply = self.agent.hear(line, speaker=self.speaker)
         except ValidationError as error:  # a text that cannot be stored
             self.out.print(Text(str(error)))
             return
+        # What was interrupted is said in the answer to the control.
+        if not (reply.is_interrupted and self._is_interrupted):
+            self._show(reply)
+
+    def _show(self, reply: Reply) -> None:
         spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
         self.out.print(spoken if self.is_interactive else shown.turn(reply))
         if reply.hint:
@@ -125,8 +185,12 @@ _COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
 }
 
 
-def read_lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) -> Iterator[str]:
-    """Yield the lines that are typed until the end of input; Ctrl-C discards a line."""
+def read_lines(
+    prompt: Callable[[], str],
+    words: Callable[[], Collection[str]],
+    interrupt: Callable[[], None] = lambda: None,
+) -> Iterator[str]:
+    """Yield the lines that are typed until the end of input; Ctrl-C discards one and interrupts."""
     with _editing(user_state_path("hilt") / "history", words):
         while True:
             try:
@@ -136,6 +200,7 @@ def read_lines(prompt: Callable[[], str], words: Callable[[], Collection[str]]) 
                 return
             except KeyboardInterrupt:
                 sys.stdout.write("\n")
+                interrupt()
                 continue
             yield line
 

@@ -91,6 +91,28 @@ class Skills(Protocol):
         ...
 
 
+@runtime_checkable
+class Hand(Protocol):
+    """A motion that can empty its hand without an action tree; optional."""
+
+    @property
+    def held(self) -> Percept | None:
+        """The object in the hand, as it was seen before it was grasped; None when it is empty."""
+        ...
+
+    def release(self) -> MotionReport:
+        """Open the hand where it is."""
+        ...
+
+    def put_down(self) -> MotionReport:
+        """Put the held object on the nearest free place of the table."""
+        ...
+
+    def put_back(self) -> MotionReport:
+        """Put the held object back where it was taken up."""
+        ...
+
+
 class Dialogue(Protocol):
     """Understands utterances and words the answers."""
 

@@ -110,6 +110,12 @@ class Body(AbstractContextManager["Body"]):
         held = self.pick_and_place.held
         return held.name if held else None
 
+    @property
+    def held(self) -> Percept | None:
+        """The object in the hand, as it was seen before it was grasped; None when it is empty."""
+        held = self.pick_and_place.held
+        return held.context.percept if held else None
+
     # --- seeing -------------------------------------------------------------------------------
 
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:

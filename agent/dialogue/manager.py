@@ -40,7 +40,7 @@ from .translation import declined, meaning_from_rule, request_from_command, use_
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
-    "do": ("command",),
+    "do": ("command", "control"),
     "ask": ("question",),
 }
 ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
@@ -131,6 +131,8 @@ class DialogueManager:
         self._retracted: tuple[Rule, ...] = ()  # and no other rule was spoken of since
         self._just_acted = False  # and no rule was spoken of since
         self._last_said = ""
+        self._interrupted: tuple[DialogueTurn, Request] | None = None  # the command to continue
+        self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
             meaning.Statement: self._learn,
             meaning.Retraction: self._forget,
@@ -139,6 +141,7 @@ class DialogueManager:
             meaning.ToolCommand: self._carry_out_command,
             meaning.Question: self._answer,
             meaning.Acknowledgement: self._acknowledge,
+            meaning.Control: self._obey,
             meaning.AskBack: self._ask_back,
             meaning.Misunderstanding: self._not_understood,
         }
@@ -167,11 +170,19 @@ class DialogueManager:
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
             return self._answered(turn, f"only_{only}", "not_understood")
-        if understood.kind != "acknowledgement":
+        if understood.kind not in {"acknowledgement", "control"}:
             self._pending = None
         reply = self._listeners[type(understood.meaning)](turn, understood.meaning)
         self._last_said = reply.said
         return reply
+
+    def hear_aside(
+        self, text: str, said: meaning.Control, *, speaker: str, heard: float, keep: bool
+    ) -> Reply:
+        """Confirm a "wait" or "go on" while another thread carries out a command."""
+        speaker = self.base.match_speaker(speaker)
+        turn = DialogueTurn(Understanding(text, speaker, "self", said), heard, keep)
+        return self._answered(turn, "waiting" if said.is_halt else "going_on", "done")
 
     def _understood(
         self, text: str, speaker: str, accepted: Collection[str], heard: float
@@ -294,6 +305,8 @@ class DialogueManager:
         self._record(reply, turn)
         self._record_episode(request, reply, turn.keep)
         self.last_done = reply
+        self._interrupted = (turn, request) if reply.is_interrupted else None
+        self._just_stopped = result.answer if reply.is_interrupted else None
         self._topic = ()
         self._set_topic(result.decision.rules if result.decision else ())
         self._just_acted = True
@@ -301,6 +314,31 @@ class DialogueManager:
         if reply.ending == "asked" and settled:
             self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
         return reply
+
+    # --- Controls -----------------------------------------------------------------------------
+
+    def _obey(self, turn: DialogueTurn, said: meaning.Control) -> Reply:
+        """Carry out a control while no command runs; one that ran was interrupted before."""
+        pending, self._pending = self._pending, None
+        stopped, self._just_stopped = self._just_stopped, None
+        if said.control == "stop" and stopped:
+            return self._spoken(turn, replace(stopped, ending="done"))
+        if said.is_halt:
+            return self._answered(turn, "waiting" if said.control == "wait" else "idle", "done")
+        if not self._trusts(turn.speaker):
+            return self._answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
+        if said.control == "continue":
+            return self._continue(turn, pending)
+        if self.last_done is None:  # there is no need of a body yet
+            return self._answered(turn, "nothing_held", "failed")
+        return self._spoken(turn, self._goals().empty_hand(said.control, said.object))
+
+    def _continue(self, turn: DialogueTurn, pending: Pending | None) -> Reply:
+        if pending and pending.asked == turn.speaker:
+            return pending.yes()
+        if self._interrupted:
+            return self._carry_out(*self._interrupted)
+        return self._answered(turn, "nothing_to_continue", "failed")
 
     # --- Questions, acknowledgements, and what is asked back -----------------------------------
 

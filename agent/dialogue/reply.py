@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from ...kb.rule import Rule
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Misunderstanding
+from ..execution.answers import INTERRUPTED
 from ..execution.outcome import Ending, GoalResult, Json
 
 
@@ -43,6 +44,11 @@ class Reply:
     def is_done(self) -> bool:
         """Whether what was asked for was done; decides the exit code."""
         return self.ending == "done"
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether a command was ended while it was carried out."""
+        return self.result is not None and self.result.answer.cause == INTERRUPTED
 
     @property
     def hint(self) -> str:

@@ -39,12 +39,18 @@ class EpisodeRecorder:
 
     def record(self, request: Request, reply: Reply, keep: bool) -> None:
         """Keep the result of a request."""
+        if reply.is_interrupted:
+            self.forget_state()
         if keep:
             self._last = self._base.record_episode(
                 episode_from_reply(reply, self._again(request))
             ).id
         else:
             self._is_whole = False
+
+    def forget_state(self) -> None:
+        """Note that the world was changed by something that no request can repeat."""
+        self._is_whole = False
 
     def _again(self, request: Request) -> Json | None:
         circumstances = self._circumstances()

@@ -13,6 +13,8 @@ from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
 from .outcome import Decision, Slot, SpokenAnswer
 
+INTERRUPTED = "interrupted"  # the cause of a failure: somebody asked to stop
+
 _DONE = {
     "pass": ("passed", "passed_by", "passed_as_told"),
     "pickUp": ("picked_up", "picked_up_by", "picked_up_as_told"),
@@ -87,6 +89,13 @@ def motion_failed(reason: str, object_name: str, part: str | None) -> SpokenAnsw
     with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
     slots = {"object": object_name} | ({"part": part} if part else {})
     return SpokenAnswer(with_part if part else without, slots, "failed", reason)
+
+
+def stopped(holding: str | None) -> SpokenAnswer:
+    """Return the answer to a command that was interrupted, with what is still in the hand."""
+    if holding is None:
+        return SpokenAnswer("stopped", {}, "failed", INTERRUPTED)
+    return SpokenAnswer("stopped_holding", {"object": holding}, "failed", INTERRUPTED)
 
 
 def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:

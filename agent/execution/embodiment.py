@@ -19,6 +19,7 @@ from .perception import PerfectVision
 
 if TYPE_CHECKING:
     from ...sim.body import Body
+    from ...sim.robot.interruption import Interruption
     from ...sim.vision.noise import Noise
 
 _DEFAULTS = AgentConfig()
@@ -81,8 +82,8 @@ class Embodiment:
             config.gui,
         )
 
-    def open_body(self) -> Body:
-        """Return a new simulated body.
+    def open_body(self, interruption: Interruption | None = None) -> Body:
+        """Return a new simulated body, whose motions can be interrupted.
 
         Raises:
             MissingExtraError: the simulator is not installed.
@@ -98,6 +99,7 @@ class Embodiment:
             robot=self.robot,
             vision=self.vision,
             noise=self.noise_model(),
+            interruption=interruption,
         )
 
     def open_vision(self, body: Body | None) -> Vision:

@@ -7,11 +7,15 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from ...inference.affordance import FIND, Affordances
 from ...ontology.actions import Actions
-from ..protocols import Motion, Vision
+from ...sim.robot.interruption import Interruption
+from ..protocols import Hand, Motion, Vision
 from . import answers
 from .outcome import Decision, GoalResult, SpokenAnswer, WalkStep
 from .request import Request, review_arguments
 from .tree_executor import ExecutionContext, TreeExecutor
+
+_EMPTIED = {"release": "released", "putDown": "put_down", "putBack": "put_back"}
+"""The answer when the hand was emptied by a control."""
 
 
 class GoalManager:
@@ -25,6 +29,7 @@ class GoalManager:
         grips: object -> the part that is made for holding it; a tool is grasped by it when no rule
             says otherwise.
         parts: object -> its known parts; the robot does not look for others.
+        interruption: pauses or ends what is done, also from other threads.
 
     Attributes:
         watchers: called at every node before its action is done, when `WalkStep.action` is still
@@ -40,12 +45,14 @@ class GoalManager:
         *,
         grips: Mapping[str, str] | None = None,
         parts: Mapping[str, Collection[str]] | None = None,
+        interruption: Interruption | None = None,
     ) -> None:
         self.actions = actions
         self.affordances = affordances
         self.vision = vision
         self.motion = motion
         self.watchers: list[Callable[[WalkStep], None]] = []
+        self.interruption = interruption or Interruption()
         self._grips = grips or {}
         self._parts = parts or {}
 
@@ -65,13 +72,38 @@ class GoalManager:
             None if unable else self.motion,
             self._grips,
             self._parts,
+            self.interruption,
             tuple(self.watchers),
         )
         execution = TreeExecutor(context, request)
         failure = execution.visit(tree.name, arguments)
+        if failure and failure.cause == answers.INTERRUPTED:
+            failure = answers.stopped(self.holding)
         recipient = str(arguments.get("recipient", ""))
         answer = failure or self._answer(request, execution.decision, recipient, unable)
         return execution.result(answer)
+
+    @property
+    def holding(self) -> str | None:
+        """The type of the object in the hand, None when it is empty or there is no hand."""
+        held = self.motion.held if isinstance(self.motion, Hand) else None
+        return held.object if held else None
+
+    def empty_hand(self, control: str, named: str | None = None) -> SpokenAnswer:
+        """Release, put down or put back what the hand holds; `named` is what it should be."""
+        held = self.holding
+        if not isinstance(self.motion, Hand) or held is None:
+            return SpokenAnswer("nothing_held", {}, "failed", "nothing_held")
+        if named not in {None, held}:
+            return SpokenAnswer("not_held", {"object": str(named)}, "failed", "nothing_held")
+        moves = {"release": self.motion.release, "putDown": self.motion.put_down}
+        report = moves.get(control, self.motion.put_back)()
+        if report.ok:
+            return SpokenAnswer(_EMPTIED[control], {"object": held})
+        if report.reason == answers.INTERRUPTED:
+            return answers.stopped(self.holding)
+        key = "dropped" if report.reason == "dropped" else "no_place"
+        return SpokenAnswer(key, {"object": held}, "failed", report.reason)
 
     def _answer(
         self, request: Request, decision: Decision | None, recipient: str, unable: Sequence[str]

@@ -17,7 +17,8 @@ from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
 from ...ontology.actions import FIXED, Actions, ActionTree, Condition, Loop
 from ...ontology.actions import Step as TreeStep
-from ...ontology.errors import ConflictError
+from ...ontology.errors import ConflictError, MotionInterruptedError
+from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
 from ..protocols import Motion, Vision
 from . import answers
@@ -48,6 +49,7 @@ class ExecutionContext:
     motion: Motion | None
     grips: Mapping[str, str]
     parts: Mapping[str, Collection[str]]
+    interruption: Interruption
     watchers: Sequence[Callable[[WalkStep], None]] = ()
 
 
@@ -92,6 +94,10 @@ class TreeExecutor:
 
     def visit(self, node: str, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
         """Perform the four operations at a node, then its steps; return the failure, if any."""
+        try:
+            self._context.interruption.wait()
+        except MotionInterruptedError:
+            return answers.stopped(None)
         goal = self._goal(arguments)
         features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
@@ -198,6 +204,8 @@ class TreeExecutor:
         tries: Sequence[int],
     ) -> int | None:
         """The index of the first branch of a tree that handles a failure and has tries left."""
+        if failure.cause == answers.INTERRUPTED:
+            return None
         for index, branch in enumerate(tree.otherwise):
             is_possible = bool(branch.steps) or tries[index] > 0
             if branch.next:

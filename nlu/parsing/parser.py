@@ -17,7 +17,7 @@ from ..grammar.grammar import Grammar
 from ..lexicon.lexicon import Entry, Lexicon
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
-from ..semantics.coreference import IT, Discourse, RefusedError, resolve
+from ..semantics.coreference import IT, SOMETHING, Discourse, RefusedError, resolve
 from ..semantics.interpretation import Interpreter
 from ..semantics.meaning import Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics

@@ -12,7 +12,8 @@ import pytest
 from rich.console import Console
 
 from hilt.agent import Agent, AgentConfig
-from hilt.agent.chat import completions, read_lines, run
+from hilt.agent.chat import Chat, completions, read_lines, run
+from hilt.sim.robot.interruption import Interruption
 
 
 def test_words_are_completed_by_their_beginning():
@@ -133,3 +134,25 @@ def test_what_cannot_be_said_ends_no_conversation():
     assert "is no speaker's name" in shown
     assert "The text is no Unicode" in shown
     assert "Hello." in shown
+
+
+def test_stop_is_obeyed_while_a_command_runs(monkeypatch: pytest.MonkeyPatch):
+    """On a terminal the next line is taken at once; lines that wait are not carried out."""
+    monkeypatch.setattr("hilt.agent.chat.PATIENCE", 0.05)
+    shown = StringIO()
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
+        chat = Chat(agent, Console(file=shown, width=200), "sam", is_interactive=True)
+        agent.goals.watchers.append(lambda _: wait_for(agent.interruption))
+
+        for line in ("pass me the knife", "pass me the mug", "stop!"):
+            chat.handle_line(line)
+        chat.close()
+
+    assert shown.getvalue().count("Hilt:") == 1
+    assert "Hilt: I stopped." in shown.getvalue()
+
+
+def wait_for(interruption: Interruption) -> None:
+    """Return when somebody has asked to stop."""
+    while not interruption.is_stopped:
+        time.sleep(0.001)
