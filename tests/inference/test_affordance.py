@@ -23,7 +23,7 @@ KNIFE = Goal("pass", Target(object="knife"))
 
 
 class Rules:
-    """Rules in a list, found by their node."""
+    """A rule source that looks rules up in a list by their nodes."""
 
     def __init__(self, *rules: Rule) -> None:
         self.rules = list(rules)
@@ -31,17 +31,17 @@ class Rules:
 
     @property
     def sequence(self) -> int:
-        """How many rules there are."""
+        """The number of rules."""
         return len(self.rules)
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """The rules that hang on these nodes."""
+        """Return the rules at these nodes."""
         self.asked += nodes
         return [rule for rule in self.rules if rule.node in nodes]
 
 
 def seen(name: str, sure: float = 1.0, *others: Atom) -> Observation:
-    """A thing seen as what it is called, with other features."""
+    """Return an observation of an object, with further features."""
     interval = Interval(sure, 1.0)
     return Observation(
         name, name, {Atom("object", name): interval, **dict.fromkeys(others, interval)}
@@ -49,7 +49,7 @@ def seen(name: str, sure: float = 1.0, *others: Atom) -> Observation:
 
 
 def found(*rules: Rule, goal: Goal = CUTTING, scene: Sequence[str], settings=None):
-    """What the find node concludes for a scene of certain things."""
+    """Return what the find node infers for a scene with these objects."""
     affordances = Affordances(Rules(*rules), settings)
     return affordances.infer(FIND, goal, [seen(name) for name in scene])
 
@@ -67,7 +67,7 @@ def knife_rules() -> tuple[Rule, Rule, Rule]:
 
 
 def test_features_of_the_find_node_are_those_of_the_affordance():
-    """Only what might be used for cutting is looked for."""
+    """The find node searches only for objects that rules relate to cutting."""
     other = functional("mug", "containing", interval=G)
 
     features = Affordances(Rules(*knife_rules(), other)).features(FIND, CUTTING)
@@ -76,7 +76,7 @@ def test_features_of_the_find_node_are_those_of_the_affordance():
 
 
 def test_features_of_a_named_object_are_the_object_and_its_adjectives():
-    """A command that names its object needs no rule to look for it."""
+    """A named object is searched for by its name and adjectives, without any rule."""
     goal = Goal("pass", Target(object="mug", properties=frozenset({"red"})))
 
     assert Affordances(Rules()).features(FIND, goal) == (
@@ -86,15 +86,15 @@ def test_features_of_a_named_object_are_the_object_and_its_adjectives():
 
 
 def test_node_without_rules_has_no_features():
-    """Nothing is looked for where nothing was told."""
+    """A node without rules searches for nothing."""
     assert Affordances(Rules(*knife_rules())).features("pass/moveTo", KNIFE) == ()
 
 
 # --- getAffordance: which thing ------------------------------------------------------------
 
 
-def test_nothing_told_means_nothing_found():
-    """Without a rule no thing is accepted, and the reason says so."""
+def test_without_rules_nothing_is_accepted():
+    """No object is accepted without a rule, and the reason says so."""
     inference = found(scene=["knife"])
 
     assert inference.best is None
@@ -110,8 +110,8 @@ def test_nothing_told_means_nothing_found():
         (["mug"], None),
     ],
 )
-def test_next_best_thing_is_taken_when_the_best_is_absent(scene: list[str], chosen: str | None):
-    """Principles 1, 2 and 4 of section 4.1."""
+def test_second_best_object_is_chosen_when_the_best_is_absent(scene: list[str], chosen: str | None):
+    """Principles 1, 2 and 4 of section 4.1 of the paper hold."""
     rules = [
         functional("knife", "cutting", interval=G),
         functional("screwdriver", "cutting", interval=S),
@@ -123,8 +123,8 @@ def test_next_best_thing_is_taken_when_the_best_is_absent(scene: list[str], chos
     assert (best.name if best else None) == chosen
 
 
-def test_equally_good_things_tie_in_scene_order():
-    """Principle 3: either may be taken; the scene decides, the same way each time."""
+def test_equally_ranked_objects_keep_the_order_of_the_scene():
+    """Principle 3: either object may be chosen, and the order of the scene decides."""
     rules = [functional(name, "cutting", interval=C) for name in ("spoon", "spatula")]
 
     inference = found(*rules, scene=["spoon", "spatula"])
@@ -134,7 +134,7 @@ def test_equally_good_things_tie_in_scene_order():
 
 
 def test_numbers_of_the_running_example():
-    """A knife detected with .95 under a rule [.95, 1] is believed to [.9025, 1]."""
+    """A knife detected with .95 and a rule [.95, 1] give [.9025, 1]."""
     affordances = Affordances(Rules(*knife_rules()))
 
     best = affordances.infer(FIND, CUTTING, [seen("knife", 0.95)]).best
@@ -145,7 +145,7 @@ def test_numbers_of_the_running_example():
 
 
 def test_evidence_of_several_speakers_is_fused():
-    """Two speakers who say often and sometimes make it [.875, 1]."""
+    """Two speakers with "often" and "sometimes" give [.875, 1]."""
     rule = functional("knife", "cutting", interval=O)
     other = functional("knife", "cutting", interval=S, speaker="kim")
 
@@ -157,7 +157,7 @@ def test_evidence_of_several_speakers_is_fused():
 
 
 def test_shared_antecedent_is_counted_once():
-    """Fusing rules before modus ponens keeps belief below that in the knife itself."""
+    """Rules are fused before modus ponens, so the belief stays below the detection confidence."""
     rules = [functional("knife", "cutting", interval=level) for level in (G, O)]
     source = Rules(*rules)
 
@@ -170,8 +170,8 @@ def test_shared_antecedent_is_counted_once():
     assert literal.candidates[0].interval.lower > 0.9
 
 
-def test_untrusted_share_of_a_rule_is_no_evidence():
-    """What a half-trusted speaker says generally counts as [.475, 1]."""
+def test_rule_of_a_half_trusted_speaker_is_discounted():
+    """With trust .5 a rule with "generally" counts as [.475, 1]."""
     rule = replace(functional("knife", "cutting", interval=G), trust=0.5)
 
     best = found(rule, scene=["knife"]).best
@@ -180,15 +180,15 @@ def test_untrusted_share_of_a_rule_is_no_evidence():
 
 
 def test_negative_rule_denies_and_is_not_chosen():
-    """Never used for cutting is knowledge, not ignorance."""
+    """An object that is "never used for cutting" is denied, not unknown."""
     inference = found(functional("spoon", "cutting", interval=NEVER), scene=["spoon"])
 
     assert inference.best is None
     assert [c.name for c in inference.denied] == ["spoon"]
 
 
-def test_not_used_for_takes_what_is_denied_only():
-    """Ignorance about a mug is no reason to say that it is not used for cutting."""
+def test_not_used_for_accepts_denied_objects_only():
+    """A mug without rules is not accepted as an object that is not used for cutting."""
     goal = Goal("pass", Target(not_used_for="cutting"))
     rules = [functional("spoon", "cutting", interval=NEVER)]
 
@@ -200,8 +200,8 @@ def test_not_used_for_takes_what_is_denied_only():
     ]
 
 
-def test_weak_detection_is_not_sure_enough():
-    """What is used occasionally needs a detection of .62 at the default threshold."""
+def test_low_detection_confidence_is_not_accepted():
+    """A rule with "occasionally" needs a detection confidence of .62 at the default threshold."""
     affordances = Affordances(Rules(functional("spoon", "cutting", interval=C)))
 
     weak, strong = (
@@ -212,8 +212,8 @@ def test_weak_detection_is_not_sure_enough():
     assert strong is not None
 
 
-def test_threshold_of_the_nearest_context_goes_first():
-    """A context may ask for more certainty than others."""
+def test_threshold_of_the_nearest_context_is_used():
+    """Each context may have a threshold of its own."""
     settings = Settings(thresholds={"pass": 0.9})
 
     inference = found(knife_rules()[0], scene=["knife"], settings=settings)
@@ -222,7 +222,7 @@ def test_threshold_of_the_nearest_context_goes_first():
 
 
 def test_all_features_must_be_seen():
-    """A rule about red mugs says nothing about a mug that is not red."""
+    """A rule about red mugs does not apply to a mug that is not red."""
     rule = functional("mug", "cutting", interval=G, properties=["red"])
     red = seen("mug", 1.0, Atom("property", "red"))
 
@@ -239,14 +239,14 @@ def test_all_features_must_be_seen():
     [("pass/graspObject", "blade"), ("pickUp/graspObject", "handle"), ("use/graspObject", None)],
 )
 def test_context_decides_the_part(node: str, part: str | None):
-    """The same knife is passed by the blade and picked up by the handle."""
+    """The knife is passed by the blade and picked up by the handle."""
     best = Affordances(Rules(*knife_rules())).infer(node, KNIFE, [seen("knife")]).best
 
     assert (best.argument.name if best and best.argument else None) == part
 
 
-def test_nearest_context_goes_before_the_contexts_above():
-    """Picking up to pound is picking up; pounding counts where picking up says nothing."""
+def test_rule_of_the_nearest_context_overrules_the_contexts_above():
+    """Within pounding, picking up uses its own rules, or else those of pounding."""
     pickup = grasping("hammer", "handle", "pickUp", interval=S)
     pound = grasping("hammer", "head", "pound", interval=G)
     goal = Goal("pound", Target(object="hammer"))
@@ -259,15 +259,15 @@ def test_nearest_context_goes_before_the_contexts_above():
     assert one is not None and one.argument == Atom("part", "head")
 
 
-def test_rules_of_other_objects_do_not_bind():
-    """How to pass a shoe says nothing about a knife."""
+def test_rules_of_other_objects_do_not_apply():
+    """A rule about passing shoes does not apply to a knife."""
     rule = grasping("shoe", "sole", "pass", interval=G)
 
     assert Affordances(Rules(rule)).infer(GRASP, KNIFE, [seen("knife")]).candidates == ()
 
 
 def test_forbidden_part_is_denied():
-    """Never by the blade names no part to take, but one to avoid."""
+    """A rule with "never" by the blade denies the blade and accepts no part."""
     rule = grasping("knife", "blade", "pass", interval=NEVER)
 
     inference = Affordances(Rules(rule)).infer(GRASP, KNIFE, [seen("knife")])
@@ -276,8 +276,8 @@ def test_forbidden_part_is_denied():
     assert [c.argument for c in inference.denied] == [Atom("part", "blade")]
 
 
-def test_place_context_counts_with_its_own_interval():
-    """A rule for the kitchen counts as far as it is believed that this is one."""
+def test_rule_with_a_place_is_weighted_by_the_interval_of_the_place():
+    """A rule for the kitchen is weighted by the belief that the place is a kitchen."""
     kitchen = Atom("place", "kitchen")
     rule = replace(knife_rules()[0], contexts=frozenset({kitchen}))
     there = Goal("pass", Target(used_for="cutting"), {kitchen: Interval(0.5, 1.0)})
@@ -293,8 +293,8 @@ def test_place_context_counts_with_its_own_interval():
 
 
 @given(st.permutations(range(6)))
-def test_order_of_teaching_changes_no_bit(order: list[int]):
-    """The same set of rules gives the same intervals whatever the order."""
+def test_inference_does_not_depend_on_the_order_of_teaching(order: list[int]):
+    """The same rules in another order give bit-identical intervals."""
     rules = [
         functional(name, "cutting", interval=level, speaker=speaker)
         for name, level, speaker in [
@@ -309,8 +309,8 @@ def test_order_of_teaching_changes_no_bit(order: list[int]):
     assert [c.interval for c in shuffled.candidates] == [c.interval for c in sorted_.candidates]
 
 
-def test_rules_are_asked_for_again_only_after_something_was_told():
-    """Assimilation goes by sequence number."""
+def test_rules_are_read_again_only_after_a_change():
+    """A new sequence number of the source makes the rules be read again."""
     source = Rules(knife_rules()[0])
     affordances = Affordances(source)
 
@@ -324,7 +324,7 @@ def test_rules_are_asked_for_again_only_after_something_was_told():
     assert Atom("object", "spoon") in after
 
 
-def test_unknown_stage_is_told():
-    """A misspelt option is an error when it is made."""
+def test_unknown_stage_is_an_error():
+    """A misspelt stage is refused when the settings are made."""
     with pytest.raises(UnknownNameError, match="fusion stage"):
         Settings(stage="nonsense")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The laws of the evidence operators, and the numbers that the theory predicts."""
+"""The laws of the evidence operators, and the values that the theory predicts."""
 
 from itertools import combinations, pairwise, permutations
 
@@ -36,7 +36,7 @@ grid_intervals = st.tuples(grid, grid).map(lambda pair: Interval(min(pair), max(
 
 
 def close(one: Interval, other: Interval) -> bool:
-    """Whether two intervals are equal but for rounding."""
+    """Return whether two intervals are equal up to rounding."""
     return (one.lower, one.upper) == pytest.approx((other.lower, other.upper), abs=1e-12)
 
 
@@ -44,26 +44,26 @@ def close(one: Interval, other: Interval) -> bool:
 
 
 @given(st.permutations([Interval(0.3, 0.7), Interval(0.21, 0.9), Interval(0.77, 0.8)]))
-def test_conjunction_is_the_same_to_the_last_bit_in_any_order(shuffled: list[Interval]):
+def test_conjunction_is_bit_identical_in_any_order(shuffled: list[Interval]):
     """Factors are multiplied in sorted order."""
     assert conjunction(shuffled) == conjunction(shuffled[::-1])
 
 
 @given(intervals)
 def test_conjunction_with_truth_changes_nothing(interval: Interval):
-    """[1, 1] is neutral for AND."""
+    """[1, 1] is the neutral element of the conjunction."""
     assert conjunction([interval, TRUE]) == interval
 
 
 @given(intervals)
 def test_conjunction_with_falsehood_is_false(interval: Interval):
-    """[0, 0] is the zero of AND."""
+    """[0, 0] is the absorbing element of the conjunction."""
     assert conjunction([interval, FALSE]) == FALSE
 
 
 @given(grid_intervals, grid_intervals)
 def test_product_lies_within_the_frechet_bounds(one: Interval, other: Interval):
-    """What holds for every dependence holds for independence."""
+    """The Fréchet bounds hold for any dependence, so also for independence."""
     anyhow = CONJUNCTIONS["frechet"]([one, other])
 
     both = conjunction([one, other])
@@ -77,7 +77,7 @@ def test_product_lies_within_the_frechet_bounds(one: Interval, other: Interval):
 
 @pytest.mark.parametrize("name", MODUS_PONENS)
 @given(rule=intervals)
-def test_certain_antecedent_concludes_the_rule_itself(name: str, rule: Interval):
+def test_certain_antecedent_concludes_the_interval_of_the_rule(name: str, rule: Interval):
     """All readings return [α, β] when the antecedent is certain."""
     assert close(MODUS_PONENS[name](TRUE, rule), rule)
 
@@ -95,27 +95,27 @@ def test_all_readings_agree_on_every_rule_that_the_paper_prints(seen: Interval, 
 
 @given(intervals)
 def test_absent_antecedent_concludes_nothing_by_the_conditional_reading(rule: Interval):
-    """A shoe that is not there says nothing, even under a negative rule."""
+    """An absent antecedent concludes [0, 1], even with a negative rule."""
     assert modus_ponens(FALSE, rule) == VACUOUS
 
 
-def test_published_reading_disbelieves_by_an_absent_antecedent():
-    """The known flaw of [a·α, β], kept as a named option for comparison."""
+def test_published_reading_denies_by_an_absent_antecedent():
+    """[a·α, β] has this known flaw; it is kept as an option for comparison."""
     assert modus_ponens_published(FALSE, Interval(0.0, 0.1)) == Interval(0.0, 0.1)
     assert modus_ponens_material(FALSE, Interval(0.0, 0.1)) == VACUOUS
 
 
 @given(intervals, intervals)
-def test_conclusion_is_never_surer_than_its_antecedent(seen: Interval, rule: Interval):
-    """Bel(a) does not exceed Bel(f AND c)."""
+def test_belief_in_the_conclusion_is_at_most_that_in_the_antecedent(seen: Interval, rule: Interval):
+    """The lower bound of the conclusion is at most that of the antecedent."""
     assert modus_ponens(seen, rule).lower <= seen.lower
 
 
 @given(intervals, intervals, grid, grid)
-def test_conclusion_bounds_every_probability(
+def test_conclusion_contains_every_probability(
     seen: Interval, rule: Interval, at: float, given_not: float
 ):
-    """It holds P(C) whatever P(A) and P(C|A) are in their intervals, P(C|not A) being free."""
+    """It contains P(C) for all P(A) and P(C|A) in their intervals and any P(C|not A)."""
     p_a = seen.lower + at * (seen.upper - seen.lower)
     for p_c in (rule.lower, rule.upper):
         probability = p_a * p_c + (1 - p_a) * given_not
@@ -130,8 +130,8 @@ def test_conclusion_bounds_every_probability(
 
 @pytest.mark.parametrize("name", ["yager", "dempster", "mean"])
 @given(taught=st.lists(st.tuples(st.integers(1, 8), st.integers(1, 8)), min_size=1, max_size=5))
-def test_fusion_is_the_same_to_the_last_bit_in_any_order(name: str, taught: list[tuple[int, int]]):
-    """What is fused does not depend on the order of teaching."""
+def test_fusion_is_bit_identical_in_any_order(name: str, taught: list[tuple[int, int]]):
+    """The result of fusion does not depend on the order of the sources."""
     sources = [Interval(min(a, b) / 9, max(a, b) / 9) for a, b in taught]
 
     fused = {FUSIONS[name](list(order)) for order in permutations(sources)}
@@ -142,24 +142,24 @@ def test_fusion_is_the_same_to_the_last_bit_in_any_order(name: str, taught: list
 @pytest.mark.parametrize("name", ["yager", "dempster"])
 @given(interval=intervals)
 def test_ignorance_is_neutral_for_fusion(name: str, interval: Interval):
-    """[0, 1] adds nothing."""
+    """[0, 1] is the neutral element of fusion."""
     assume(interval.upper > 0)
     assert close(FUSIONS[name]([interval, VACUOUS]), interval)
 
 
 def test_yager_turns_full_conflict_into_ignorance():
-    """[1, 1] with [0, 0] gives [0, 1], and nothing raises."""
+    """[1, 1] with [0, 0] gives [0, 1] and no error."""
     assert fuse_yager([TRUE, FALSE]) == VACUOUS
 
 
-def test_dempster_tells_full_conflict():
-    """Dempster's rule is not defined there, and the caller hears it."""
+def test_dempster_refuses_full_conflict():
+    """Dempster's rule is not defined for full conflict and raises an error."""
     with pytest.raises(ConflictError, match="contradict each other fully"):
         fuse_dempster([TRUE, FALSE])
 
 
 def test_yager_over_three_sources_is_not_the_pairwise_fold():
-    """The n-ary form has no order; the pairwise fold gives [1, 1] or [0, 1]."""
+    """The n-ary rule has no order; the pairwise rule gives [1, 1] or [0, 1] depending on it."""
     fold_one = fuse_yager([fuse_yager([TRUE, FALSE]), TRUE])
     fold_other = fuse_yager([fuse_yager([TRUE, TRUE]), FALSE])
 
@@ -168,7 +168,7 @@ def test_yager_over_three_sources_is_not_the_pairwise_fold():
 
 
 def test_conflict_lowers_belief_by_yager_less_by_dempster():
-    """The worked example of conflicting sources."""
+    """The worked example of conflicting sources has its computed values."""
     sources = [Interval(0.9, 1.0), Interval(0.0, 0.5)]
 
     assert close(fuse_yager(sources), Interval(0.45, 0.95))
@@ -176,8 +176,8 @@ def test_conflict_lowers_belief_by_yager_less_by_dempster():
 
 
 @given(st.lists(unit, min_size=1, max_size=6))
-def test_fusion_of_pure_support_is_noisy_or(degrees: list[float]):
-    """On [p, 1] there is no conflict: Yager is Dempster is 1 - Π(1-p)."""
+def test_fusion_of_supporting_sources_is_noisy_or(degrees: list[float]):
+    """Intervals [p, 1] do not conflict, so both rules give 1 - Π(1-p)."""
     sources = [Interval(p, 1.0) for p in degrees]
     miss = 1.0
     for p in degrees:
@@ -189,12 +189,12 @@ def test_fusion_of_pure_support_is_noisy_or(degrees: list[float]):
 
 @given(st.floats(0.01, 0.99), st.integers(1, 5))
 def test_cautious_rule_counts_repetition_once(degree: float, times: int):
-    """Sources that repeat each other add nothing."""
+    """Sources that repeat each other do not raise the belief."""
     assert close(fuse_cautious([Interval(degree, 1.0)] * times), Interval(degree, 1.0))
 
 
 def masses(interval: Interval) -> dict[frozenset[str], float]:
-    """The mass function of an interval on the frame {T, F}."""
+    """Return the mass function of an interval on the frame {T, F}."""
     return {
         frozenset("T"): interval.lower,
         frozenset("F"): 1 - interval.upper,
@@ -204,7 +204,7 @@ def masses(interval: Interval) -> dict[frozenset[str], float]:
 
 @given(st.lists(grid_intervals, min_size=1, max_size=4))
 def test_yager_agrees_with_explicit_mass_functions(sources: list[Interval]):
-    """Brute force: intersect every choice of focal elements, give conflict to the whole frame."""
+    """The fused masses are those of intersecting all focal elements, with conflict on the frame."""
     focal = {frozenset("TF"): 1.0}
     for source in sources:
         merged: dict[frozenset[str], float] = {}
@@ -238,8 +238,8 @@ def test_sixteen_fused_subsets_have_their_table_values(subset: str, expected: tu
     assert certainty(fused) == pytest.approx(expected[1], abs=5e-5)
 
 
-def test_sixteen_subsets_stand_in_binary_order():
-    """More or better evidence is always ranked higher: G=8, O=4, S=2, c=1."""
+def test_sixteen_subsets_are_ranked_in_binary_order():
+    """More or stronger evidence is always ranked higher, by the weights G=8, O=4, S=2, c=1."""
     subsets = [set(s) for n in range(5) for s in combinations("GOSc", n)]
     subsets.sort(key=lambda s: sum({"G": 8, "O": 4, "S": 2, "c": 1}[x] for x in s))
 
@@ -254,21 +254,21 @@ def test_sixteen_subsets_stand_in_binary_order():
 
 
 @given(intervals)
-def test_certainty_is_a_share_and_blind_to_truth(interval: Interval):
+def test_lambda_is_in_the_unit_interval_and_the_same_for_the_negation(interval: Interval):
     """Lambda lies in [0, 1] and is the same for a statement and its negation."""
     assert 0 <= certainty(interval) <= 1
     assert certainty(interval) == pytest.approx(certainty(interval.negated()), abs=1e-9)
 
 
 def test_certain_falsehood_is_not_accepted():
-    """Lambda alone would act on [0, 0]; the direction is asked too."""
+    """Lambda of [0, 0] is 1; acceptance also needs an interval that is more true than false."""
     assert certainty(FALSE) == 1
     assert not is_affirmed(FALSE, 0.005)
 
 
 @pytest.mark.parametrize("percent", range(0, 101, 5))
-def test_undecided_is_never_accepted_even_at_threshold_zero(percent: int):
-    """A + b = 1 says nothing, though rounding may leave lambda above zero."""
+def test_interval_that_favours_neither_side_is_never_accepted(percent: int):
+    """With a + b = 1 nothing is accepted, though rounding may leave lambda above zero."""
     a = min(percent, 100 - percent) / 100
 
     assert not is_affirmed(Interval(a, 1 - a), 0.0)
@@ -284,7 +284,7 @@ THRESHOLDS = {
 
 @pytest.mark.parametrize(("threshold", "row"), THRESHOLDS.items())
 def test_least_detection_for_each_level_and_threshold(threshold: float, row: tuple[float | None]):
-    """From which detection confidence on each level is sure enough to act on."""
+    """Each level is accepted from this detection confidence on."""
     for level, least in zip((1.0, *LEVELS.values()), row, strict=True):
         rule = Interval(level, 1.0)
         feasible = [
@@ -300,7 +300,7 @@ def test_least_detection_for_each_level_and_threshold(threshold: float, row: tup
 
 
 @pytest.mark.parametrize("field", ["conjunction", "modus_ponens", "fusion", "ranking"])
-def test_unknown_operator_is_told_with_the_known_ones(field: str):
-    """A misspelt choice is an error when it is made, not when it is used."""
+def test_unknown_operator_is_refused_with_the_known_names(field: str):
+    """A misspelt name is refused when the operators are made, not when they are used."""
     with pytest.raises(UnknownNameError, match="Known: "):
         Operators(**{field: "nonsense"})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs are faithful, and explanations are made of them."""
+"""Proofs have the numbers of the inference, and explanations are made from proofs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -48,7 +48,7 @@ operators = st.builds(
 
 
 class Told:
-    """Rules in a list."""
+    """A rule source over a list."""
 
     sequence = 0
 
@@ -56,28 +56,28 @@ class Told:
         self.rules = rules
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """The rules that hang on these nodes."""
+        """Return the rules at these nodes."""
         return [rule for rule in self.rules if rule.node in nodes]
 
 
 def decided(
     rules: Sequence[Rule], sure: float = 0.9, settings: Settings | None = None
 ) -> Inference:
-    """What the find node concludes about all names, seen with one confidence."""
+    """Return what the find node infers for named objects that are detected with one confidence."""
     seen = [Observation(n, n, {Atom("object", n): Interval(sure, 1.0)}) for n in NAMES]
     return Affordances(Told(rules), settings).infer("pass/findObject", CUTTING, seen)
 
 
 def rule(name: str, degree: float) -> Rule:
-    """A rule that something is used for cutting."""
+    """Return a rule that an object is used for cutting."""
     return functional(name, "cutting", interval=Interval(degree, 1.0))
 
 
 @given(rules, st.floats(0.05, 1.0), operators, st.sampled_from(["rules", "conclusions"]))
-def test_proof_worked_out_again_gives_the_very_numbers(
+def test_evaluated_proof_gives_the_interval_of_the_decision(
     told: list[Rule], sure: float, chosen: Operators, stage: str
 ):
-    """Evaluating a proof from its leaves gives the interval of the decision, bit for bit."""
+    """A proof evaluated from its leaves gives the interval of the decision, bit for bit."""
     settings = Settings(operators=chosen, stage=stage)
 
     for candidate in decided(told, sure, settings).candidates:
@@ -85,15 +85,15 @@ def test_proof_worked_out_again_gives_the_very_numbers(
 
 
 @given(rules)
-def test_every_proof_rests_on_the_rules_that_apply(told: list[Rule]):
-    """No rule about a thing is left out of its proof, and none is in another's."""
+def test_proof_has_exactly_the_rules_that_apply(told: list[Rule]):
+    """The proof of each object has all rules about it and no others."""
     for candidate in decided(told).candidates:
         about = {each.id for each in told if each.object == candidate.name}
         assert {each.id for each in candidate.rules} == about
 
 
 def test_why_prints_the_proof_from_the_conclusion_down():
-    """Each line has an interval, the step, and what it is about."""
+    """Each line has the interval, the step and the statement."""
     text = explain_choice(decided([rule("knife", 0.95)]))
 
     lines = [line.strip() for line in text.splitlines()]
@@ -109,21 +109,21 @@ def test_why_prints_the_proof_from_the_conclusion_down():
         ("screwdriver", "nothing that was told says so"),
     ],
 )
-def test_why_not_tells_what_was_concluded_of_the_other(name: str, reason: str):
-    """A rejected thing is explained by its own proof."""
+def test_why_not_prints_the_proof_of_the_rejected_object(name: str, reason: str):
+    """A rejected object is explained by its own proof."""
     inference = decided([rule("knife", 0.95), rule("spoon", 0.5)])
 
     assert reason in explain_rejection(inference, name)
 
 
-def test_why_not_of_something_not_considered_lists_what_was():
-    """A thing that was not seen has no proof."""
+def test_why_not_of_an_unseen_object_lists_the_seen_ones():
+    """An object that was not seen has no proof."""
     with pytest.raises(UnknownNameError, match="Known: cutting, knife, screwdriver, spoon"):
         explain_rejection(decided([rule("knife", 0.95)]), "hammer")
 
 
-def test_smallest_change_of_mind_is_where_the_rival_draws_level():
-    """A spoon at .5 wins as soon as its rule is believed like the knife's."""
+def test_smallest_change_makes_the_rival_as_good_as_the_choice():
+    """A spoon with .5 is chosen as soon as its rule has the interval of the knife's rule."""
     inference = decided([rule("knife", 0.75), rule("spoon", 0.5)], sure=1.0)
 
     change = counterfactuals(inference, Settings())[0]
@@ -134,8 +134,8 @@ def test_smallest_change_of_mind_is_where_the_rival_draws_level():
 
 @hypothesis.settings(deadline=None, max_examples=30)
 @given(rules)
-def test_each_change_of_mind_turns_the_decision(told: list[Rule]):
-    """Deciding again with the changed evidence chooses what the change says."""
+def test_each_listed_change_changes_the_decision(told: list[Rule]):
+    """The choice after each listed change is another candidate, or none."""
     settings = Settings()
     inference = decided(told)
 
@@ -154,8 +154,8 @@ STEPS = 12  # of the grid on which brute force looks for a smaller change
 
 @hypothesis.settings(deadline=None, max_examples=10)
 @given(rules, st.sampled_from([1.0, 0.9, 0.6]))
-def test_no_smaller_change_of_one_interval_turns_the_decision(told: list[Rule], sure: float):
-    """Brute force over every interval on a grid finds nothing nearer, for any leaf."""
+def test_no_smaller_change_of_one_interval_changes_the_decision(told: list[Rule], sure: float):
+    """A search over all intervals of a grid finds no smaller change for any leaf."""
     inference = decided(told, sure)
     decision = DecisionRule(inference.node, inference.threshold, Operators())
     found = {
@@ -176,8 +176,8 @@ def test_no_smaller_change_of_one_interval_turns_the_decision(told: list[Rule], 
                 assert decision.best_index(then) == now, (leaf, instead)
 
 
-def test_denial_needs_both_bounds_to_move():
-    """From never to likely the lower bound alone cannot move: it would pass the upper one."""
+def test_change_of_a_denied_interval_moves_both_bounds():
+    """The lower bound alone cannot rise, because it would exceed the upper bound."""
     denied = decided([functional("knife", "cutting", interval=Interval(0, 0.05))], sure=1.0)
 
     change = next(c for c in counterfactuals(denied, Settings()) if c.evidence.rule)
@@ -187,8 +187,8 @@ def test_denial_needs_both_bounds_to_move():
     assert change.after.lower > 0.5
 
 
-def test_what_is_absent_is_proved_and_would_change_the_mind():
-    """A rule whose thing is not in view leaves [0, 1]; to see it a little would be enough."""
+def test_absent_object_has_a_proof_and_a_change():
+    """A rule about an unseen object gives [0, 1]; a weak detection would change the decision."""
     inference = Affordances(Told([rule("hammer", 0.95)])).infer("pass/findObject", CUTTING, [])
 
     (absent,) = inference.absent
@@ -199,8 +199,8 @@ def test_what_is_absent_is_proved_and_would_change_the_mind():
     assert change.after.lower == pytest.approx(0.162, abs=1e-3)
 
 
-def test_proof_as_json_names_rules_and_numbers():
-    """The JSON of a proof has the same tree."""
+def test_json_of_a_proof_has_its_rules_and_intervals():
+    """The JSON of a proof has the tree of the proof."""
     document = decided([rule("knife", 0.95)]).candidates[0].proof.as_json()
 
     assert (document["step"], document["lower"]) == ("modus ponens", pytest.approx(0.855))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Conflicts, abduction, and induction by likeness."""
+"""Conflicts, abduction, and induction by similarity."""
 
 import pytest
 
@@ -21,8 +21,8 @@ HANDLE = grasping("knife", "handle", "pickUp", interval=G)
 # --- Conflicts -----------------------------------------------------------------------------
 
 
-def test_assertion_and_denial_conflict_by_their_mass():
-    """K is what Dempster's rule would give to the empty set."""
+def test_conflict_of_assertion_and_denial_is_the_mass_of_the_empty_set():
+    """The degree of conflict K is the mass that Dempster's rule gives to the empty set."""
     denial = functional("knife", "cutting", interval=NEVER, speaker="kim")
 
     (found,) = find_conflicts([CUTS, denial, HANDLE])
@@ -31,16 +31,16 @@ def test_assertion_and_denial_conflict_by_their_mass():
     assert found.weight == pytest.approx(0.95 * 0.95)
 
 
-def test_more_of_the_same_is_no_conflict():
-    """Often and generally agree; two parts for two contexts have nothing to do with each other."""
+def test_rules_that_agree_do_not_conflict():
+    """Rules with "often" and "generally" agree, and different contexts are independent."""
     assert find_conflicts([CUTS, functional("knife", "cutting", interval=S), BLADE, HANDLE]) == []
 
 
 # --- Abduction -----------------------------------------------------------------------------
 
 
-def test_what_would_have_to_be_true_to_be_used_for_cutting():
-    """Every antecedent that would do, the likeliest first."""
+def test_abduction_lists_the_antecedents_of_a_conclusion():
+    """Each sufficient antecedent is listed, the most plausible first."""
     sharp = Rule(
         frozenset({Atom("property", "sharp")}), frozenset(), "usedFor",
         Atom("affordance", "cutting"), S,
@@ -54,8 +54,8 @@ def test_what_would_have_to_be_true_to_be_used_for_cutting():
     ]
 
 
-def test_context_that_explains_a_grasp():
-    """Passing explains that the knife was taken by the blade."""
+def test_context_explains_a_grasp():
+    """Passing explains that the knife was grasped by the blade."""
     given = frozenset({Atom("object", "knife")})
 
     (found,) = find_hypotheses(
@@ -66,7 +66,7 @@ def test_context_that_explains_a_grasp():
 
 
 def test_denied_conclusion_explains_nothing():
-    """A rule that speaks against the conclusion is no way to it."""
+    """A rule that denies the conclusion does not explain it."""
     denial = functional("spoon", "cutting", interval=NEVER)
 
     assert find_hypotheses([denial], CUTTING) == []
@@ -76,14 +76,14 @@ def test_denied_conclusion_explains_nothing():
 
 
 def induced(*rules: Rule) -> dict[tuple[str | None, str | None], InducedRule]:
-    """What is induced over the household, by object and context."""
+    """Return the rules that are induced for the household, by object and context."""
     household = load_household()
     found = induce(rules, household.objects, classes=household.classes)
     return {(each.rule.object, each.rule.context): each for each in found}
 
 
 def test_screwdriver_is_passed_as_the_knife_is():
-    """The paper's own example: by the end that is like the blade."""
+    """The paper's example: a screwdriver is passed by the part that is similar to the blade."""
     found = induced(BLADE)["screwdriver", "pass"]
 
     assert found.rule.part == "shaft"
@@ -91,16 +91,16 @@ def test_screwdriver_is_passed_as_the_knife_is():
     assert (found.rule.status, found.source) == ("induced", BLADE)
 
 
-def test_grip_answers_to_grip():
-    """Parts are paired together, so that a handle never stands for a blade."""
+def test_handles_correspond_to_handles():
+    """Parts are matched one to one, so a handle never corresponds to a blade."""
     found = induced(BLADE)
 
     assert {each.rule.part for each in found.values()} & {"handle"} == set()
     assert found["spoon", "pass"].rule.part == "bowl"
 
 
-def test_induced_rule_is_never_surer_than_what_was_taught():
-    """Likeness and caution discount it."""
+def test_induced_rule_has_less_belief_than_the_taught_one():
+    """The induced rule is discounted by the similarity and by the caution."""
     for each in induced(BLADE, HANDLE, CUTS).values():
         bound = each.source.interval.lower * CAUTION * each.similarity
         assert each.rule.interval.lower == pytest.approx(bound, abs=1e-6)
@@ -108,19 +108,19 @@ def test_induced_rule_is_never_surer_than_what_was_taught():
 
 
 def test_nothing_is_induced_where_something_was_taught():
-    """A taught rule about the screwdriver leaves nothing to guess."""
+    """No rule is induced for an object that has a taught rule."""
     taught = grasping("screwdriver", "handle", "pass", interval=S)
 
     assert ("screwdriver", "pass") not in induced(BLADE, taught)
 
 
-def test_contradiction_takes_back_what_was_induced():
-    """Being told never to do so is being taught too."""
+def test_taught_denial_prevents_an_induced_rule():
+    """A taught rule with "never" also prevents an induced rule."""
     taught = grasping("screwdriver", "shaft", "pass", interval=NEVER)
 
     assert ("screwdriver", "pass") not in induced(BLADE, taught)
 
 
-def test_unlike_things_get_nothing():
-    """A shoe is not like a knife."""
+def test_nothing_is_induced_for_dissimilar_objects():
+    """A shoe is not similar to a knife."""
     assert ("shoe", "pass") not in induced(BLADE)

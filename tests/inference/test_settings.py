@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The choices of the theory are data: every name is taken, every mistake is told with its place."""
+"""Settings of the inference: accepted names, and mistakes reported with their position."""
 
 from pathlib import Path
 
@@ -22,36 +22,36 @@ NAMED = [(choice, name) for choice, names in CHOICES.items() for name in names]
 
 
 def chosen(settings: Settings, choice: str) -> str:
-    """What was chosen."""
+    """Return the chosen operators."""
     return getattr(settings if choice in {"stage", "detection"} else settings.operators, choice)
 
 
 def written(tmp_path: Path, text: str) -> Path:
-    """A file with this text."""
+    """Return a file with this text."""
     path = tmp_path / "settings.yaml"
     path.write_text(text, encoding="utf-8")
     return path
 
 
-def test_file_that_comes_with_hilt_says_the_defaults():
-    """What the documentation calls the default is what a mind without settings does."""
+def test_settings_file_of_hilt_has_the_defaults():
+    """The file has the values that are used without settings."""
     assert Settings.load() == Settings()
 
 
 @pytest.mark.parametrize(("choice", "name"), NAMED)
 def test_every_choice_can_be_made_in_a_file(tmp_path: Path, choice: str, name: str):
-    """Each named option of each operator."""
+    """Each name of each operator is accepted."""
     assert chosen(Settings.load(written(tmp_path, f"{choice}: {name}\n")), choice) == name
 
 
 @pytest.mark.parametrize(("choice", "name"), NAMED)
 def test_every_choice_can_be_made_on_the_command_line(choice: str, name: str):
-    """As NAME=VALUE."""
+    """Each name of each operator is accepted as NAME=VALUE."""
     assert chosen(Settings().with_choices([f"{choice}={name}"]), choice) == name
 
 
-def test_thresholds_are_data(tmp_path: Path):
-    """A general one, and those of single contexts."""
+def test_thresholds_are_read_from_a_file(tmp_path: Path):
+    """There is a default threshold and one for each listed context."""
     text = "threshold: {default: 0.01, contexts: {pass: 0.2, 'place:hospital': 0.5}}\n"
 
     settings = Settings.load(written(tmp_path, text)).with_choices(["threshold.pass=0.3"])
@@ -71,8 +71,8 @@ def test_thresholds_are_data(tmp_path: Path):
         ("detection: sharp\n", r':1:12: There is no detection "sharp"'),
     ],
 )
-def test_mistake_in_a_file_is_told_with_its_place(tmp_path: Path, text: str, message: str):
-    """Line, column, what was expected; and the line itself with a caret."""
+def test_mistake_in_a_file_is_reported_with_its_position(tmp_path: Path, text: str, message: str):
+    """The message has line, column and what was expected, and the line with a caret."""
     with pytest.raises(DataError, match=r"settings\.yaml" + message) as told:
         Settings.load(written(tmp_path, text))
 
@@ -89,7 +89,7 @@ def test_mistake_in_a_file_is_told_with_its_place(tmp_path: Path, text: str, mes
         ("threshold.pass=-1", r"expected a number in \[0, 1\]"),
     ],
 )
-def test_mistake_on_the_command_line_is_told(choice: str, message: str):
-    """With what there is to choose from."""
+def test_mistake_on_the_command_line_is_reported(choice: str, message: str):
+    """The message has the possible values."""
     with pytest.raises(DataError, match=message):
         Settings().with_choices([choice])

@@ -42,22 +42,22 @@ ROWS = {cells[0]: cells[1:] for cells in (line.split() for line in TABLE.strip()
 
 
 def supports(subset: str) -> list[Exact]:
-    """The levels as [p, 1]."""
+    """Return the levels as [p, 1]."""
     return [(Fraction(LEVELS[level]), Fraction(1)) for level in subset]
 
 
 def points(subset: str) -> list[Exact]:
-    """The levels as [p, p]."""
+    """Return the levels as [p, p]."""
     return [(Fraction(LEVELS[level]), Fraction(LEVELS[level])) for level in subset]
 
 
 def bands(subset: str) -> list[Exact]:
-    """The levels as bands that touch."""
+    """Return the levels as adjacent intervals."""
     return [(Fraction(BANDS[level][0]), Fraction(BANDS[level][1])) for level in subset]
 
 
 def masses(sources: list[Exact]) -> dict[str, Fraction]:
-    """The conjunctive combination of explicit mass functions on {T, F}; "" is the conflict."""
+    """Return the conjunctive combination of mass functions on {T, F}; "" is the conflict."""
     found = {"TF": Fraction(1)}
     for lower, upper in sources:
         merged: dict[str, Fraction] = {}
@@ -70,20 +70,20 @@ def masses(sources: list[Exact]) -> dict[str, Fraction]:
 
 
 def yager(sources: list[Exact]) -> Exact:
-    """Conflict becomes ignorance."""
+    """Return the fusion by Yager's rule: conflict becomes ignorance."""
     found = masses(sources)
     return found.get("T", Fraction(0)), 1 - found.get("F", Fraction(0))
 
 
 def dempster(sources: list[Exact]) -> Exact:
-    """Conflict is divided out."""
+    """Return the fusion by Dempster's rule: conflict is divided out."""
     found = masses(sources)
     agreement = 1 - found.get("", Fraction(0))
     return found.get("T", Fraction(0)) / agreement, 1 - found.get("F", Fraction(0)) / agreement
 
 
 def mean(sources: list[Exact]) -> Exact:
-    """The average of the bounds."""
+    """Return the average of the bounds."""
     count = len(sources)
     return sum((low for low, _ in sources), Fraction(0)) / count, sum(
         (high for _, high in sources), Fraction(0)
@@ -91,12 +91,12 @@ def mean(sources: list[Exact]) -> Exact:
 
 
 def strongest(sources: list[Exact]) -> Exact:
-    """On [p, 1] the cautious rule takes the largest p."""
+    """Return the fusion by the cautious rule, which on [p, 1] is the largest p."""
     return max(sources)
 
 
 def fused(fusion: str, sources: list[Exact]) -> Interval:
-    """What the operator makes of the same sources in floating point."""
+    """Return the fusion of the same sources in floating point."""
     return FUSIONS[fusion]([Interval(float(low), float(high)) for low, high in sources])
 
 
@@ -115,7 +115,7 @@ COLUMNS = {
 @pytest.mark.parametrize("subset", ROWS)
 @pytest.mark.parametrize("name", COLUMNS)
 def test_every_column_agrees_with_exact_fractions(name: str, subset: str):
-    """To 1e-12, both bounds; and the fractions agree with the printed table."""
+    """Both bounds agree to 1e-12, and the fractions agree with the printed table."""
     fusion, levels, exactly, column = COLUMNS[name]
 
     lower, upper = exactly(levels(subset))
@@ -128,8 +128,8 @@ def test_every_column_agrees_with_exact_fractions(name: str, subset: str):
 
 
 @pytest.mark.parametrize("subset", ROWS)
-def test_noisy_or_is_what_no_source_leaves_open(subset: str):
-    """1 - Π(1 - p), to 1e-12, with lambda as printed."""
+def test_yager_of_supporting_levels_is_noisy_or(subset: str):
+    """The belief is 1 - Π(1 - p) to 1e-12, and lambda is as printed."""
     missed = prod((1 - low for low, _ in supports(subset)), start=Fraction(1))
 
     found = fused("yager", supports(subset))
@@ -139,8 +139,8 @@ def test_noisy_or_is_what_no_source_leaves_open(subset: str):
 
 
 @pytest.mark.parametrize("fusion", ["yager", "dempster", "cautious", "mean", "latest"])
-def test_nothing_told_is_ignorance(fusion: str):
-    """The empty set of levels is [0, 1] under every rule."""
+def test_empty_set_of_levels_is_ignorance(fusion: str):
+    """The empty set of levels gives [0, 1] by every rule."""
     assert len(SUBSETS) == len(ROWS) + 1
     assert FUSIONS[fusion]([]) == VACUOUS
 
@@ -155,7 +155,7 @@ DETECTIONS = {
 
 @pytest.mark.parametrize(("detection", "row"), DETECTIONS.items())
 def test_lambda_of_each_level_at_each_detection(detection: float, row: tuple[float, ...]):
-    """The first table of the theory's section on lambda."""
+    """Lambda has the values of the first table on lambda in the theory."""
     found = [certainty(Interval(detection * float(level), 1.0)) for level in LEVELS.values()]
 
     assert found == pytest.approx(row, abs=6e-5)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is told of a kind holds for its kinds, unless something nearer was told."""
+"""A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ SEEN = Observation("bread knife", "bread knife", {BREAD_KNIFE: CERTAIN})
 
 
 class Told:
-    """Rules in a list."""
+    """A rule source over a list."""
 
     sequence = 0
 
@@ -30,24 +30,24 @@ class Told:
         self.rules = rules
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """The rules that hang on these nodes."""
+        """Return the rules at these nodes."""
         return [rule for rule in self.rules if rule.node in nodes]
 
 
 def test_distances_count_steps_upwards():
-    """The thing itself is at distance 0."""
+    """A kind has distance 0 to itself."""
     assert dict(KINDS.above(BREAD_KNIFE)) == {BREAD_KNIFE: 0, KNIFE: 1, TOOL: 2}
     assert KINDS.below(TOOL) == (TOOL, KNIFE, BREAD_KNIFE)
 
 
 def test_nothing_can_be_a_kind_of_itself():
-    """A circle is an error when the taxonomy is made."""
+    """A taxonomy with a cycle is refused."""
     with pytest.raises(DataError, match="would be a kind of itself"):
         Taxonomy([(KNIFE, TOOL), (TOOL, KNIFE)])
 
 
-def test_bread_knife_inherits_what_was_told_of_knives():
-    """The conclusion says how far up its rule was found."""
+def test_bread_knife_inherits_the_rules_about_knives():
+    """The conclusion has the distance to the kind of its rule."""
     affordances = Affordances(Told(functional("knife", "cutting", interval=G)), taxonomy=KINDS)
 
     best = affordances.infer("pass/findObject", CUTTING, [SEEN]).best
@@ -57,8 +57,8 @@ def test_bread_knife_inherits_what_was_told_of_knives():
     assert "which is a kind of knife" in "\n".join(best.proof.lines())
 
 
-def test_nearer_rule_goes_before_an_inherited_one():
-    """What was told of bread knives themselves counts alone."""
+def test_specific_rule_overrules_an_inherited_one():
+    """With a rule about bread knives, those about knives do not apply."""
     rules = (
         functional("knife", "cutting", interval=G),
         functional("bread knife", "cutting", interval=C),
@@ -70,15 +70,15 @@ def test_nearer_rule_goes_before_an_inherited_one():
     assert (best.interval, best.inherited) == (C, 0)
 
 
-def test_vision_is_asked_for_the_kinds_of_what_was_told():
-    """Looking for knives is looking for bread knives too."""
+def test_search_includes_the_subkinds_of_a_rules_object():
+    """A search for knives includes bread knives."""
     affordances = Affordances(Told(functional("knife", "cutting", interval=G)), taxonomy=KINDS)
 
     assert affordances.features("pass/findObject", CUTTING) == (BREAD_KNIFE, KNIFE)
 
 
 def test_grasp_is_inherited_along_objects_and_contexts():
-    """To serve is a kind of passing, a bread knife a kind of knife."""
+    """A rule about passing knives applies to serving a bread knife."""
     affordances = Affordances(Told(grasping("knife", "blade", "pass", interval=G)), taxonomy=KINDS)
     goal = Goal("serve", Target(object="bread knife"))
 
@@ -88,8 +88,8 @@ def test_grasp_is_inherited_along_objects_and_contexts():
     assert best.argument == Atom("part", "blade")
 
 
-def test_what_is_told_of_a_kind_does_not_hold_above_it():
-    """A rule about bread knives says nothing about knives."""
+def test_rule_about_a_subkind_does_not_hold_for_its_kind():
+    """A rule about bread knives does not apply to knives."""
     affordances = Affordances(
         Told(functional("bread knife", "cutting", interval=G)), taxonomy=KINDS
     )
@@ -105,7 +105,7 @@ WHOLE = Taxonomy([(HAFT, HANDLE), (GALLEY, KITCHEN), (CHILD, PERSON), (BREAD_KNI
 
 
 def test_parts_are_inherited():
-    """What holds of things with a handle holds of one with a haft."""
+    """A rule about objects with a handle applies to an object with a haft, a kind of handle."""
     grips = Rule(frozenset({HANDLE}), frozenset(), "usedFor", Atom("affordance", "cutting"), G)
     affordances = Affordances(Told(grips), taxonomy=WHOLE)
     axe = Observation("axe", "axe", {HAFT: Interval(0.9, 1.0)})
@@ -119,7 +119,7 @@ def test_parts_are_inherited():
 
 @pytest.mark.parametrize(("told", "here"), [(KITCHEN, GALLEY), (PERSON, CHILD)])
 def test_places_and_roles_are_inherited(told: Atom, here: Atom):
-    """A galley is a kitchen, and a child a person; each as surely as it holds."""
+    """A galley is a kitchen and a child a person, with the interval of the given context."""
     rule = Rule(frozenset({KNIFE}), frozenset({told}), "usedFor", Atom("affordance", "cutting"), G)
     goal = Goal("pass", Target(used_for="cutting"), {here: Interval(0.5, 1.0)})
     knife = Observation("knife", "knife", {KNIFE: CERTAIN})
@@ -131,8 +131,8 @@ def test_places_and_roles_are_inherited(told: Atom, here: Atom):
     assert f"{here}, which is a kind of {told.name}" in {each.label for each in best.proof}
 
 
-def test_what_is_told_above_does_not_hold_of_another_place():
-    """What was told of a galley says nothing about kitchens."""
+def test_rule_about_a_kind_of_place_does_not_hold_for_the_place():
+    """A rule for a galley does not apply in a kitchen."""
     rule = Rule(
         frozenset({KNIFE}), frozenset({GALLEY}), "usedFor", Atom("affordance", "cutting"), G
     )
@@ -144,8 +144,8 @@ def test_what_is_told_above_does_not_hold_of_another_place():
     )
 
 
-def test_answer_says_which_rule_went_before_which():
-    """The inherited rule is set aside, and listed."""
+def test_explanation_names_the_overruled_rule():
+    """The inherited rule does not count and is listed as overruled."""
     far, near = (functional(name, "cutting", interval=G) for name in ("knife", "bread knife"))
 
     best = (
@@ -161,8 +161,10 @@ def test_answer_says_which_rule_went_before_which():
     ("holding", "threshold"),
     [({}, 0.1), ({GALLEY: CERTAIN}, 0.9), ({PERSON: CERTAIN}, 0.1)],
 )
-def test_threshold_of_a_place_only_asks_for_more(holding: dict[Atom, Interval], threshold: float):
-    """Serving is a kind of passing, a galley a kitchen; a person asks for less than passing."""
+def test_threshold_of_a_place_only_raises_the_threshold(
+    holding: dict[Atom, Interval], threshold: float
+):
+    """Thresholds of passing and kitchen apply to serving in a galley, a lower one does not."""
     settings = Settings(thresholds={"pass": 0.1, "place:kitchen": 0.9, "role:person": 0.01})
     kinds = Taxonomy([(SERVE, PASS), (GALLEY, KITCHEN)])
     goal = Goal("serve", Target(used_for="cutting"), holding)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Action trees are data: what is read, and what is refused."""
+"""Action trees from files: what is read, and what is refused."""
 
 from pathlib import Path
 
@@ -12,13 +12,13 @@ HEAD = "primitives:\n  findObject: [object]\n  raise: []\ntrees:\n"
 
 
 def written(tmp_path: Path, trees: str) -> Path:
-    """A file with these trees, which start in line 5."""
+    """Return a file with these trees, which start in line 5."""
     path = tmp_path / "actions.yaml"
     path.write_text(HEAD + trees, encoding="utf-8")
     return path
 
 
-def test_pass_is_walked_as_figure_3_shows():
+def test_steps_of_pass_are_those_of_figure_3():
     """The pass tree finds, grasps, moves up and hands over."""
     steps = load_actions().tree("pass").steps
 
@@ -27,8 +27,8 @@ def test_pass_is_walked_as_figure_3_shows():
     ]  # fmt: skip
 
 
-def test_pound_supplies_the_tool_that_nobody_named():
-    """The argument review of section 4.2 is a default of the tree."""
+def test_pound_has_a_default_for_its_tool():
+    """A default of the tree supplies the argument, as in section 4.2."""
     pound = load_actions().tree("pound")
 
     assert pound.defaults["tool"] == Affords("usedFor", "affordance:pounding")
@@ -36,25 +36,25 @@ def test_pound_supplies_the_tool_that_nobody_named():
 
 
 def test_pound_repeats_until_the_nail_is_driven():
-    """Raising and lowering is a bounded loop with an end that is sensed."""
+    """Raising and lowering is repeated up to a limit, until the end is sensed."""
     loop = load_actions().tree("pound").steps[-1]
 
     assert isinstance(loop, Loop)
     assert (loop.until, [step.action for step in loop.steps]) == ("driven", ["raise", "lower"])
 
 
-def test_nodes_are_the_paths_of_every_walk():
-    """A nested tree's nodes are named by their whole path."""
+def test_nodes_are_named_by_their_paths():
+    """The nodes of a nested tree are named by their whole path."""
     assert "pound/pickUp/graspObject" in load_actions().nodes
 
 
 def test_contexts_of_a_node_come_nearest_first():
-    """The nearest tree goes before the trees above it."""
+    """The innermost tree comes before the trees around it."""
     assert load_actions().contexts("pound/pickUp/graspObject") == ("pickUp", "pound")
 
 
-def test_unknown_tree_is_told_with_those_there_are():
-    """A misspelt goal is answered with the known ones."""
+def test_unknown_tree_is_refused_with_the_known_names():
+    """The error about a misspelt goal lists the known ones."""
     with pytest.raises(UnknownNameError, match=r'Did you mean "pickUp"\?'):
         load_actions().tree("pickup")
 
@@ -73,8 +73,8 @@ def test_unknown_tree_is_told_with_those_there_are():
         ("  a: {parameters: [x], steps: [{raise: , lower: }]}", "expected one action"),
     ],
 )
-def test_wrong_tree_is_refused_with_its_place(tmp_path: Path, tree: str, message: str):
-    """Each mistake in a user's action file is told with its line."""
+def test_wrong_tree_is_refused_with_its_line(tmp_path: Path, tree: str, message: str):
+    """Each mistake in a user's action file is reported with its line."""
     with pytest.raises(DataError, match=rf"actions\.yaml:5:\d+: .*{message}"):
         load_actions(written(tmp_path, tree))
 
@@ -98,14 +98,14 @@ trees:
 
 
 def own(tmp_path: Path, text: str) -> Actions:
-    """The actions of a file, added to those of Hilt."""
+    """Return the actions of a file, added to those of Hilt."""
     path = tmp_path / "own.yaml"
     path.write_text(text, encoding="utf-8")
     return load_actions(path, added_to=load_actions())
 
 
-def test_file_of_ones_own_adds_to_those_of_hilt(tmp_path: Path):
-    """Its trees use both, and Hilt's stay."""
+def test_user_file_adds_actions_to_those_of_hilt(tmp_path: Path):
+    """Its trees may use Hilt's actions, which remain."""
     actions = own(tmp_path, OWN)
 
     season = actions.tree("season")
@@ -118,8 +118,8 @@ def test_file_of_ones_own_adds_to_those_of_hilt(tmp_path: Path):
     assert actions.tree("pass") == load_actions().tree("pass")
 
 
-def test_tree_of_the_same_name_takes_the_place_of_hilts(tmp_path: Path):
-    """A robot may pass things in its own way."""
+def test_tree_of_the_same_name_replaces_that_of_hilt(tmp_path: Path):
+    """A user's file may define another way to pass objects."""
     text = "trees: {pass: {parameters: [object], steps: [{pointAt: object}]}}\n"
 
     assert own(tmp_path, text).tree("pass").parameters == ("object",)
@@ -142,10 +142,10 @@ def test_tree_of_the_same_name_takes_the_place_of_hilts(tmp_path: Path):
         ("object: tool", "thing: tool", r':9:38: unknown key "thing"'),
     ],
 )
-def test_mistake_is_told_with_line_column_and_caret(
+def test_mistake_is_reported_with_line_column_and_caret(
     tmp_path: Path, before: str, after: str, message: str
 ):
-    """What was expected, what was found, and what may have been meant."""
+    """The message has what was expected, what was found and a suggestion."""
     with pytest.raises(DataError, match=r"own\.yaml" + message) as told:
         own(tmp_path, OWN.replace(before, after))
 
@@ -154,8 +154,8 @@ def test_mistake_is_told_with_line_column_and_caret(
     assert caret.index("^") == told.value.column - 1
 
 
-def test_circle_of_kinds_is_refused(tmp_path: Path):
-    """Neither of two actions can be a kind of the other."""
+def test_cycle_of_kinds_is_refused(tmp_path: Path):
+    """Two actions that are kinds of each other are refused."""
     tree = "{is_a: %s, parameters: [object], steps: [{pointAt: object}]}"
     text = f"trees:\n  show: {tree % 'present'}\n  present: {tree % 'show'}\n"
 

@@ -11,8 +11,8 @@ from hilt.ontology.confidence import load_degrees
 from hilt.ontology.errors import DataError
 
 
-def test_the_papers_degrees_are_there() -> None:
-    """Section 4.1: generally, often, sometimes, occasionally."""
+def test_degrees_of_the_paper_are_defined() -> None:
+    """Generally, often, sometimes and occasionally have the values of section 4.1."""
     intervals = load_degrees().intervals
 
     assert [intervals[name][0] for name in ("high", "mediumHigh", "mediumLow", "low")] == [
@@ -20,14 +20,14 @@ def test_the_papers_degrees_are_there() -> None:
     ]  # fmt: skip
 
 
-def test_a_rule_without_a_word_is_high() -> None:
-    """Section 3.2: the placeholder "high" is preset."""
+def test_rule_without_a_qualifier_is_high() -> None:
+    """The default degree is "high" (section 3.2)."""
     assert load_degrees().default == "high"
 
 
 @pytest.mark.parametrize("degree", load_degrees().intervals)
-def test_a_degree_is_nearest_to_itself(degree: str) -> None:
-    """Every interval of the table has its own degree."""
+def test_nearest_degree_of_an_interval_of_the_table_is_its_own(degree: str) -> None:
+    """Each interval of the table is named by its own degree."""
     degrees = load_degrees()
 
     assert degrees.nearest(degrees.intervals[degree]) == degree
@@ -42,8 +42,8 @@ def test_a_degree_is_nearest_to_itself(degree: str) -> None:
         ("default: high", '"degrees" is missing'),
     ],
 )
-def test_a_wrong_file_is_told(tmp_path: Path, text: str, message: str) -> None:
-    """Where, and what was expected."""
+def test_wrong_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    """The message has the position and what was expected."""
     path = tmp_path / "qualifiers.yaml"
     path.write_text(text, encoding="utf-8")
 

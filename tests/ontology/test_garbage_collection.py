@@ -11,7 +11,7 @@ from hilt.ontology.garbage_collection import paused_garbage_collection
 
 @pytest.fixture(autouse=True)
 def enabled_afterwards() -> Iterator[None]:
-    """Enables the collector after each test."""
+    """Enable the collector after each test."""
     yield
     gc.enable()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The household's objects as data: what is there, and how mistakes in the file are told."""
+"""The objects of the household: their data, and the reports of mistakes in the file."""
 
 from pathlib import Path
 
@@ -41,7 +41,7 @@ objects:
 
 
 def load_changed(folder: Path, old: str, new: str):
-    """Load the small file with one text exchanged."""
+    """Return the objects of the small file with one text replaced."""
     assert old in SMALL
     path = folder / "objects.yaml"
     path.write_text(SMALL.replace(old, new), encoding="utf-8")
@@ -57,21 +57,21 @@ def test_the_eight_objects_have_the_parts_of_the_paper():
 
 
 @pytest.mark.parametrize("affordance", ["cutting", "pounding", "containing", "rolling", "poking"])
-def test_no_affordance_is_in_the_data(affordance: str):
-    """What an object is for is learned, never given."""
+def test_data_has_no_affordances(affordance: str):
+    """What an object is used for is learned and not in the file."""
     text = OBJECTS_FILE.read_text(encoding="utf-8")
 
     assert affordance not in text
 
 
 def test_mass_of_an_object_is_that_of_its_parts():
-    """An object weighs what its parts weigh together."""
+    """The mass of an object is the sum of the masses of its parts."""
     hammer = load_objects()["hammer"]
 
     assert hammer.mass == pytest.approx(hammer.part("handle").mass + hammer.part("head").mass)
 
 
-def test_unknown_part_names_those_there_are():
+def test_unknown_part_is_refused_with_the_known_ones():
     """The error about a part lists the parts of that object."""
     knife = load_objects()["knife"]
 
@@ -80,7 +80,7 @@ def test_unknown_part_names_those_there_are():
 
 
 def test_every_class_leads_to_a_root():
-    """Following is_a upwards always ends."""
+    """The chain of is_a ends for every class."""
     household = load_household()
 
     above = dict(household.classes) | {n: kind.is_a for n, kind in household.objects.items()}
@@ -92,8 +92,8 @@ def test_every_class_leads_to_a_root():
             assert steps < len(above)
 
 
-def test_a_users_own_object_needs_no_code(tmp_path: Path):
-    """An object written in a file of one's own is loaded as Hilt's are."""
+def test_user_file_defines_an_object(tmp_path: Path):
+    """An object in a user's file is loaded like those of Hilt."""
     stick = load_changed(tmp_path, "length: 0.3", "length: 0.4")["stick"]
 
     form = stick.part("shaft").shape[0].form
@@ -118,8 +118,10 @@ def test_a_users_own_object_needs_no_code(tmp_path: Path):
         ("{artifact: null,", "{artifact: tool,", 2, "is a kind of itself"),
     ],
 )
-def test_mistake_is_told_with_its_line(tmp_path: Path, old: str, new: str, line: int, problem: str):
-    """A wrong value is told with the line where it stands and what was expected."""
+def test_mistake_is_reported_with_its_line(
+    tmp_path: Path, old: str, new: str, line: int, problem: str
+):
+    """A wrong value is reported with its line and what was expected."""
     with pytest.raises(DataError, match=problem) as caught:
         load_changed(tmp_path, old, new)
 
@@ -149,7 +151,7 @@ def test_impossible_solid_is_refused(tmp_path: Path, form: str, problem: str):
 
 
 def load_added(folder: Path, text: str):
-    """Add what a text says to Hilt's own household."""
+    """Return Hilt's household with the objects of a text added."""
     path = folder / "mine.yaml"
     path.write_text(text, encoding="utf-8")
     return load_household(path, added_to=load_household())
@@ -158,8 +160,8 @@ def load_added(folder: Path, text: str):
 ROD = SMALL[SMALL.index("objects:") :].replace("stick", "rod")
 
 
-def test_own_objects_are_added_to_what_is_there(tmp_path: Path):
-    """A file may name its objects only, in the words of the household, and they join the others."""
+def test_objects_of_a_user_file_are_added_to_the_household(tmp_path: Path):
+    """A file may have objects only, with the classes and materials of the household."""
     household = load_added(tmp_path, ROD)
 
     assert household.objects["rod"].is_a == "tool"
@@ -167,8 +169,8 @@ def test_own_objects_are_added_to_what_is_there(tmp_path: Path):
     assert household.materials["wood"] == household.objects["rod"].parts["shaft"].material
 
 
-def test_own_objects_may_bring_words(tmp_path: Path):
-    """A file of own objects may also declare what it needs beyond the household's words."""
+def test_user_file_may_declare_classes_and_materials(tmp_path: Path):
+    """A user's file may declare classes and materials that the household does not have."""
     words = "classes: {wand: tool}\nmaterials: {cork: {friction: 0.7, shine: 0}}\n"
     mine = ROD.replace("is_a: tool", "is_a: wand").replace("wood", "cork")
 
@@ -178,14 +180,14 @@ def test_own_objects_may_bring_words(tmp_path: Path):
     assert household.objects["rod"].parts["shaft"].material.name == "cork"
 
 
-def test_own_object_must_have_a_name_of_its_own(tmp_path: Path):
-    """What is there is not replaced unawares."""
+def test_object_with_the_name_of_another_is_refused(tmp_path: Path):
+    """A user's file cannot replace an object of the household."""
     with pytest.raises(DataError, match='there already is an object "knife"'):
         load_added(tmp_path, ROD.replace("rod", "knife"))
 
 
 def test_nail_stands_in_its_block():
-    """The nail says where it stands, how deep, and how hard it is to drive."""
+    """The nail has a mount with its support, depth and resistance."""
     mount = load_objects()["nail"].mount
 
     assert mount is not None
@@ -201,14 +203,14 @@ def test_nail_stands_in_its_block():
         ("{support: mug, at: [0, 0, 0], depth: 1, deepest: 2}", 'key "resistance_N" is missing'),
     ],
 )
-def test_wrong_mount_is_told(tmp_path: Path, mount: str, problem: str):
-    """A mount names a support that there is, and is no deeper than it can be."""
+def test_wrong_mount_is_refused(tmp_path: Path, mount: str, problem: str):
+    """A mount needs an existing support and a possible depth."""
     with pytest.raises(DataError, match=problem):
         load_added(tmp_path, f"{ROD}    mount: {mount}\n")
 
 
 @pytest.mark.parametrize("name", ["Rod", "a/b", "rod_1", "two  rods"])
-def test_name_that_is_no_word_is_refused_where_it_stands(name: str, tmp_path: Path):
-    """What no sentence could name is told when the file is read, with its line."""
+def test_name_that_is_no_word_is_refused_with_its_line(name: str, tmp_path: Path):
+    """A name that no sentence can have is reported with its line when the file is read."""
     with pytest.raises(DataError, match=r"mine\.yaml:\d+:\d+: .* is no name; expected lower-case"):
         load_added(tmp_path, ROD.replace("rod:", f'"{name}":', 1))

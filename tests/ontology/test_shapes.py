@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about the vocabulary and its shapes: complete, and each constraint can be broken."""
+"""The vocabulary and its SHACL shapes: they are complete, and each constraint can be violated."""
 
 from __future__ import annotations
 
@@ -160,28 +160,28 @@ BREAKS = [
 
 
 def findings(text: str) -> list[str]:
-    """The messages about a text."""
+    """Return the validation messages about a text."""
     _, report, _ = validate(Graph().parse(data=HEAD + text, format="turtle"), shacl_graph=SHAPES)
     return [str(message) for message in report.objects(None, SH.resultMessage)]
 
 
 @pytest.mark.parametrize("name", sorted(EXAMPLES))
 def test_example_of_each_class_is_valid(name: str):
-    """What the base writes for a class passes its shape."""
+    """The RDF that the base writes for a class conforms to its shape."""
     assert findings(EXAMPLES[name]) == []
 
 
 @pytest.mark.parametrize(("text", "old", "new", "said"), BREAKS)
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_each_constraint_can_be_broken(text: str, old: str, new: str, said: str):
-    """One thing changed in a valid example gives the message of that constraint."""
+def test_each_constraint_can_be_violated(text: str, old: str, new: str, said: str):
+    """One change to a valid example gives the message of that constraint."""
     assert old in text
 
     assert any(said in message for message in findings(text.replace(old, new, 1)))
 
 
-def test_every_message_of_a_shape_has_a_test_that_brings_it_up():
-    """No constraint is there that nothing breaks."""
+def test_every_message_of_a_shape_has_a_test():
+    """Each constraint is violated by one of the examples."""
     said = [one[3] for one in BREAKS]
     messages = {str(message) for message in SHAPES.objects(None, SH.message)}
 
@@ -189,14 +189,14 @@ def test_every_message_of_a_shape_has_a_test_that_brings_it_up():
 
 
 def test_every_class_has_a_shape():
-    """The shapes cover the vocabulary; Atom is abstract."""
+    """Each class but the abstract Atom has a shape."""
     shaped = set(SHAPES.objects(None, SH.targetClass))
 
     assert {node for node in CLASSES if node not in shaped} == {URIRef(HILT + "Atom")}
 
 
 @pytest.mark.parametrize("node", sorted([*CLASSES, *PROPERTIES]))
-def test_every_term_is_explained(node: URIRef):
+def test_every_term_has_a_label_and_a_comment(node: URIRef):
     """Each class and property has a label and a comment."""
     assert VOCABULARY.value(node, RDFS.label)
     assert str(VOCABULARY.value(node, RDFS.comment)).endswith(".")
@@ -204,13 +204,13 @@ def test_every_term_is_explained(node: URIRef):
 
 @pytest.mark.parametrize("node", sorted(PROPERTIES))
 def test_every_property_has_domain_and_range(node: URIRef):
-    """Each property says what it leads from and to."""
+    """Each property has a domain and a range."""
     assert VOCABULARY.value(node, RDFS.domain)
     assert VOCABULARY.value(node, RDFS.range)
 
 
 def test_shapes_use_only_terms_of_the_vocabulary():
-    """A shape cannot speak of a term that is not explained."""
+    """Shapes have no term that the vocabulary does not define."""
     used = {
         node
         for triple in SHAPES

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YAML is read with positions, and what is wrong is told where it stands."""
+"""YAML is read with positions, and mistakes are reported with theirs."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ plain = st.recursive(
 
 @given(plain)
 def test_plain_data_reads_back_as_written(value: object):
-    """What YAML can say without tags survives reading."""
+    """YAML without tags is read as plain data."""
     text = yaml.safe_dump(value)
 
     assert parse_yaml(text).plain() == value
@@ -39,24 +39,24 @@ def test_plain_data_reads_back_as_written(value: object):
         ("[" * (MAX_DEPTH + 2), f"<text>:1:{MAX_DEPTH + 1}: nested too deeply."),
     ],
 )
-def test_what_is_not_plain_data_is_refused_with_its_place(text: str, message: str):
-    """A file error names line and column."""
+def test_yaml_beyond_plain_data_is_refused_with_its_position(text: str, message: str):
+    """The error has line and column."""
     with pytest.raises(DataError) as caught:
         parse_yaml(text)
 
     assert str(caught.value).startswith(message)
 
 
-def test_unknown_key_is_refused_with_what_there_is():
-    """A misspelt key is told with the nearest one."""
+def test_unknown_key_is_refused_with_a_suggestion():
+    """The error has the position of the key, the most similar key and the known ones."""
     field = parse_yaml("name: knife\nmas: 0.1")
 
     with pytest.raises(DataError, match=r'2:1: unknown key "mas" \(did you mean "mass"\?\); expe'):
         field.entries(required={"name", "mass"}, optional=())
 
 
-def test_missing_key_is_told():
-    """A missing key is told with the ones that were found."""
+def test_missing_key_is_refused():
+    """The error lists the keys that were found."""
     with pytest.raises(DataError, match='the key "mass" is missing; found name'):
         parse_yaml("name: knife").entries(required={"name", "mass"})
 
@@ -76,14 +76,14 @@ def test_missing_key_is_told():
         ("1", lambda f: f.truth(), "expected true or false, found 1"),
     ],
 )
-def test_value_of_another_kind_is_refused(text: str, ask, message: str):
-    """Each question to a field says what it expected and what it found."""
+def test_value_of_another_type_is_refused(text: str, ask, message: str):
+    """The error has what was expected and what was found."""
     with pytest.raises(DataError, match=message):
         ask(parse_yaml(text))
 
 
 def test_file_that_is_not_utf8_is_refused(tmp_path: Path):
-    """A wrong encoding is an error of the file, not a crash."""
+    """A file in another encoding gives a data error."""
     path = tmp_path / "bad.yaml"
     path.write_bytes(b"a: \xff\xfe")
 
@@ -91,14 +91,14 @@ def test_file_that_is_not_utf8_is_refused(tmp_path: Path):
         read_yaml(path)
 
 
-def test_missing_file_is_told(tmp_path: Path):
-    """A file that is not there is named."""
+def test_missing_file_is_refused(tmp_path: Path):
+    """The error names the file."""
     with pytest.raises(DataError, match=r"none\.yaml: cannot be read: No such file"):
         read_yaml(tmp_path / "none.yaml")
 
 
 def test_excerpt_points_at_the_column():
-    """The caret stands under the place where YAML stopped making sense."""
+    """The caret is under the position of the syntax error."""
     with pytest.raises(DataError) as caught:
         parse_yaml("a: 1\nb: ]")
 
