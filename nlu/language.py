@@ -29,8 +29,10 @@ from .grammar.grammar import load_grammar
 from .grammar.notation import save_cache
 from .lexicon.controls import ControlPhrases, load_controls
 from .lexicon.inflection import Inflection, load_inflection
+from .lexicon.learned_lexicon import LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
+from .lexicon.shared_index import SharedIndex
 from .lexicon.tokenizer import tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
@@ -64,7 +66,6 @@ class Language:
     Attributes:
         name: its folder.
         examples: sentences that are understood, each with its words.
-        learned: words that were added to the vocabulary by `with_words`.
     """
 
     name: str
@@ -76,7 +77,6 @@ class Language:
     inflection: Inflection
     degrees: Degrees
     controls: ControlPhrases
-    learned: tuple[NewWord, ...] = ()
 
     @classmethod
     @paused_garbage_collection()
@@ -109,8 +109,12 @@ class Language:
         if extra_lexicon is not None:
             builder.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
-        lexicon = Lexicon(builder.vocabulary(names), builder.lexicon)
-        interpreter = Interpreter(degrees.intervals, builder.tool_acts(), frozenset(names.contexts))
+        lexicon = LearnedLexicon(Lexicon(builder.vocabulary(names), builder.lexicon), builder)
+        interpreter = Interpreter(
+            degrees.intervals,
+            SharedIndex(builder.tool_acts().items()),
+            SharedIndex((name, name) for name in names.contexts),
+        )
         parser = SentenceParser(grammar, lexicon, combinator, interpreter, load_pragmatics())
         answers = load_answers(
             folder / "answers.yaml", inflection, builder.act_names(), builder.tool_phrases()
@@ -133,19 +137,20 @@ class Language:
 
     def with_words(self, words: Iterable[NewWord]) -> Language:
         """Return this language with further words, known in all their forms."""
-        added = tuple(word for word in dict.fromkeys(words) if word not in self.learned)
-        if not added:
+        added = tuple(words)
+        lexicon = self.lexicon.with_words(added)
+        if lexicon is self.lexicon:
             return self
-        senses = [sense for word in added for sense in self.builder.name(word.role, word.word)]
         gerunds = [word.word for word in added if word.role == "affordance"]
-        uses = {self.builder.bare_verb(gerund): gerund for gerund in gerunds}
-        interpreter = self.parser.interpreter.with_words(added)
-        parser = replace(
-            self.parser,
-            lexicon=Lexicon(senses, self.parser.lexicon),
-            interpreter=replace(interpreter, tool_acts={**uses, **interpreter.tool_acts}),
+        uses = [(self.builder.bare_verb(gerund), gerund) for gerund in gerunds]
+        acts = [(word.word, word.word) for word in added if word.role == "context"]
+        interpreter = self.parser.interpreter
+        interpreter = replace(
+            interpreter,
+            tool_acts=interpreter.tool_acts.with_items(uses),
+            acts=interpreter.acts.with_items(acts),
         )
-        return replace(self, parser=parser, learned=(*self.learned, *added))
+        return replace(self, parser=replace(self.parser, lexicon=lexicon, interpreter=interpreter))
 
     @paused_garbage_collection()
     def understand(
@@ -198,7 +203,12 @@ class Language:
         return UtteranceParser(self.parser, self.builder, known, reading_filter, clarification)
 
     @property
-    def lexicon(self) -> Lexicon:
+    def learned(self) -> Collection[NewWord]:
+        """The words that were added to the vocabulary by `with_words`, in this order."""
+        return self.lexicon.learned.values()
+
+    @property
+    def lexicon(self) -> LearnedLexicon:
         """The entries of all words, those of learned words first."""
         return self.parser.lexicon
 
@@ -208,14 +218,18 @@ class Language:
         return self.parser.interpreter.tool_acts
 
     @property
-    def acts(self) -> frozenset[str]:
+    def acts(self) -> Collection[str]:
         """The acts on an object that the vocabulary has or that were learned."""
-        return self.parser.interpreter.acts
+        return self.parser.interpreter.acts.keys()
 
     @property
     def known_words(self) -> frozenset[str]:
         """Every single word that the lexicon has."""
-        return self.utterance_parser.known_words.words
+        return frozenset(self.lexicon.words())
+
+    def knows(self, word: str) -> bool:
+        """Whether a single word is known."""
+        return word in self.lexicon
 
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer of `answers.yaml` with its slots filled."""

@@ -391,7 +391,7 @@ class DialogueManager:
     def _corrected(self, turn: DialogueTurn, said: meaning.AskBack) -> tuple[str, str] | None:
         """The utterance with the suggested word in place of the unknown one, and the latter."""
         words = turn.understood.words
-        unknown = [word for word in words if word not in self.language.known_words]
+        unknown = [word for word in words if not self.language.knows(word)]
         if len(said.choices) != 1 or not unknown:
             return None
         return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]

@@ -12,12 +12,14 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
 from ..grammar.combinators import Combinator, Sign
 from ..grammar.patterns import Steps, compile_pattern, words_of
 from ..grammar.terms import Term, Value
+from .misspelling import trigrams
 
 
 class Entry(NamedTuple):
@@ -188,9 +190,14 @@ class Lexicon:
                 found[str(sense.category)].add(sense.says)
         return {category: frozenset(words) for category, words in found.items()}
 
-    def named(self, categories: Iterable[str]) -> frozenset[str]:
-        """All names that have one of some categories, in all their forms."""
-        return frozenset[str]().union(*(self.names.get(each, ()) for each in categories))
+    def is_name(self, words: str, categories: Iterable[str] | None = None) -> bool:
+        """Whether some words are a form of a name, if so one that has one of some categories."""
+        kinds = self.names if categories is None else categories
+        return any(words in self.names.get(each, ()) for each in kinds)
+
+    def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
+        """Whether a word occurs in a name that has one of some categories."""
+        return any(word in self._words_in_names.get(each, ()) for each in categories)
 
     def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""
@@ -216,6 +223,18 @@ class Lexicon:
     def entries_at(self, number: int) -> Iterator[Entry]:
         """The entries at the end of a pattern, by its number."""
         return (sense.entry() for sense in self._numbers[number])
+
+    @cached_property
+    def trigrams(self) -> frozenset[str]:
+        """The sequences of three letters in all words of entries."""
+        return frozenset(chain.from_iterable(map(trigrams, self.words())))
+
+    @cached_property
+    def _words_in_names(self) -> Mapping[str, frozenset[str]]:
+        return {
+            category: frozenset(word for name in names for word in name.split(" "))
+            for category, names in self.names.items()
+        }
 
     @cached_property
     def _root(self) -> LexiconNode:

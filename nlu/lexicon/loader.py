@@ -147,14 +147,23 @@ class LexiconBuilder:
 
     def name(self, role: str, name: str) -> Iterator[Sense]:
         """The senses of a name in a role, one of `ROLES`."""
+        word, templates = self._inflected(role, name)
         if role in NOUN_TEMPLATES:
-            return self.noun(NOUN_TEMPLATES[role], name)
-        if role == "affordance":
-            bare = self.bare_verb(name)
-            is_known = any(verb.verb == bare for verb in self.verbs)
-            templates = ("affordance",) if is_known else ("affordance", "tool")
-            return self.verb_forms(Verb(bare, templates, _constant(bare)))
-        return self.verb_forms(Verb(name, ("new_act",), _constant(name)))
+            return self.noun(templates[0], word)
+        return self.verb_forms(Verb(word, templates, _constant(word)))
+
+    def forms(self, role: str, name: str) -> list[str]:
+        """All forms in which a name is said in a role, one of `ROLES`, each once."""
+        word, templates = self._inflected(role, name)
+        kinds = dict.fromkeys(form for each in templates for form in self._templates[each].forms)
+        return list(dict.fromkeys(self._inflection.form(word, kind) for kind in kinds))
+
+    def categories(self, role: str) -> frozenset[str]:
+        """The categories of the names of things that have a role; none for acts and uses."""
+        if role not in NOUN_TEMPLATES:
+            return frozenset()
+        lines = chain.from_iterable(self._templates[NOUN_TEMPLATES[role]].forms.values())
+        return frozenset(str(line.category) for line in lines)
 
     def tool_acts(self) -> dict[str, str]:
         """The acts that need a tool, each with the affordance that the tool must have."""
@@ -185,10 +194,23 @@ class LexiconBuilder:
 
     def bare_verb(self, gerund: str) -> str:
         """The verb of a gerund: "cut" for "cutting"."""
-        for verb in self.verbs:
-            if self._inflection.form(verb.verb, "ing") == gerund:
-                return verb.verb
-        return next(iter(self._inflection.origins(gerund, "ing")), gerund)
+        known = self._verb_of.get(gerund)
+        return known or next(iter(self._inflection.origins(gerund, "ing")), gerund)
+
+    @cached_property
+    def _verb_of(self) -> Mapping[str, str]:
+        """The verbs of all files by their gerunds, of several with the same one the first."""
+        verbs = [verb.verb for verb in reversed(self.verbs)]
+        return {self._inflection.form(verb, "ing"): verb for verb in verbs}
+
+    def _inflected(self, role: str, name: str) -> tuple[str, tuple[str, ...]]:
+        """The word whose forms name something in a role, and the templates of these forms."""
+        if role in NOUN_TEMPLATES:
+            return name, (NOUN_TEMPLATES[role],)
+        if role != "affordance":
+            return name, ("new_act",)
+        is_known = name in self._verb_of
+        return self.bare_verb(name), ("affordance",) if is_known else ("affordance", "tool")
 
     def _senses(
         self, template: Template, word: str, names: Mapping[str, str], role: str, cost: float

@@ -1,21 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Unknown words: the entries that a word may stand for, and the known word that it may misspell.
+"""Unknown words: the entries that a word which is not known may stand for.
 
 An unknown word gets an entry for every role that a name can have, and the chart finds which one
 fits the rest of the sentence (Scheutz et al. 2017): "a zib is used for cutting" can only be about
-an object. About a word one edit away from a known one, by the optimal string alignment distance in
-which a transposition is one edit, Hilt asks instead.
+an object.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 from itertools import pairwise
 
 from .inflection import Inflection
-from .lexicon import Entry, Lexicon, Sense
+from .learned_lexicon import LearnedLexicon
+from .lexicon import Entry, Sense
 from .loader import LexiconBuilder, Verb
 from .tokenizer import Token, Tokens
 from .vocabulary import NewWord
@@ -23,8 +22,6 @@ from .vocabulary import NewWord
 MAX_NEW_WORDS = 3
 MIN_LETTERS = 3
 MAX_LETTERS = 30
-TWO_SLIPS = 9
-"""From this length on [letters] a word may be two slips away from a known one."""
 
 NOUNS = frozenset({"N", "NS", "P", "MS"})
 """The categories of names of things."""
@@ -35,7 +32,7 @@ _COMPOUND_COST = 0.75
 _SINGULAR_COST = 0.25  # what looks like a plural is one
 _NAMEABLE_COST = 1.0  # a word of a construction hardly ever names something, too
 
-_LIKE = {
+_NAMED_BY = {
     "object": NOUNS,
     "part": frozenset({"P"}),
     "affordance": frozenset({"K", "KB"}),
@@ -46,47 +43,6 @@ _LIKE = {
 def is_word(token: Token) -> bool:
     """Whether a token can be a word at all."""
     return token.word.isalpha() and MIN_LETTERS <= len(token.word) <= MAX_LETTERS
-
-
-@lru_cache(maxsize=1024)
-def closest_word(word: str, known: frozenset[str]) -> str | None:
-    """The known word that `word` is most likely a slip of, None when there is none."""
-    if len(word) <= MIN_LETTERS:
-        return None
-    from rapidfuzz import process  # here: most utterances have no unknown word
-    from rapidfuzz.distance import OSA
-
-    found = process.extractOne(
-        word,
-        sorted(other for other in known if len(other) > MIN_LETTERS),
-        scorer=OSA.distance,
-        score_cutoff=2 if len(word) >= TWO_SLIPS else 1,
-    )
-    return found[0] if found else None
-
-
-@lru_cache(maxsize=1024)
-def misspelled_word(word: str, known: frozenset[str]) -> str | None:
-    """The word of grammar that `word` is one letter away from, by one too many, too few or swapped.
-
-    A word with one letter changed, or another first one, is too often another word: "fork" is no
-    slip of "work".
-    """
-    letters = sorted(word)
-    near = (each for each in known if len(each) != len(word) or sorted(each) == letters)
-    return closest_word(word, frozenset(each for each in near if each[0] == word[0]))
-
-
-def is_one_slip(word: str, other: str) -> bool:
-    """Whether at most one letter is added, lost, changed or swapped."""
-    from rapidfuzz.distance import OSA
-
-    return OSA.distance(word, other, score_cutoff=1) <= 1
-
-
-def names_for_role(role: str, lexicon: Lexicon) -> frozenset[str]:
-    """The words, in all forms, that name what a role may be taken for."""
-    return lexicon.named(_LIKE[role])
 
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
@@ -103,35 +59,39 @@ def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
 class KnownWords:
     """The words that are known, and the entries that all others may stand for."""
 
-    lexicon: Lexicon
+    lexicon: LearnedLexicon
     builder: LexiconBuilder
     inflection: Inflection
 
-    @cached_property
-    def words(self) -> frozenset[str]:
-        """Every single word that the lexicon has."""
-        return frozenset(self.lexicon.words())
-
-    @cached_property
-    def named(self) -> frozenset[str]:
-        """Every single word in the name of an object, a part or a material."""
-        return frozenset(word for name in self.lexicon.named(NOUNS) for word in name.split(" "))
-
     def unknown(self, tokens: Tokens) -> list[Token]:
         """The tokens that are not known."""
-        return [token for token in tokens.items if not self._has(token.word)]
+        return [token for token in tokens.items if not self.has(token.word)]
+
+    def has(self, word: str) -> bool:
+        """Whether a word is known."""
+        return word in self.lexicon or word in self.builder.closed
+
+    def names(self, word: str, role: str | None = None) -> bool:
+        """Whether a word, in any form, names what a role may be taken for.
+
+        Without a role: whether it occurs in the name of an object, a part or a material.
+        """
+        if role is None:
+            return self.lexicon.is_in_name(word, NOUNS)
+        return self.lexicon.is_name(word, _NAMED_BY[role])
 
     def may_be_a_thing(self, word: str) -> bool:
         """Whether a word names, or may name, an object or a part."""
-        names = self._things | self.builder.nameable | self.builder.denied
-        return word in names or not self._has(word)
+        if word in self.builder.nameable or word in self.builder.denied or not self.has(word):
+            return True
+        return self.lexicon.is_name(word, ("N", "NS", "P"))
 
     def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
         """The entries of new words, and of names of two words, by their places."""
         found = {
             place: self._guesses(token, 0.0 if token in unknown else _NAMEABLE_COST)
             for place, token in enumerate(tokens.items)
-            if token in unknown or token.word in self._unnamed | self._named_within
+            if token in unknown or self._may_be_taught(token.word)
         }
         for place, (first, second) in enumerate(pairwise(tokens.words)):
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
@@ -192,21 +152,10 @@ class KnownWords:
     def _may_name(self, word: str, kinds: Iterable[str]) -> bool:
         if word not in self.lexicon:
             return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
-        return any(word in self.lexicon.names.get(kind, ()) for kind in kinds)
+        return self.lexicon.is_name(word, kinds)
 
-    def _has(self, word: str) -> bool:
-        return word in self.lexicon or word in self.builder.closed
-
-    @cached_property
-    def _unnamed(self) -> frozenset[str]:
-        return self.builder.nameable - self.named
-
-    @cached_property
-    def _named_within(self) -> frozenset[str]:
-        """Words that occur in longer names only: "soldering" in "soldering iron"."""
-        names = {name for names in self.lexicon.names.values() for name in names}
-        return self.named - names
-
-    @cached_property
-    def _things(self) -> frozenset[str]:
-        return self.lexicon.named(("N", "NS", "P"))
+    def _may_be_taught(self, word: str) -> bool:
+        """Whether a known word may name something new: "soldering" in "soldering iron", too."""
+        if self.names(word):
+            return not self.lexicon.is_name(word)
+        return word in self.builder.nameable

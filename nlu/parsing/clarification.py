@@ -7,22 +7,20 @@ meanings) or asks a question: whether a known word was meant that is one letter 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
 from ..generation.templates import AnswerTemplates
 from ..lexicon.inflection import Inflection
+from ..lexicon.misspelling import intended_word
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import (
     MAX_NEW_WORDS,
     KnownWords,
-    closest_word,
-    is_one_slip,
     is_word,
-    misspelled_word,
-    names_for_role,
 )
 from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import RefusedError
@@ -73,15 +71,12 @@ class Clarification:
 
         Words in `accepted` are new although they are close to known ones.
         """
-        known = self.known_words
         for word in words:
-            if word.said in accepted:
-                continue
-            close = closest_word(word.said, names_for_role(word.role, self.parser.lexicon))
-            if close is not None:
-                return self._did_you_mean(word.said, close)
-            for part in word.said.split(" ") if " " in word.said else ():
-                close = None if part in known.words else closest_word(part, known.named)
+            for part in word.said.split(" "):
+                if part in accepted or self.known_words.has(part):
+                    continue
+                role = word.role if part == word.said else None
+                close = self._intended(part, partial(self.known_words.names, role=role))
                 if close is not None:
                     return self._did_you_mean(part, close)
         return None
@@ -92,8 +87,8 @@ class Clarification:
         for token in unknown:
             if token.word in accepted:
                 continue
-            close = closest_word(token.word, known.named)
-            close = close or misspelled_word(token.word, known.words)
+            close = self._intended(token.word, known.names)
+            close = close or self._intended(token.word, known.has)
             if close is not None:
                 return self._did_you_mean(token.word, close)
         return None
@@ -130,10 +125,15 @@ class Clarification:
             message = self.answers.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))
 
+    def _intended(self, word: str, is_known: Callable[[str], bool]) -> str | None:
+        """The known word that a new one is a likely slip of."""
+        plural = self.inflection.form(word, "plural")
+        if is_known(plural):  # "knive" has the plural of "knife"
+            singulars = self.inflection.origins(plural, "plural")
+            return next((each for each in singulars if is_known(each)), None)
+        return intended_word(word, is_known, self.known_words.lexicon.trigrams)
+
     def _did_you_mean(self, word: str, close: str) -> AskBack:
-        for singular in self.inflection.origins(close, "plural"):
-            if singular in self.known_words.named and is_one_slip(word, singular):
-                close = singular
         return AskBack(self.answers.say("did_you_mean", word=word, suggestion=close), (close,))
 
     def _choice(self, meaning: Meaning) -> str:

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from ..grammar.categories import Category, Functor
 from ..grammar.combinators import Combinator
 from ..grammar.grammar import Grammar
-from ..lexicon.lexicon import Entry, Lexicon
+from ..lexicon.learned_lexicon import LearnedLexicon
+from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.coreference import IT, SOMETHING, Discourse, RefusedError, resolve
@@ -50,7 +51,7 @@ class SentenceParser:
     """Finds the readings of one sentence."""
 
     grammar: Grammar
-    lexicon: Lexicon
+    lexicon: LearnedLexicon
     combinator: Combinator
     interpreter: Interpreter
     pragmatics: Pragmatics

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from ..lexicon.shared_index import SharedIndex
 from ..lexicon.vocabulary import NewWord
 from .coreference import SOMETHING, Discourse, RefusedError
 from .meaning import (
@@ -70,16 +71,18 @@ class Interpreter:
     Attributes:
         tool_acts: acts done with a tool, each with the affordance that the tool must have.
         acts: further acts on one object that were learned.
+        new_acts: the acts that new words of an utterance name.
     """
 
     intervals: Mapping[str, Confidence]
-    tool_acts: Mapping[str, str]
-    acts: frozenset[str] = frozenset()
+    tool_acts: SharedIndex[str, str]
+    acts: SharedIndex[str, str]
+    new_acts: frozenset[str] = frozenset()
 
     def with_words(self, words: Sequence[NewWord]) -> Interpreter:
         """Return this interpreter with the acts that new words name."""
-        acts = {word.word for word in words if word.role == "context"}
-        return replace(self, acts=self.acts | acts) if acts else self
+        acts = frozenset(word.word for word in words if word.role == "context")
+        return replace(self, new_acts=acts) if acts else self
 
     def meaning(self, intention: Form, discourse: Discourse) -> Meaning:
         """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
@@ -171,13 +174,16 @@ class Interpreter:
             return Command("grasp", target, part=part)
         if form.name in self.tool_acts:
             return self._tool_command(form)
-        if form.name not in GOALS and form.name not in self.acts:
+        if not self._is_act_on_object(form.name):
             raise RefusedError("one_thing_at_a_time")
         if len(form.arguments) > (3 if form.name == "pass" else 2):
             raise RefusedError("one_thing_at_a_time")
         target = self._reference(form.arguments[1])
         recipient = _name(form.arguments[2]) if len(form.arguments) > 2 else None
         return Command(form.name, target, recipient=recipient)
+
+    def _is_act_on_object(self, name: str) -> bool:
+        return name in GOALS or name in self.acts or name in self.new_acts
 
     def _reference(self, form: Form) -> ObjectReference:
         names: set[str] = set()
@@ -262,7 +268,7 @@ class Interpreter:
     def _action_rule(self, form: Form) -> ActionRule:
         context, act, degree = form.arguments
         part, owner = act.arguments[1].arguments
-        if context.name not in GOALS and context.name not in {*self.tool_acts, *self.acts}:
+        if not self._is_act_on_object(context.name) and context.name not in self.tool_acts:
             raise RefusedError("no_act")
         name, props = _kind_and_properties(owner)
         return ActionRule(name, context.name, _name(part), self.intervals[degree.name], props)

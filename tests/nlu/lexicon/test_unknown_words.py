@@ -7,7 +7,7 @@ import pytest
 
 from hilt.nlu import AskBack, Language, Misunderstanding, NewWord
 from hilt.nlu.lexicon.tokenizer import tokenize
-from hilt.nlu.lexicon.unknown_words import KnownWords, closest_word
+from hilt.nlu.lexicon.unknown_words import KnownWords
 
 
 @pytest.mark.parametrize(
@@ -132,12 +132,6 @@ def test_words_of_grammar_are_no_names(language: Language, text: str) -> None:
 def test_too_many_new_words_are_refused(language: Language) -> None:
     """With too many unknown words the rest of a sentence shows no roles."""
     assert language.understand("To zorp a florp grab the blick by the quux").kind == "error"
-
-
-def test_the_nearest_word_is_found() -> None:
-    """Among several, the one with fewest slips; swapped letters are one."""
-    assert closest_word("hnadle", frozenset({"handle", "candle", "hand"})) == "handle"
-    assert closest_word("mop", frozenset({"mug", "map"})) is None
 
 
 @pytest.mark.parametrize("text", ["Cake, knives are for cutting", "Cake. Knives are for cutting"])

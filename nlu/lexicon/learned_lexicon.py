@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Learned lexicon: a lexicon to which words are added while people speak, without any limit.
+
+The words that were learned stand in one flat index by all their forms, however they were learned.
+So a lookup takes the same time after 100,000 words, and a new word costs what it has of forms. The
+entries of a word are made when it is heard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property, lru_cache
+
+from .lexicon import Lexicon, LexiconNode, Sense
+from .loader import LexiconBuilder
+from .shared_index import SharedIndex
+from .vocabulary import NewWord
+
+Name = tuple[str, str]
+"""The role of a name, and its dictionary form."""
+
+_CACHED_FORMS = 512
+"""So many forms are kept with their entries, of which the gerund of a use has a hundred."""
+
+
+class LearnedLexicon(Lexicon):
+    """A lexicon with the words that were learned, in all their forms; immutable.
+
+    Args:
+        base: the lexicon of the language, whose entries come after those of learned words.
+        builder: makes the entries of names.
+
+    Attributes:
+        learned: the words that were learned, by role and dictionary form.
+    """
+
+    def __init__(self, base: Lexicon, builder: LexiconBuilder) -> None:
+        super().__init__(base=base)
+        self._static, self._builder = base, builder
+        self.learned: SharedIndex[Name, NewWord] = SharedIndex()
+        self._forms: SharedIndex[str, Name] = SharedIndex()
+        self._lengths: SharedIndex[str, int] = SharedIndex()  # of names, by their first word
+        self._single: SharedIndex[str, str] = SharedIndex()  # role, by each word of a name
+        self._lexicon_of: Callable[[str, tuple[Name, ...]], Lexicon] = lru_cache(_CACHED_FORMS)(
+            self._made
+        )
+
+    def with_words(self, words: Iterable[NewWord]) -> LearnedLexicon:
+        """Return this lexicon with further words, itself when it has learned all of them."""
+        added = {(word.role, word.word): word for word in words}
+        forms = [
+            (form, name)
+            for name in added
+            if name not in self.learned
+            for form in self._builder.forms(*name)
+        ]
+        if not forms:
+            return self
+        lexicon = LearnedLexicon(self._static, self._builder)
+        lexicon._lexicon_of = self._lexicon_of
+        lexicon.learned = self.learned.with_items(added.items())
+        lexicon._forms = self._forms.with_items(forms)
+        split = [(form.split(" "), role) for form, (role, _) in forms]
+        lexicon._lengths = self._lengths.with_items((each[0], len(each)) for each, _ in split)
+        lexicon._single = self._single.with_items(
+            (word, role) for each, role in split for word in each
+        )
+        return lexicon
+
+    def __contains__(self, word: object) -> bool:
+        return word in self._single or word in self._static
+
+    def words(self) -> Iterator[str]:
+        """All single words that occur in entries."""
+        yield from self._single
+        yield from self._static.words()
+
+    def senses(self) -> Iterator[Sense]:
+        """All senses, those of learned words first."""
+        for role, word in self.learned:
+            yield from self._builder.name(role, word)
+        yield from self._static.senses()
+
+    @cached_property
+    def names(self) -> Mapping[str, frozenset[str]]:
+        """All names of things, acts and uses, in all their forms, by category."""
+        return Lexicon((each for each in self.senses() if each.name), self._static).names
+
+    def is_name(self, words: str, categories: Iterable[str] | None = None) -> bool:
+        """Whether some words are a form of a name, if so one that has one of some categories."""
+        names = self._forms.all(words)
+        if names and self._lexicon_of(words, names).is_name(words, categories):
+            return True
+        return self._static.is_name(words, categories)
+
+    def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
+        """Whether a word occurs in a name that has one of some categories."""
+        kinds = frozenset(categories)
+        if any(kinds & self._builder.categories(role) for role in self._single.all(word)):
+            return True
+        return self._static.is_in_name(word, kinds)
+
+    @cached_property
+    def trigrams(self) -> frozenset[str]:
+        """The sequences of three letters in all words of the language, without learned ones."""
+        return self._static.trigrams
+
+    def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
+        """The nodes of all spans that begin at a token and have entries, with their ends."""
+        for length in self._lengths.all(tokens[start]):
+            words = " ".join(tokens[start : start + length])
+            names = self._forms.all(words)
+            if names:
+                yield from self._lexicon_of(words, names).nodes(tokens, start)
+        yield from self._static.nodes(tokens, start)
+
+    def _made(self, words: str, names: tuple[Name, ...]) -> Lexicon:
+        """The senses of one form, which may be that of several names."""
+        senses = (sense for name in names for sense in self._builder.name(*name))
+        return Lexicon(sense for sense in senses if sense.says == words)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Misspellings: the known word that a new one is a likely slip of.
+
+A slip swaps two letters, loses one, adds one or changes one (Damerau 1964). All words that are one
+slip away are made and looked up, so the number of known words does not matter. Most words that are
+one letter away from another are words of their own: a pin and a pan, lighting and lightning. So it
+takes more for a slip than that: letters in an order that no known word has, or a long word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from itertools import chain
+from string import ascii_lowercase
+
+MIN_LETTERS = 4
+"""Words shorter than this are too close to too many others."""
+
+LONG = 8
+"""From this length on [letters] hardly any two words are one letter apart, endings aside."""
+
+_SWAPPED_OR_DOUBLED = 6  # the same where letters are only swapped or doubled
+_HARDLY_DOUBLED_AT_THE_END = "bdgmnprt"
+_SUFFIXES = ("ing", "ed")
+
+IsWord = Callable[[str], bool]
+
+
+def trigrams(word: str) -> Iterator[str]:
+    """The sequences of three letters in a word, with `^` before it and `$` after it."""
+    padded = f"^{word}$"
+    return (padded[place : place + 3] for place in range(len(padded) - 2))
+
+
+def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str | None:
+    """The known word that `word` is a likely slip of, None where there is none.
+
+    Args:
+        word: a word that is not known.
+        is_known: tells whether a word could be meant.
+        spelled: the trigrams of known words.
+    """
+    if len(word) < MIN_LETTERS:
+        return None
+    is_odd = not all(each in spelled for each in trigrams(word))
+    likely = (_slips(word) if is_odd else _slips_of_words(word)) if word.isalpha() else ()
+    return next(filter(is_known, likely), None)
+
+
+def _slips(word: str) -> Iterator[str]:
+    """The words that one slip turns into `word`, the likeliest slips first."""
+    yield from _swapped(word)
+    yield from _doubled(word)
+    yield from _longer(word)
+    yield from _shorter(word)
+    yield from _changed(word)
+
+
+def _slips_of_words(word: str) -> Iterator[str]:
+    """Those that may well turn into what looks like a word: into another one they hardly do."""
+    letters = len(_stem(word))
+    if word[-1] == word[-2] and word[-1] in _HARDLY_DOUBLED_AT_THE_END:
+        yield word[:-1]
+    if letters >= _SWAPPED_OR_DOUBLED:
+        yield from _swapped(word)
+    if letters >= LONG:
+        within = chain(_longer(word), _shorter(word), _changed(word))
+        yield from (other for other in within if not _is_derived(word, other))
+    elif len(word) > MIN_LETTERS and letters == len(word):
+        # "Hamer" is a slip of "hammer", but "taping" is of "tape" and "tapping" of "tap".
+        yield from _doubled(word)
+
+
+def _swapped(word: str) -> Iterator[str]:
+    for place in range(len(word) - 1):
+        yield word[:place] + word[place + 1] + word[place] + word[place + 2 :]
+
+
+def _doubled(word: str) -> Iterator[str]:
+    """With a double letter single, or a single one within the word double."""
+    for place in range(1, len(word)):
+        if word[place] == word[place - 1]:
+            yield word[:place] + word[place + 1 :]
+        elif place < len(word) - 1:
+            yield word[:place] + word[place] + word[place:]
+
+
+def _longer(word: str) -> Iterator[str]:
+    for place in range(1, len(word) + 1):
+        for letter in ascii_lowercase:
+            yield word[:place] + letter + word[place:]
+
+
+def _shorter(word: str) -> Iterator[str]:
+    for place in range(1, len(word)):
+        yield word[:place] + word[place + 1 :]
+
+
+def _changed(word: str) -> Iterator[str]:
+    for place in range(1, len(word)):
+        for letter in ascii_lowercase.replace(word[place], ""):
+            yield word[:place] + letter + word[place + 1 :]
+
+
+def _stem(word: str) -> str:
+    return next((word.removesuffix(end) for end in _SUFFIXES if word.endswith(end)), word)
+
+
+def _is_derived(word: str, other: str) -> bool:
+    """Whether they differ in their last letter only, as "planter", "plante" and "planted" do."""
+    shared = min(len(word), len(other)) - (len(word) == len(other))
+    return word[:shared] == other[:shared]
