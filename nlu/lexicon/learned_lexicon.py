@@ -101,9 +101,9 @@ class LearnedLexicon(Lexicon):
         return self._static.is_in_name(word, kinds)
 
     @cached_property
-    def trigrams(self) -> frozenset[str]:
-        """The sequences of three letters in all words of the language, without learned ones."""
-        return self._static.trigrams
+    def letter_clusters(self) -> frozenset[str]:
+        """Those of the language, without learned words."""
+        return self._static.letter_clusters
 
     def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""

@@ -19,7 +19,7 @@ from ..grammar.categories import Category
 from ..grammar.combinators import Combinator, Sign
 from ..grammar.patterns import Steps, compile_pattern, words_of
 from ..grammar.terms import Term, Value
-from .misspelling import trigrams
+from .misspelling import letter_clusters
 
 
 class Entry(NamedTuple):
@@ -225,9 +225,9 @@ class Lexicon:
         return (sense.entry() for sense in self._numbers[number])
 
     @cached_property
-    def trigrams(self) -> frozenset[str]:
-        """The sequences of three letters in all words of entries."""
-        return frozenset(chain.from_iterable(map(trigrams, self.words())))
+    def letter_clusters(self) -> frozenset[str]:
+        """The sequences of consonants and of vowels in all words of entries."""
+        return frozenset(chain.from_iterable(map(letter_clusters, self.words())))
 
     @cached_property
     def _words_in_names(self) -> Mapping[str, frozenset[str]]:

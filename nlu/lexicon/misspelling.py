@@ -9,6 +9,7 @@ takes more for a slip than that: letters in an order that no known word has, or 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterator
 from itertools import chain
 from string import ascii_lowercase
@@ -21,15 +22,15 @@ LONG = 8
 
 _SWAPPED_OR_DOUBLED = 6  # the same where letters are only swapped or doubled
 _HARDLY_DOUBLED_AT_THE_END = "bdgmnprt"
+_CLUSTER = re.compile("[aeiouy]+|[^aeiouy]+")
 _SUFFIXES = ("ing", "ed")
 
 IsWord = Callable[[str], bool]
 
 
-def trigrams(word: str) -> Iterator[str]:
-    """The sequences of three letters in a word, with `^` before it and `$` after it."""
-    padded = f"^{word}$"
-    return (padded[place : place + 3] for place in range(len(padded) - 2))
+def letter_clusters(word: str) -> list[str]:
+    """The sequences of consonants and of vowels in a word, with `^` before and `$` after it."""
+    return _CLUSTER.findall(f"^{word}$")
 
 
 def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str | None:
@@ -38,11 +39,11 @@ def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str 
     Args:
         word: a word that is not known.
         is_known: tells whether a word could be meant.
-        spelled: the trigrams of known words.
+        spelled: the letter clusters of known words.
     """
     if len(word) < MIN_LETTERS:
         return None
-    is_odd = not all(each in spelled for each in trigrams(word))
+    is_odd = not all(each in spelled for each in letter_clusters(word))
     likely = (_slips(word) if is_odd else _slips_of_words(word)) if word.isalpha() else ()
     return next(filter(is_known, likely), None)
 

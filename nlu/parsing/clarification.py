@@ -131,7 +131,7 @@ class Clarification:
         if is_known(plural):  # "knive" has the plural of "knife"
             singulars = self.inflection.origins(plural, "plural")
             return next((each for each in singulars if is_known(each)), None)
-        return intended_word(word, is_known, self.known_words.lexicon.trigrams)
+        return intended_word(word, is_known, self.known_words.lexicon.letter_clusters)
 
     def _did_you_mean(self, word: str, close: str) -> AskBack:
         return AskBack(self.answers.say("did_you_mean", word=word, suggestion=close), (close,))
