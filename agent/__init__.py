@@ -13,7 +13,7 @@ episode    a command and its result, as it is kept in the graph
 >>> from hilt.agent import Agent, AgentConfig
 >>> with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
 ...     agent.hear("A knife is used for cutting").said
-'I learned: a knife is used for cutting (0.95, from Sam).'
+'I learned: a knife is used for cutting.'
 """
 
 import lazy_loader

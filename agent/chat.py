@@ -150,8 +150,6 @@ class Chat:
     def _show(self, reply: Reply) -> None:
         spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
         self.out.print(spoken if self.is_interactive else shown.turn(reply))
-        if reply.hint:
-            self.out.print(Text(f'Try: "{reply.hint}"', "dim"))
 
     def _set_speaker(self, speaker: str) -> Text:
         if not speaker:

@@ -116,12 +116,11 @@ class Language:
             SharedIndex((name, name) for name in names.contexts),
         )
         parser = SentenceParser(grammar, lexicon, combinator, interpreter, load_pragmatics())
-        answers = load_answers(
-            folder / "answers.yaml", inflection, builder.act_names(), builder.tool_phrases()
-        )
-        words = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
-        words[degrees.intervals[degrees.default]] = ""
-        realizer = load_realizer(folder / "sentences.yaml", answers, words, builder.tool_acts())
+        adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
+        adverbs[degrees.intervals[degrees.default]] = ""
+        acts, tools = builder.act_names(), builder.tool_phrases()
+        answers = load_answers(folder / "answers.yaml", inflection, acts, tools, adverbs)
+        realizer = load_realizer(folder / "sentences.yaml", answers, builder.tool_acts())
         save_cache()
         if not gc.get_freeze_count():
             # All of a language is kept: make it old at once, without a collection of the young.

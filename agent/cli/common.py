@@ -87,7 +87,7 @@ def converse(
         if as_json:
             print_json(as_json(reply))
         elif reply.ending == "not_understood":
-            report_error(f'{reply.said} Try: "{reply.hint}"' if reply.hint else reply.said)
+            report_error(reply.said)
         else:
             _show_reply(agent, reply)
             _hint_at_trust(agent, reply)

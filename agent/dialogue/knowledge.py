@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
+from ...nlu.generation.templates import AnswerTemplates
 from ..execution.outcome import Decision, Slot, SpokenAnswer
 from .reply import Reply
+from .translation import meaning_from_rule
 
-Describe = Callable[[Rule], str]
 Answered = tuple[SpokenAnswer, tuple[Rule, ...]]
 
 
@@ -21,8 +22,8 @@ class Knowledge:
 
     Attributes:
         base: the knowledge base.
-        describe: puts a rule into words.
-        weigh: adds the confidence and the speaker of a rule to some words.
+        words: the answers of the language, for rules in words.
+        listener: who asks.
         visible: the names of the objects in view, in the order of the scene.
         last: the reply to the last command.
         topic: the rules that were mentioned last; none after a command that needed none.
@@ -32,8 +33,8 @@ class Knowledge:
     """
 
     base: KnowledgeBase
-    describe: Describe
-    weigh: Callable[[str, Rule], str]
+    words: AnswerTemplates
+    listener: str
     visible: Callable[[], tuple[str, ...]]
     last: Reply | None
     topic: tuple[Rule, ...] = ()
@@ -45,6 +46,23 @@ class Knowledge:
     def decision(self) -> Decision | None:
         """The decision of the last command; None when it made none."""
         return self.last.result.decision if self.last and self.last.result else None
+
+    def describe(self, rule: Rule) -> str:
+        """A rule in words: "to pass a knife, often grab it by the blade"."""
+        said = meaning_from_rule(rule)
+        return self.words.rule_phrase(said) if said else repr(rule)
+
+    def quote(self, rule: Rule) -> str:
+        """A rule in words, with who told it if that is not the listener."""
+        return self.words.with_notes(self.describe(rule), "", self._source(rule))
+
+    def note(self, what: str, rule: Rule) -> str:
+        """Some words, with how often they hold by a rule, and who told it if not the listener."""
+        often = self.words.adverb((rule.interval.lower, rule.interval.upper))
+        return self.words.with_notes(what, often, self._source(rule))
+
+    def _source(self, rule: Rule) -> str:
+        return rule.speaker if rule.speaker != self.listener else ""
 
 
 def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:

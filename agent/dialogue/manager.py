@@ -202,8 +202,8 @@ class DialogueManager:
         taught = lesson_from_statement(self.base, said, turn.speaker, turn.heard, self._topic)
         trust = self.base.trust(turn.speaker)
         weight = trust.lower if trust else 0.0
-        echo = taught.echo(self._in_words, turn.speaker, weight, turn.heard)
-        spoken = " ".join(self._say(each) for each in (*echo, *_new(turn.understood.new_words)))
+        echo = taught.echo(self._knowledge(turn).describe, turn.speaker, weight, turn.heard)
+        spoken = " ".join(self._say(each) for each in (echo, *_new(turn.understood.new_words)))
         self.base.believe(
             turn.understood.text,
             turn.understood.content,
@@ -220,14 +220,6 @@ class DialogueManager:
         self._set_topic(told)
         return replace(self._reply(turn, spoken), rules=told)
 
-    def _in_words(self, rule: Rule) -> str:
-        said = meaning_from_rule(rule)
-        return self.language.phrase(said) if said else repr(rule)
-
-    def _weighed(self, what: str, rule: Rule) -> str:
-        support = rule.support
-        return self.language.answers.with_source(what, (support.lower, support.upper), rule.speaker)
-
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
         if said == meaning.Retraction() and self._just_acted:  # "never mind" means the action
             return self._answered(turn, "forget_what", "failed")
@@ -240,7 +232,7 @@ class DialogueManager:
         return self._retract(turn, own)
 
     def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
-        phrases = tuple(self._in_words(rule) for rule in rules)
+        phrases = tuple(map(self._knowledge(turn).describe, rules))
         spoken = self._say(SpokenAnswer("forgotten", {"rules": phrases}))
         understood = turn.understood
         self.base.believe(
@@ -343,10 +335,15 @@ class DialogueManager:
     # --- Questions, acknowledgements, and what is asked back -----------------------------------
 
     def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
-        knowledge = Knowledge(
+        found, rules = answer(said, self._knowledge(turn))
+        self._set_topic(rules)
+        return replace(self._spoken(turn, found), rules=rules)
+
+    def _knowledge(self, turn: DialogueTurn) -> Knowledge:
+        return Knowledge(
             self.base,
-            self._in_words,
-            self._weighed,
+            self.language.answers,
+            turn.speaker,
             self._visible,
             self.last_done,
             self._topic,
@@ -354,9 +351,6 @@ class DialogueManager:
             self._last_said,
             self._retracted,
         )
-        found, rules = answer(said, knowledge)
-        self._set_topic(rules)
-        return replace(self._spoken(turn, found), rules=rules)
 
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
         pending = self._pending
@@ -397,7 +391,12 @@ class DialogueManager:
         return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]
 
     def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
-        return self._recorded(turn, said.message, "not_understood")
+        problem = said.message
+        if self._last_said.startswith(problem):
+            problem = self._say(SpokenAnswer("still_not_understood"))
+        example = SpokenAnswer("try_saying", {"example": said.nearest[:1]})
+        step = self._say(example if said.nearest else SpokenAnswer("ask_for_help"))
+        return self._recorded(turn, f"{problem} {step}", "not_understood")
 
     # --- Helpers -----------------------------------------------------------------------------
 
@@ -450,5 +449,5 @@ class DialogueManager:
 
 
 def _new(words: Sequence[NewWord]) -> Iterator[SpokenAnswer]:
-    for word in words:
-        yield SpokenAnswer("learned_word", {"word": word.word, "role": word.role})
+    if words:
+        yield SpokenAnswer("learned_words", {"words": tuple(word.word for word in words)})

@@ -34,7 +34,7 @@ def _uses_of(question: Question, known: Knowledge) -> Answered:
     rules = [rule for rule in strongest if rule.asserts]
     if not rules:
         return spoken("no_uses_of", object=question.object), ()
-    uses = tuple(known.weigh(rule.affordance or "", rule) for rule in rules)
+    uses = tuple(known.note(rule.affordance or "", rule) for rule in rules)
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
@@ -43,7 +43,7 @@ def _objects_for(question: Question, known: Knowledge) -> Answered:
     if not rules:
         return spoken("nothing_known_for", affordance=question.affordance), ()
     best = {rule.object or "thing": rule for rule in reversed(rules)}  # of each the surest
-    names = tuple(known.weigh(name, best[name]) for name in reversed(best))
+    names = tuple(known.note(name, best[name]) for name in reversed(best))
     said = spoken("objects_for", done=True, objects=names, affordance=question.affordance)
     return said, tuple(rules)
 
@@ -56,12 +56,8 @@ def _best_for(question: Question, known: Knowledge) -> Answered:
     best = Affordances(known.base).infer(FIND, goal, seen).best
     if best is None:
         return spoken("nothing_known_for", affordance=question.affordance), ()
-    interval = (best.interval.lower, best.interval.upper)
-    speakers = tuple(dict.fromkeys(rule.speaker for rule in best.rules))
     found = {"object": best.object, "affordance": question.affordance}
-    return spoken(
-        "best_for", done=True, confidence=interval, speakers=speakers, **found
-    ), best.rules
+    return spoken("best_for", done=True, **found), best.rules
 
 
 def _how(question: Question, known: Knowledge) -> Answered:
@@ -85,8 +81,7 @@ def _about(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object)
     if not rules:
         return spoken("nothing_about", object=question.object), ()
-    said = tuple(known.weigh(known.describe(rule), rule) for rule in rules)
-    return spoken("about", done=True, object=question.object, rules=said), tuple(rules)
+    return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
 
 
 def _confidence(question: Question, known: Knowledge) -> Answered:
@@ -296,9 +291,7 @@ def _wanted_use(last: Reply) -> str | None:
 
 
 def _told(key: str, rule: Rule, known: Knowledge) -> SpokenAnswer:
-    interval = (rule.support.lower, rule.support.upper)
-    said = known.describe(rule)
-    return spoken(key, done=True, rule=said, confidence=interval, speaker=rule.speaker)
+    return spoken(key, done=True, rule=known.quote(rule))
 
 
 def _functional(question: Question, known: Knowledge) -> list[Rule]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 from ...kb.rule import Rule
 from ...nlu.parsing.understanding import Understanding
-from ...nlu.semantics.meaning import Misunderstanding
 from ..execution.answers import INTERRUPTED
 from ..execution.outcome import Ending, GoalResult, Json
 
@@ -49,13 +48,6 @@ class Reply:
     def is_interrupted(self) -> bool:
         """Whether a command was ended while it was carried out."""
         return self.result is not None and self.result.answer.cause == INTERRUPTED
-
-    @property
-    def hint(self) -> str:
-        """A sentence to say instead of one that was not understood; else empty."""
-        meant = self.understanding.meaning
-        nearest = meant.nearest if isinstance(meant, Misunderstanding) else ()
-        return nearest[0] if nearest else ""
 
     def with_pictures(self, *files: str) -> Reply:
         """Return this reply with pictures of what was done, if anything was."""

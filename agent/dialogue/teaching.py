@@ -8,10 +8,9 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_words import Word
 from ...kb.rule import Atom, Rule
@@ -30,38 +29,29 @@ class Lesson:
 
     Attributes:
         rules: the rules to assert, discounted by the confidence of the recogniser.
-        said: their intervals before that.
         supersedes: rules of the same speaker that they replace.
         is_known: whether all of it was known already.
     """
 
     rules: tuple[Rule, ...]
-    said: tuple[Interval, ...]
     supersedes: tuple[Rule, ...]
     is_known: bool
 
     def echo(
         self, describe: Callable[[Rule], str], speaker: str, trust: float, heard: float
-    ) -> Iterator[SpokenAnswer]:
-        """The confirmation of what was learned: an answer for each rule.
+    ) -> SpokenAnswer:
+        """The confirmation of what was learned.
 
         `trust` in the speaker and how well they were `heard` are in [0, 1].
         """
         key = "revised" if self.supersedes else "learned"
-        key = "learned_weighed" if min(trust, heard) < 1.0 else key
-        for rule, said in zip(self.rules, self.said, strict=True):
-            counts = rule.interval.discounted(trust)
-            yield SpokenAnswer(
-                "known_already" if self.is_known else key,
-                {
-                    "rule": describe(rule),
-                    "confidence": (round(counts.lower, 4), round(counts.upper, 4)),
-                    "told": (said.lower, said.upper),
-                    "heard": (heard, 1.0),
-                    "trust": (trust, 1.0),
-                    "speaker": speaker,
-                },
-            )
+        if trust < 1.0:
+            key = "learned_doubtfully"
+        elif heard < 1.0:
+            key = "learned_unclearly"
+        rules = tuple(map(describe, self.rules))
+        key = "known_already" if self.is_known else key
+        return SpokenAnswer(key, {"rules": rules, "speaker": speaker})
 
 
 def lesson_from_statement(
@@ -72,7 +62,6 @@ def lesson_from_statement(
     topic: Sequence[Rule] = (),
 ) -> Lesson:
     """Return what a statement teaches to a base."""
-    as_said = tuple(rule_from_meaning(each, speaker) for each in said.rules)
     rules = tuple(rule_from_meaning(each, speaker, heard) for each in said.rules)
     before = _earlier(base, rules)
     word_from_base = {rule.id for rule in before}
@@ -82,7 +71,6 @@ def lesson_from_statement(
     )
     return Lesson(
         rules,
-        tuple(rule.interval for rule in as_said),
         supersedes,
         not supersedes and all(rule.id in word_from_base for rule in rules),
     )

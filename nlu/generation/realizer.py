@@ -41,14 +41,12 @@ class Realizer:
     Attributes:
         sentences: by section, and by the shape of the meaning.
         answers: how things and acts are called.
-        words: the usual word for each confidence, empty for the default one.
         uses: the affordance that each act with a tool needs.
         giving: the act that has a recipient.
     """
 
     sentences: Mapping[str, Mapping[str, str]]
     answers: AnswerTemplates
-    words: Mapping[Confidence, str]
     uses: Mapping[str, str]
     giving: str = "pass"
 
@@ -100,10 +98,11 @@ class Realizer:
         return self._say("rules", "reported" if reported else "action", **slots)
 
     def _often(self, confidence: Confidence) -> str:
-        if confidence not in self.words:
-            known = [f"[{lower:g}, {upper:g}]" for lower, upper in self.words]
+        adverbs = self.answers.adverbs
+        if confidence not in adverbs:
+            known = [f"[{lower:g}, {upper:g}]" for lower, upper in adverbs]
             raise UnknownNameError("word for the confidence", str(list(confidence)), known)
-        return self.words[confidence]
+        return adverbs[confidence]
 
     def _thing(self, rule: Rule) -> str:
         return self.answers.noun_phrase(rule.object, rule.props)
@@ -156,16 +155,14 @@ class Realizer:
         return self.answers.fill(f"{{slot:{form}}}" if form else "{slot}", {"slot": value})
 
 
-def load_realizer(
-    path: Path, answers: AnswerTemplates, words: Mapping[Confidence, str], uses: Mapping[str, str]
-) -> Realizer:
+def load_realizer(path: Path, answers: AnswerTemplates, uses: Mapping[str, str]) -> Realizer:
     """Load the sentences of a language; `DataError` says where the file is not as expected."""
     sections = read_yaml(path).entries(required=SECTIONS, optional=())
     sentences = {
         name: MappingProxyType({key: each.text() for key, each in field.entries().items()})
         for name, field in sections.items()
     }
-    return Realizer(MappingProxyType(sentences), answers, words, uses)
+    return Realizer(MappingProxyType(sentences), answers, uses)
 
 
 def _given(slots: Mapping[str, str | None]) -> dict[str, str]:

@@ -27,8 +27,8 @@ MOST_OF_NEVER = 0.1
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
-_LISTED = frozenset({"list", "things", "kinds", "quotes", "names"})
-_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "level"}) | _LISTED
+_LISTED = frozenset({"list", "clauses", "things", "kinds", "quotes", "names"})
+_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name"}) | _LISTED
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,12 @@ class Phrases:
         functional: a functional rule, from `object`, `level` and `affordance`.
         negative: a functional rule that is denied.
         action: an action rule, from `object`, `context` and `part`.
+        holding: an action rule for whenever the object is held.
         seldom: a functional rule that holds now and then, but mostly not.
         forbidden: an action rule that is denied.
         seldom_by: an action rule that holds now and then, but mostly not.
-        weighed: `what` is said, with its `confidence` and the `speaker` it comes from.
+        noted: `what` is said, with `notes`: how often it holds, and who told it.
+        source: the note of the `speaker` something comes from.
         any_object: what stands for every object.
         any_with: the same with properties before it.
         joined: the word before the last of several.
@@ -60,9 +62,11 @@ class Phrases:
     negative: str
     seldom: str
     action: str
+    holding: str
     forbidden: str
     seldom_by: str
-    weighed: str
+    noted: str
+    source: str
     any_object: str
     any_with: str
     joined: str
@@ -78,6 +82,7 @@ class AnswerTemplates:
         inflection: forms of words.
         acts: the verb of each act, with its particle ("pickUp": "pick up").
         tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
+        adverbs: the usual adverb of each confidence, empty for the default one.
     """
 
     answers: Mapping[str, AnswerTemplate]
@@ -85,6 +90,7 @@ class AnswerTemplates:
     inflection: Inflection
     acts: Mapping[str, str]
     tool_acts: Mapping[str, str]
+    adverbs: Mapping[Confidence, str]
 
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer with its slots filled, beginning with a capital letter.
@@ -106,19 +112,36 @@ class AnswerTemplates:
 
     def rule_phrase(self, rule: Rule) -> str:
         """Return a rule in words: "to pass a knife, grab it by the blade"."""
-        said, thing = self.phrases, self.noun_phrase(rule.object, rule.props)
+        said = self.phrases
+        slots: dict[str, Slot] = {"object": self.noun_phrase(rule.object, rule.props)}
         at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
+        slots["often"] = self.adverb(rule.confidence)
         if isinstance(rule, FunctionalRule):
             text = (said.negative, said.seldom, said.functional)[at]
-            return self.fill(text, {"object": thing, "affordance": rule.affordance})
-        text = (said.forbidden, said.seldom_by, said.action)[at]
-        act = self.tool_acts.get(rule.context) or self.act(rule.context)
-        return self.fill(text, {"object": thing, "act": act, "part": rule.part})
+            slots["affordance"] = rule.affordance
+        else:
+            likely = said.holding if rule.context == "grasp" else said.action
+            text = (said.forbidden, said.seldom_by, likely)[at]
+            act = self.tool_acts.get(rule.context) or self.act(rule.context)
+            slots |= {"act": act, "part": rule.part}
+        return " ".join(self.fill(text, slots).split())
 
-    def with_source(self, what: str, confidence: tuple[float, float], speaker: str) -> str:
-        """Return some words with their confidence and source: "cutting (0.95, from Sam)"."""
-        slots: dict[str, Slot] = {"what": what, "confidence": confidence, "speaker": speaker}
-        return self.fill(self.phrases.weighed, slots)
+    def adverb(self, confidence: Confidence) -> str:
+        """Return the adverb of the degree that is closest to a confidence, which may be empty."""
+
+        def distance(degree: Confidence) -> float:
+            return abs(degree[0] - confidence[0]) + abs(degree[1] - confidence[1])
+
+        return self.adverbs[min(self.adverbs, key=distance)]
+
+    def with_notes(self, what: str, often: str, speaker: str) -> str:
+        """Return some words with how often they hold and who said it: "cutting (often, from Kim)".
+
+        Without either of them, the words alone.
+        """
+        source = self.fill(self.phrases.source, {"speaker": speaker}) if speaker else ""
+        notes = ", ".join(filter(None, (often, source)))
+        return self.fill(self.phrases.noted, {"what": what, "notes": notes}) if notes else what
 
     def noun_phrase(self, name: str, props: Sequence[str] = ()) -> str:
         """Return a kind of object with its properties and the indefinite article."""
@@ -132,11 +155,11 @@ class AnswerTemplates:
         """Return the verb of an act: "pick up" for `pickUp`."""
         return self.acts.get(name, name)
 
-    def join(self, items: Sequence[str]) -> str:
-        """Join several items: "a knife, a mug and a shoe"."""
+    def join(self, items: Sequence[str], comma: str = "") -> str:
+        """Join several items: "a knife, a mug and a shoe"; clauses have a `comma` before "and"."""
         if len(items) < 2:
             return "".join(items)
-        return f"{', '.join(items[:-1])} {self.phrases.joined} {items[-1]}"
+        return f"{', '.join(items[:-1])}{comma} {self.phrases.joined} {items[-1]}"
 
     def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
         """Fill the slots of a template."""
@@ -151,21 +174,25 @@ class AnswerTemplates:
             "done": lambda word: self.inflection.form(self.act(word), "participle"),
             "name": _capitalised,
             "list": str,
+            "clauses": str,
             "things": self.inflection.with_article,
             "kinds": lambda word: self.inflection.form(word, "plural"),
             "quotes": lambda text: f'"{text.removesuffix(".")}"',
             "names": _capitalised,
         }
-        if form == "level":
-            return _level(value)
         if form in _LISTED:
             items = (value,) if isinstance(value, (str, int, float)) else value
-            return self.join([forms[form](str(each)) for each in items])
+            comma = "," if form == "clauses" else ""
+            return self.join([forms[form](str(each)) for each in items], comma)
         return forms[form](str(value)) if form else str(value)
 
 
 def load_answers(
-    path: Path, inflection: Inflection, acts: Mapping[str, str], tool_acts: Mapping[str, str]
+    path: Path,
+    inflection: Inflection,
+    acts: Mapping[str, str],
+    tool_acts: Mapping[str, str],
+    adverbs: Mapping[Confidence, str],
 ) -> AnswerTemplates:
     """Load the answers of a language.
 
@@ -182,6 +209,7 @@ def load_answers(
         inflection,
         acts,
         tool_acts,
+        adverbs,
     )
 
 
@@ -202,12 +230,3 @@ def _answer(field: Field) -> AnswerTemplate:
 
 def _capitalised(word: str) -> str:
     return word[:1].upper() + word[1:]
-
-
-def _level(value: Slot) -> str:
-    if isinstance(value, str):
-        return value
-    if not isinstance(value, Sequence):
-        return f"{value:g}"
-    lower, upper = (float(each) for each in value)
-    return f"{lower:g}" if upper == 1 else f"[{lower:g}, {upper:g}]"

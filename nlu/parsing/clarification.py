@@ -118,9 +118,11 @@ class Clarification:
                 return AskBack(said)
             return Misunderstanding(said, nearest=self._nearest_examples(tokens.words))
         where, expected = self.parser.failure(chart, tokens)
-        if expected:
-            following = " or ".join(expected)
-            message = self.answers.say("not_understood_after", where=where, expected=following)
+        words, understood = len(tokens.text.split()), len(where.split())
+        if expected and understood == words:
+            message = self.answers.say("not_finished", where=where, expected=expected[0])
+        elif words > understood > words / 2:
+            message = self.answers.say("not_understood_after", where=where)
         else:
             message = self.answers.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))

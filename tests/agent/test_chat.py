@@ -96,7 +96,7 @@ def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
     """Tab completes a known word; what was typed is there in the next session."""
     taught = conversation([b"A screwd\t is used for cutting\r", b"/rules\r", b"/quit\r"], tmp_path)
 
-    assert "I learned: a screwdriver is used for cutting (0.95, from Sam)." in taught
+    assert "I learned: a screwdriver is used for cutting." in taught
     assert "usedFor" in taught
     assert "A screwdriver is used for cutting" in (tmp_path / "hilt" / "history").read_text()
 
@@ -117,7 +117,7 @@ def test_several_people_speak_in_one_conversation():
 
     assert "kim is speaking now, whom I do not trust yet." in shown
     assert "because I have no reason to trust Kim" in shown
-    assert "I learned: a mug is used for containing (0.95, from Sam)." in shown
+    assert "I learned: a mug is used for containing." in shown
 
 
 @pytest.mark.parametrize("last", ["/quit", "/exit", "quit", "exit"])

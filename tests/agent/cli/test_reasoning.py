@@ -141,7 +141,7 @@ def test_learned_words_are_listed_and_known_in_the_next_process(run: Run):
         ("saw", "object"),
         ("slicing", "affordance"),
     }
-    assert json.loads(answer)["said"] == "A saw is used for slicing (0.95, from Sam)."
+    assert json.loads(answer)["said"] == "A saw is used for slicing."
 
 
 def test_tables_are_printed_for_people(run: Run):

@@ -88,11 +88,11 @@ def test_tool_is_chosen_by_what_the_action_needs(agent: Agent):
 # --- Being told ----------------------------------------------------------------------------
 
 
-def test_what_was_learned_is_said_back_with_interval_and_source(agent: Agent):
+def test_what_was_learned_is_said_back_in_words(agent: Agent):
     """The echo is made from the rule that was stored."""
     reply = agent.hear("To pass a knife grab it by the blade")
 
-    assert reply.said == "I learned: to pass a knife, grab it by the blade (0.95, from Sam)."
+    assert reply.said == "I learned: to pass a knife, grab it by the blade."
 
 
 def test_same_thing_told_twice_is_one_rule(agent: Agent):
@@ -185,16 +185,16 @@ LESSON_THREE = "To pass a knife grab the knife by the blade"
 @pytest.mark.parametrize(
     ("question", "answer"),
     [
-        ("what is a knife used for?", "A knife is used for cutting (0.95, from Sam)."),
-        ("what is used for cutting?", "For cutting, I know of a knife (0.95, from Sam)."),
-        ("how do you pass a knife?", "To pass a knife, grab it by the blade (0.95, from Sam)."),
-        ("is a knife used for cutting?", "Yes: a knife is used for cutting (0.95, from Sam)."),
+        ("what is a knife used for?", "A knife is used for cutting."),
+        ("what is used for cutting?", "For cutting, I know of a knife."),
+        ("how do you pass a knife?", "To pass a knife, grab it by the blade."),
+        ("is a knife used for cutting?", "Yes: a knife is used for cutting."),
         ("is a mug used for cutting?", "Not that I know of: nobody has told me that a mug is used"),
         ("what is a mug used for?", "I don't know what a mug is used for."),
     ],
 )
 def test_questions_are_answered_from_what_was_told(taught: Agent, question: str, answer: str):
-    """Answers carry interval and source where they rest on a rule."""
+    """Answers name things and uses, without any number."""
     assert taught.hear(question).said.startswith(answer)
 
 
@@ -348,9 +348,8 @@ def test_nobody_is_expected_to_make_a_slip(agent: Agent):
     """That one could go on with "no, sorry" is no help."""
     reply = agent.hear("the mug")
 
-    assert reply.said == 'I don\'t understand "the mug".'
-    assert reply.hint == "Point to the mug."
-    assert agent.hear("hello").hint == ""
+    assert "sorry" not in reply.said
+    assert reply.said.endswith('Try, for example, "Point to the mug".')
 
 
 def test_forbidden_act_is_not_carried_out(taught: Agent):
@@ -448,12 +447,12 @@ def test_only_who_was_asked_can_say_yes(agent: Agent):
 
 
 def test_recognition_score_discounts_what_is_learned(agent: Agent):
-    """Heard to .8, generally counts as .76, and the answer says so."""
+    """Heard to .8, generally counts as .76, and the answer shows the doubt."""
     reply = agent.hear("A spoon is used for poking", heard=0.8)
 
     (rule,) = agent.base.rules()
     assert rule.interval.lower == pytest.approx(0.76)
-    assert "0.76: you said 0.95, my hearing was 0.8" in reply.said
+    assert reply.said.startswith("If I heard you right: a spoon is")
     assert agent.base.utterance(1).heard == 0.8
 
 
@@ -481,9 +480,7 @@ def test_new_words_are_usable_at_once(agent: Agent):
     reply = agent.hear("A saw is used for slicing")
 
     assert [word.as_json()["word"] for word in reply.understanding.new_words] == ["saw", "slicing"]
-    assert (
-        agent.hear("what are saws used for?").said == "A saw is used for slicing (0.95, from Sam)."
-    )
+    assert agent.hear("what are saws used for?").said == "A saw is used for slicing."
     assert [word.atom.name for word in agent.base.words()] == ["slicing", "saw"]
 
 

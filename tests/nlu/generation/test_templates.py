@@ -65,14 +65,10 @@ def test_the_phrase_of_a_rule_is_parsed_to_it(language: Language, rule: Rule) ->
     [
         (
             "learned",
-            {"rule": "to pass a knife, grab it by the blade", "confidence": SURE, "speaker": "sam"},
-            "I learned: to pass a knife, grab it by the blade (0.95, from Sam).",
+            {"rules": ("to pass a knife, grab it by the blade",)},
+            "I learned: to pass a knife, grab it by the blade.",
         ),
-        (
-            "learned",
-            {"rule": "x", "confidence": NEVER, "speaker": "sam"},
-            "I learned: x ([0, 0.05], from Sam).",
-        ),
+        ("learned", {"rules": ("x", "y")}, "I learned: x, and y."),
         (
             "passed_by",
             {"object": "knife", "part": "blade"},
@@ -127,4 +123,4 @@ def test_a_wrong_template_is_an_error(
     )
 
     with pytest.raises(DataError, match=message):
-        load_answers(path, language.inflection, {}, {})
+        load_answers(path, language.inflection, {}, {}, {})
