@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands in SPARQL: query and update."""
+"""Commands that run SPARQL: query and update."""
 
 from __future__ import annotations
 
@@ -18,41 +18,43 @@ if TYPE_CHECKING:
     from ...kb.sparql.results import QueryResult
 
 TABLE = "table"
-Timeout = Annotated[
-    float, typer.Option("--timeout", min=0.001, help="Seconds after which it is stopped.")
-]
-Memory = Annotated[
-    int, typer.Option("--memory", min=1, help="Megabytes beyond which it is stopped.")
-]
+Timeout = Annotated[float, typer.Option("--timeout", min=0.001, help="Time limit in seconds.")]
+Memory = Annotated[int, typer.Option("--memory", min=1, help="Memory limit in megabytes.")]
 
 
 @app.command(epilog=example("query best-for --arg affordance=cutting"))
 def query(
     question: Annotated[
         str | None,
-        typer.Argument(help='The name of a question, SPARQL, a .rq file, or "-" for stdin.'),
+        typer.Argument(help='The name of a named query, SPARQL, a .rq file, or "-" for stdin.'),
     ] = None,
     *,
     arg: Annotated[
-        list[str] | None, typer.Option("--arg", help="A value for a variable, as NAME=VALUE.")
+        list[str] | None,
+        typer.Option(
+            "--arg",
+            help="The value of a variable of the query; may be repeated.",
+            metavar="NAME=VALUE",
+        ),
     ] = None,
-    list_: Annotated[
-        bool, typer.Option("--list", help="List the questions that have a name.")
-    ] = False,
+    list_: Annotated[bool, typer.Option("--list", help="List the named queries.")] = False,
     format_: Annotated[
-        str, typer.Option("--format", help="table, json, csv, tsv, xml or turtle.")
+        str,
+        typer.Option("--format", help="The output format: table, json, csv, tsv, xml or turtle."),
     ] = TABLE,
     timeout: Timeout = 30.0,
     memory: Memory = 2048,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Ask the graph a question: by its name, or in SPARQL with the prefixes declared already."""
+    """Run a named query or a SPARQL query. The prefixes of the vocabulary need no declaration."""
     if list_:
         _list(as_json=as_json)
         return
     if question is None:
-        raise QueryError("What is the question? Give its name or SPARQL; --list shows the names.")
+        raise QueryError(
+            "No query was given. Give the name of a named query, or SPARQL; --list shows the names."
+        )
     from ...kb.sparql.results import Limits
 
     asked = _asked(question)
@@ -64,16 +66,18 @@ def query(
 
 @app.command(epilog=example("update change.ru --dry-run"))
 def update(
-    sparql: Annotated[str, typer.Argument(help='An update, a .ru file, or "-" for stdin.')],
+    sparql: Annotated[str, typer.Argument(help='A SPARQL update, a .ru file, or "-" for stdin.')],
     *,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only try it out on a copy.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only run and check it on a copy.")
+    ] = False,
     speaker: Speaker = "sam",
     timeout: Timeout = 30.0,
     memory: Memory = 2048,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Change the graph by a SPARQL update, which is tried out and checked on a copy first."""
+    """Run a SPARQL update, after running and checking it on a copy."""
     from ...kb.sparql.results import Limits
     from ...kb.update import update as apply
 
@@ -84,7 +88,7 @@ def update(
     if as_json:
         print_json({"updated": not dry_run, "sequence": said.sequence})
     else:
-        done = "It can be applied." if dry_run else f"Updated; number {said.sequence} in history."
+        done = "The update is valid." if dry_run else f"Updated; number {said.sequence} in history."
         typer.echo(done, err=True)
 
 
@@ -97,7 +101,7 @@ def _asked(question: str) -> NamedQuery:
 
 
 def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
-    """The values of each variable; one that is given again has both."""
+    """Return the values of each variable; a variable that is given twice has two."""
     found: dict[str, list[str]] = {}
     for one in given:
         name, _, value = one.partition("=")

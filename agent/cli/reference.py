@@ -58,7 +58,8 @@ def _section(command: Any, path: str) -> Iterator[str]:
 def _flag(parameter: Any) -> str:
     if parameter.param_type_name == "argument":
         return parameter.name.upper()
-    takes = "" if parameter.is_flag else f" {parameter.name.upper()}"
+    value = (parameter.metavar or parameter.name.upper().rstrip("_")).replace("|", r"\|")
+    takes = "" if parameter.is_flag else f" {value}"
     names = "/".join((*parameter.opts[:1], *parameter.secondary_opts))
     return f"{names}{takes}"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that show what is on the table: scene show."""
+"""Commands about scenes: scene show."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .options import SCENE, AsJson, app, example, with_config
 if TYPE_CHECKING:
     from ...sim.body import Body
 
-scene_app = typer.Typer(help="Look at scenes.", no_args_is_help=True, rich_markup_mode=None)
+scene_app = typer.Typer(help="Show scenes.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(scene_app, name="scene")
 
 
@@ -24,19 +24,21 @@ app.add_typer(scene_app, name="scene")
 def show(
     *,
     config: AgentConfig,
-    out: Annotated[Path, typer.Option("--out", help="The picture: .png or .jpg.")] = Path(
+    out: Annotated[Path, typer.Option("--out", help="The picture file, .png or .jpg.")] = Path(
         "out/scene.png"
     ),
-    names: Annotated[bool, typer.Option("--names", help="Write the names of things.")] = False,
+    names: Annotated[
+        bool, typer.Option("--names", help="Write the names of the objects into the picture.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Render a scene with the robot at its table, and list what stands where."""
+    """Render a picture of a scene with the robot, and list its objects with their positions."""
     from ...sim.media.pictures import check_writable
     from ..execution.embodiment import Embodiment
 
     check_writable(out)
     embodiment = Embodiment.from_config(config)
-    with spinner("Setting the table"), embodiment.open_body() as body:
+    with spinner("Loading the scene"), embodiment.open_body() as body:
         _picture(body, out, names=names)
         things = _things(body)
     if as_json:
@@ -46,7 +48,7 @@ def show(
         place = ", ".join(f"{round(x, 2) + 0.0:.2f}" for x in thing["at"])
         within = f"   in {thing['within']}" if thing["within"] else ""
         terminal().print(f"{thing['name']:<14} {place} m{within}")
-    terminal().print(f"The picture is {out}.")
+    terminal().print(f"Picture written to {out}.")
 
 
 def _picture(body: Body, path: Path, *, names: bool) -> None:

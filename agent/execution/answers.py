@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Selection of the answer to a command: its key and slots for `nlu.generation`.
 
-The sentences are data (`ontology/english/answers.yaml`). Every way in which a command can end has
-one.
+Each outcome of a command has an answer. The sentences are in `ontology/english/answers.yaml`.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from .outcome import Decision, Slot, SpokenAnswer
 
 INTERRUPTED = "interrupted"  # the cause of a failure: somebody asked to stop
 
-_DONE = {
+_DONE = {  # action -> the answer without a part, with one, and with one that was taught
     "pass": ("passed", "passed_by", "passed_as_told"),
     "pickUp": ("picked_up", "picked_up_by", "picked_up_as_told"),
     "pointTo": ("pointed_at",) * 3,
@@ -54,7 +53,7 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Spoke
 
 
 def decided(action: str, decision: Decision) -> SpokenAnswer:
-    """Return the answer to a command that was decided but not carried out, without a robot."""
+    """Return the answer without a robot to carry out the command: what Hilt would do."""
     slots = _chosen(action, decision)
     if decision.patient:
         return SpokenAnswer("would_use_tool", slots)
@@ -65,10 +64,10 @@ def not_found(target: Target, inference: Inference) -> SpokenAnswer:
     """Return the answer when no candidate is accepted."""
     first = inference.candidates[0] if inference.candidates else None
     if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
-        return _nothing(target, inference)
+        return _no_candidate(target, inference)
     wanted = _wanted(target)
     if wanted is None:
-        return SpokenAnswer("not_sure_seen", {"object": _named(target)}, "asked", "not_sure")
+        return SpokenAnswer("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
     bounds = (round(first.interval.lower, 4), round(first.interval.upper, 4))
     slots: dict[str, Slot] = {"object": first.object, "confidence": bounds}
     if target.affords:
@@ -76,10 +75,10 @@ def not_found(target: Target, inference: Inference) -> SpokenAnswer:
     return SpokenAnswer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
 
 
-def not_sure_how(action: str, object_name: str, likeliest: Candidate) -> SpokenAnswer:
-    """Return the question about the likeliest part, when no part is accepted for a grasp."""
-    is_guess = any(rule.speaker == INDUCER for rule in likeliest.rules)
-    part = likeliest.argument.name if likeliest.argument else "part"
+def not_sure_how(action: str, object_name: str, best: Candidate) -> SpokenAnswer:
+    """Return the question about the best part, when no part is accepted for a grasp."""
+    is_guess = any(rule.speaker == INDUCER for rule in best.rules)
+    part = best.argument.name if best.argument else "part"
     slots = {"goal": action, "object": object_name, "part": part}
     return SpokenAnswer("guess_how" if is_guess else "not_sure_how", slots, "asked", "not_sure")
 
@@ -99,17 +98,18 @@ def stopped(holding: str | None) -> SpokenAnswer:
 
 
 def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:
-    """Return the answer when the motion of the robot cannot perform a step of the tree."""
+    """Return the answer when the robot lacks the primitive of a step of the tree."""
     key = "not_able_with" if decision.patient else "not_able"
     return SpokenAnswer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
 
 
-def _nothing(target: Target, inference: Inference) -> SpokenAnswer:
+def _no_candidate(target: Target, inference: Inference) -> SpokenAnswer:
+    """Return the answer when nothing fits, with the absent or denied objects that rules name."""
     if target.not_used_for:
         return _not_found("nothing_not_used_for", affordance=target.not_used_for)
     wanted = _wanted(target)
     if wanted is None or target.object:
-        return _not_found("nothing_seen", object=_named(target))
+        return _not_found("nothing_seen", object=_description(target))
     key = "nothing_affords" if target.affords else "nothing_used_for"
     slot = "conclusion" if target.affords else "affordance"
     absent = tuple(dict.fromkeys(each.object for each in inference.absent))
@@ -126,17 +126,19 @@ def _not_found(key: str, **slots: Slot) -> SpokenAnswer:
 
 
 def _wanted(target: Target) -> str | None:
+    """Return the affordance or conclusion that the target must have; None for any."""
     if target.affords:
         return str(target.affords)
     return target.used_for or target.not_used_for
 
 
-def _named(target: Target) -> str:
+def _description(target: Target) -> str:
+    """Return the name of the target with its adjectives."""
     return " ".join((*sorted(target.properties), target.object or "thing"))
 
 
 def _teacher(decision: Decision) -> str | None:
-    """Who taught the part that was chosen; None when no rule did."""
+    """Return who taught the chosen part; None when no rule chose it."""
     best: Candidate | None = decision.part.best if decision.part else None
     if decision.named_part or best is None or not best.rules:
         return None
@@ -144,6 +146,7 @@ def _teacher(decision: Decision) -> str | None:
 
 
 def _chosen(action: str, decision: Decision) -> dict[str, str]:
+    """Return the slots of a decision: goal, object or tool, part and patient."""
     best = decision.object.best
     slots: Mapping[str, str | None] = {
         "goal": action,

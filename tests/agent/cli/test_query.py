@@ -126,7 +126,7 @@ def test_question_is_read_from_a_file_or_stdin(
         (("best-for", "--arg", "object=knife"), 'no parameter "object"'),
         ((USES, "--format", "pdf"), 'no result format "pdf"'),
         ((USES, "--format", "turtle"), "CONSTRUCT or DESCRIBE"),
-        ((), "What is the question?"),
+        ((), "No query was given"),
         (("nowhere.rq",), "cannot be read"),
     ],
 )
