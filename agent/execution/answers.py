@@ -68,8 +68,7 @@ def not_found(target: Target, inference: Inference) -> SpokenAnswer:
     wanted = _wanted(target)
     if wanted is None:
         return SpokenAnswer("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
-    bounds = (round(first.interval.lower, 4), round(first.interval.upper, 4))
-    slots: dict[str, Slot] = {"object": first.object, "confidence": bounds}
+    slots = {"object": first.object}
     if target.affords:
         return SpokenAnswer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
     return SpokenAnswer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")

@@ -16,7 +16,7 @@ from ...inference.types import Candidate, Inference
 from ...kb.rule import Rule
 
 Json = dict[str, object]
-Slot = str | tuple[str, ...] | tuple[float, float]  # a name, a list of names, an interval
+Slot = str | tuple[str, ...]  # a name or a list of names
 Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
 

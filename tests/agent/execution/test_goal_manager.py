@@ -161,7 +161,7 @@ def tool(reply: Reply) -> str | None:
         ),
         (
             {"shoe": 0.2},
-            "I'm not sure enough that a shoe is used for pounding (0.1). Should I take it?",
+            "I'm not sure enough that a shoe is used for pounding. Should I take it?",
         ),
     ],
     ids=["the best", "the next best when it is absent", "tool absent", "not sure enough"],
