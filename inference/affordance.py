@@ -9,6 +9,16 @@ equal conclusions, and lambda against the threshold of the context (section 2).
 Rules with the same antecedent are fused before modus ponens: the antecedent is one piece of
 evidence and would otherwise be counted once for each rule. With perfect detection both orders give
 the same result. A `NodeContext` selects the rules of one node for one goal.
+
+A use may have a material, which is a context of its rule: a saw is used for cutting wood. Which
+rules apply depends on whether the goal names a material:
+
+| rule | asked for bread | asked for no material |
+|---|---|---|
+| used for cutting; not used for cutting | applies | applies |
+| used for cutting bread | applies | applies |
+| not used for cutting bread | applies | does not apply |
+| used, or not used, for cutting wood | does not apply | as for bread |
 """
 
 from __future__ import annotations
@@ -30,6 +40,7 @@ from .types import Candidate, Conclusion, Goal, Inference, Observation
 
 FIND = "findObject"  # the action that selects an object; its rules conclude usedFor(affordance)
 PERCEIVED = ("object", "part", "property")  # kinds of atoms that vision reports
+MATERIAL = "material"
 
 ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
 
@@ -168,7 +179,7 @@ class Affordances:
         operators = self.settings.operators
         concluded: list[Proof] = []
         for group in self._fusion_groups(rules):
-            antecedent = sorted(group[0].features | group[0].contexts)
+            antecedent = sorted(_evidence_atoms(group[0]))
             known = [_evidence(atom, here, seen, shown) for atom in antecedent]
             premise = derive("and", known, operators)
             rule = derive("fuse", [rule_proof(each) for each in group], operators)
@@ -184,8 +195,13 @@ class Affordances:
             return [[rule] for rule in in_time]
         groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)
         for rule in in_time:
-            groups[rule.features | rule.contexts].append(rule)
+            groups[_evidence_atoms(rule)].append(rule)
         return sorted(groups.values(), key=lambda group: group[-1].utterance or 0)
+
+
+def _evidence_atoms(rule: Rule) -> frozenset[Atom]:
+    """Return the antecedent without the material: rules for another material never get here."""
+    return frozenset(a for a in rule.features | rule.contexts if a.kind != MATERIAL)
 
 
 def _evidence(atom: Atom, here: NodeContext, seen: Observation, shown: ImpliedAtoms) -> Proof:
@@ -265,8 +281,7 @@ class NodeContext:
     def rules(self, key: str) -> Sequence[Rule]:
         """Return the rules of a key whose contexts hold and (past the find node) object fits."""
         if key not in self._selected:
-            held = {*self.contexts, *self.given}
-            rules = [rule for rule in self._rules_at(key) if rule.contexts <= held]
+            rules = [rule for rule in self._rules_at(key) if self._holds(rule)]
             name = self.goal.target.object
             if name is not None and self.action != FIND:
                 wanted = {above.name for above, _ in self.taxonomy.above(Atom("object", name))}
@@ -286,8 +301,27 @@ class NodeContext:
                 return applied
         return ApplicableRules()
 
+    @cached_property
+    def _held(self) -> frozenset[Atom]:
+        """The contexts that hold: the actions, and those of the goal."""
+        return frozenset((*self.contexts, *self.given))
+
+    @cached_property
+    def _material(self) -> frozenset[str]:
+        return material_kinds(self.goal.target.material, self.taxonomy)
+
+    def _holds(self, rule: Rule) -> bool:
+        contexts = (atom for atom in rule.contexts if atom.kind != MATERIAL)
+        return rule.applies_to(self._material) and self._held.issuperset(contexts)
+
     def _keys(self, functor: str) -> tuple[str, ...]:
         return (*(f"{context.name}.{functor}" for context in self.contexts), functor)
+
+
+def material_kinds(name: str | None, taxonomy: Taxonomy) -> frozenset[str]:
+    """Return the names of a material and of its more general kinds: rye bread is bread."""
+    kinds = taxonomy.above(Atom("object", name)) if name else ()
+    return frozenset(kind.name for kind, _ in kinds)
 
 
 def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:

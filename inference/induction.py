@@ -86,7 +86,7 @@ def induce(
     for rule in taught:
         for name in objects:
             induced = _transferred(rule, name, objects, graph)
-            if induced is None or _topic(induced.rule) in known:
+            if induced is None or not known.isdisjoint(_topics(induced.rule)):
                 continue
             key = (*_topic(induced.rule), induced.rule.argument)
             best = found.get(key)
@@ -216,3 +216,9 @@ def _topic(rule: Rule) -> tuple[object, ...]:
     """Return the topic of a rule: nothing is induced on a topic with a taught rule."""
     topic = (rule.object, rule.contexts, rule.functor)
     return topic if rule.part else (*topic, rule.argument)
+
+
+def _topics(rule: Rule) -> set[tuple[object, ...]]:
+    """Return the topic of a rule, and that of the same use on any material."""
+    general = frozenset(atom for atom in rule.contexts if atom.kind != "material")
+    return {_topic(rule), _topic(replace(rule, contexts=general))}

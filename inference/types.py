@@ -40,6 +40,7 @@ class Target:
         object: its class ("knife"), or None for "something".
         used_for: an affordance it must have.
         not_used_for: an affordance it must not have.
+        material: what the affordance is wanted for ("bread", for cutting); None for anything.
         affords: another conclusion that must hold for it: cutWith(bread).
         properties: adjectives it must satisfy ("red").
         is_confirmed: whether the speaker confirmed it when asked: then it need only be seen.
@@ -51,6 +52,7 @@ class Target:
     affords: Conclusion | None = None
     properties: frozenset[str] = frozenset()
     is_confirmed: bool = False
+    material: str | None = None
 
     @cached_property
     def wanted(self) -> tuple[tuple[Conclusion, bool], ...]:

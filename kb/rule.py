@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property, lru_cache
@@ -50,7 +50,7 @@ class Atom:
     object:wine glass
 
     Attributes:
-        kind: one of object, part, property, action, place, role, affordance.
+        kind: one of object, part, property, action, place, role, affordance, material.
         name: lower-case words with single spaces; an action may have capitals inside (pickUp).
 
     Raises:
@@ -95,7 +95,8 @@ class Rule:
     Attributes:
         features: perceptual invariants; all must be seen. May be empty when there is a context
             ("to pass anything ...").
-        contexts: all must hold: the action it is done for, a place, a role.
+        contexts: all must hold: the action it is done for, a place, a role, the material that it
+            is done to.
         functor: the predicate concluded: "usedFor", "graspObject", or another action's name.
         argument: its argument: an affordance, a part, ...; None where the functor needs none.
         interval: as it was said, with at most 6 fractional digits.
@@ -130,6 +131,8 @@ class Rule:
             example, found = _EXAMPLES[self.functor], self.argument or "none"
             problem = f"{self.functor} needs {_article(wanted)}, as {example}; found {found}."
             raise ValidationError([problem])
+        if sum(atom.kind == "material" for atom in self.contexts) > 1:
+            raise ValidationError(["A rule has at most one material; write a rule for each."])
         check_speaker(self.speaker)
         object.__setattr__(self, "interval", self.interval.rounded())
 
@@ -147,6 +150,11 @@ class Rule:
     def context(self) -> str | None:
         """The action it applies to ("pass"); None where it applies to any."""
         return _only(self.contexts, "action")
+
+    @property
+    def material(self) -> str | None:
+        """What the object is used on ("bread", for cutting); None where it is any material."""
+        return _only(self.contexts, "material")
 
     @property
     def affordance(self) -> str | None:
@@ -167,6 +175,16 @@ class Rule:
     def asserts(self) -> bool:
         """Whether it supports its conclusion, rather than opposing it or neither."""
         return round(self.interval.lower + self.interval.upper, DIGITS) > 1.0
+
+    def applies_to(self, material: Collection[str]) -> bool:
+        """Whether it concerns a use on a material, given its name and those of its kinds.
+
+        Without names it is about a use on anything: what is used for cutting bread is used for
+        cutting; what is not used for cutting bread may be.
+        """
+        if self.material is None:
+            return True
+        return self.material in material if material else self.kind == "functional" and self.asserts
 
     @cached_property
     def id(self) -> str:
@@ -195,13 +213,15 @@ class Rule:
     def as_json(self) -> dict[str, object]:
         """The rule in the JSON of every command; "*" is any object."""
         props = sorted(str(atom) for atom in self.features if atom.kind != "object")
-        where = sorted(str(atom) for atom in self.contexts if atom.kind != "action")
+        where = sorted(str(a) for a in self.contexts if a.kind not in {"action", "material"})
+        material = {"material": self.material} if self.material else {}
         general = {"functor": self.functor, "argument": str(self.argument or "") or None}
         return {
             "id": self.id,
             "kind": self.kind,
             "object": self.object or "*",
             "affordance": self.affordance,
+            **material,
             "context": self.context,
             "part": self.part,
             "lower": self.interval.lower,
@@ -227,6 +247,7 @@ def functional(
     affordance: str,
     *,
     interval: Interval,
+    material: str | None = None,
     properties: Iterable[str] = (),
     speaker: str = DEFAULT_SPEAKER,
 ) -> Rule:
@@ -236,11 +257,13 @@ def functional(
         name: the object; "*" for any.
         affordance: a gerund, as "cutting".
         interval: bounds of its probability.
+        material: what it is used on, as "bread"; None for anything.
         properties: further features of the object ("red").
         speaker: who says it.
     """
     features, argument = _features(name, properties), Atom("affordance", affordance)
-    return Rule(features, frozenset(), USED_FOR, argument, interval, speaker)
+    contexts = _context("material", material)
+    return Rule(features, contexts, USED_FOR, argument, interval, speaker)
 
 
 def grasping(
@@ -256,7 +279,7 @@ def grasping(
 
     The context is the action, as "pass"; other arguments are as for `functional`.
     """
-    contexts = frozenset([Atom("action", context)]) if context else frozenset[Atom]()
+    contexts = _context("action", context)
     features, argument = _features(name, properties), Atom("part", part)
     return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
 
@@ -274,6 +297,10 @@ def check_speaker(name: str) -> None:
 def _features(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     objects = () if name == "*" else (Atom("object", name),)
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
+
+
+def _context(kind: str, name: str | None) -> frozenset[Atom]:
+    return frozenset([Atom(kind, name)]) if name else frozenset()
 
 
 def id_from_content(

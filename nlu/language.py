@@ -119,7 +119,9 @@ class Language:
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
         adverbs[degrees.intervals[degrees.default]] = ""
         acts, tools = builder.act_names(), builder.tool_phrases()
-        answers = load_answers(folder / "answers.yaml", inflection, acts, tools, adverbs)
+        answers = load_answers(
+            folder / "answers.yaml", inflection, acts, tools, adverbs, mass=builder.mass
+        )
         realizer = load_realizer(folder / "sentences.yaml", answers, builder.tool_acts())
         save_cache()
         if not gc.get_freeze_count():

@@ -22,7 +22,7 @@ HILT = "https://w3id.org/hilt#"
 INDIVIDUALS = "https://w3id.org/hilt/"
 
 # Kinds of atoms in rules.
-ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance")
+ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance", "material")
 # Kinds of records in the graph.
 RECORD_KINDS = ("node", "functor", "rule", "utterance", "speaker", "episode", "step", "word")
 KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")

@@ -7,7 +7,7 @@ from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ...inference.abduction import Hypothesis, find_hypotheses
-from ...inference.affordance import FIND, Affordances
+from ...inference.affordance import FIND, Affordances, material_kinds
 from ...inference.evidence import relative_plausibility
 from ...inference.explanation import candidate_names, rejection_reason
 from ...inference.taxonomy import Taxonomy
@@ -15,7 +15,8 @@ from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from ..execution.outcome import Decision, SpokenAnswer
+from ..execution.answers import use_slot
+from ..execution.outcome import Decision, Slot, SpokenAnswer
 from .knowledge import Answered, Knowledge, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
@@ -34,30 +35,35 @@ def _uses_of(question: Question, known: Knowledge) -> Answered:
     rules = [rule for rule in strongest if rule.asserts]
     if not rules:
         return spoken("no_uses_of", object=question.object), ()
-    uses = tuple(known.note(rule.affordance or "", rule) for rule in rules)
+    uses = tuple(
+        known.note(known.words.use_phrase(rule.affordance or "", rule.material), rule)
+        for rule in rules
+    )
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
 def _objects_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.asserts]
     if not rules:
-        return spoken("nothing_known_for", affordance=question.affordance), ()
-    best = {rule.object or "thing": rule for rule in reversed(rules)}  # of each the surest
+        return spoken("nothing_known_for", affordance=_use(question)), ()
+    best = {_named(rule, question, known): rule for rule in reversed(rules)}  # of each the surest
     names = tuple(known.note(name, best[name]) for name in reversed(best))
-    said = spoken("objects_for", done=True, objects=names, affordance=question.affordance)
+    said = spoken("objects_for", done=True, objects=names, affordance=_use(question))
     return said, tuple(rules)
 
 
 def _best_for(question: Question, known: Knowledge) -> Answered:
     rules = _functional(question, known)
-    goal = Goal("find", Target(used_for=question.affordance))
+    goal = Goal("find", Target(used_for=question.affordance, material=question.material))
     names = dict.fromkeys(rule.object for rule in rules if rule.object)
     seen = [Observation(name, name, {Atom("object", name): CERTAIN}) for name in names]
-    best = Affordances(known.base).infer(FIND, goal, seen).best
+    kinds = Taxonomy.from_base(known.base)
+    best = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen).best
     if best is None:
-        return spoken("nothing_known_for", affordance=question.affordance), ()
-    found = {"object": best.object, "affordance": question.affordance}
-    return spoken("best_for", done=True, **found), best.rules
+        return spoken("nothing_known_for", affordance=_use(question)), ()
+    materials = {rule.material for rule in best.rules}
+    use = _use(question) if None in materials else _use(question, *sorted(filter(None, materials)))
+    return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
 
 
 def _how(question: Question, known: Knowledge) -> Answered:
@@ -71,13 +77,19 @@ def _how(question: Question, known: Knowledge) -> Answered:
 def _is_used_for(question: Question, known: Knowledge) -> Answered:
     rules = [r for r in _functional(question, known) if r.object == question.object]
     if not rules:
-        slots = {"object": question.object, "affordance": question.affordance}
-        return spoken("is_not_used_for", done=True, **slots), ()
+        slots = {"object": question.object, "affordance": _use(question)}
+        others = known.base.rules(object=question.object, affordance=question.affordance)
+        if not others:
+            return spoken("is_not_used_for", done=True, **slots), ()
+        said = tuple(known.quote(rule) for rule in others)
+        return spoken("is_used_otherwise", done=True, rules=said, **slots), tuple(others)
     key = "is_used_for" if rules[0].asserts else "is_denied"
     return _told(key, rules[0], known), (rules[0],)
 
 
 def _about(question: Question, known: Knowledge) -> Answered:
+    if question.object is None:
+        return _objects_for(question, known)
     rules = known.base.rules(object=question.object)
     if not rules:
         return spoken("nothing_about", object=question.object), ()
@@ -108,23 +120,28 @@ def _source(question: Question, known: Knowledge) -> Answered:
 def _what_if(question: Question, known: Knowledge) -> Answered:
     """Abduction: of which things would it follow that they are used for something?"""
     argument = Atom("affordance", question.affordance or "")
-    found = find_hypotheses(known.base.rules(), Conclusion(USED_FOR, argument))
+    given = frozenset([Atom("material", question.material)] if question.material else ())
+    rules = _functional(question, known)
+    found = find_hypotheses(rules, Conclusion(USED_FOR, argument), given=given)
     if not found:
-        return spoken("nothing_known_for", affordance=question.affordance), ()
-    things = tuple(dict.fromkeys(_thing(each) for each in found))
+        return spoken("nothing_known_for", affordance=_use(question)), ()
+    things = tuple(dict.fromkeys(_thing(each, known) for each in found))
     key = "what_if_one" if len(things) == 1 else "what_if"
-    said = spoken(key, done=True, affordance=question.affordance, things=things)
+    said = spoken(key, done=True, affordance=_use(question), things=things)
     return said, tuple(rule for each in found for rule in each.rules)
 
 
-def _thing(hypothesis: Hypothesis) -> str:
+def _thing(hypothesis: Hypothesis, known: Knowledge) -> str:
     """What a thing would have to be: "sharp knife", "red thing with a handle"."""
     named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
     for atom in sorted(hypothesis.features | hypothesis.contexts):
         named.setdefault(atom.kind, []).append(atom.name)
     parts = "".join(f" with a {part}" for part in named["part"])
     places = "".join(f" in a {place}" for place in named.get("place", ()))
-    return " ".join([*named["property"], *(named["object"] or ["thing"])]) + parts + places
+    thing = " ".join([*named["property"], *(named["object"] or ["thing"])])
+    for material in named.get("material", ()):
+        thing = known.words.object_for(thing, material)
+    return thing + parts + places
 
 
 def _which_context(question: Question, known: Knowledge) -> Answered:
@@ -195,7 +212,7 @@ def why_not(question: Question, known: Knowledge) -> Answered:
 def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:
     best = known.decision and known.decision.object.best
     denials = _denials(known.decision and known.decision.object, name)
-    reason, wanted = _reason(known.decision, name), _wanted_use(last)
+    reason, wanted = _reason(known.decision, name), _wanted_use(last, name)
     if best and best.object == name:
         said = spoken("is_so", done=True, object=name)
     elif denials:
@@ -204,8 +221,8 @@ def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:
         said = spoken("why_not", done=True, object=name, reason=reason)
     elif name not in known.visible():
         said = spoken("why_not_seen", done=True, object=name)
-    elif wanted and not known.base.rules(object=name, affordance=wanted):
-        said = spoken("why_not_told", done=True, object=name, affordance=wanted)
+    elif wanted and not _functional(wanted, known):
+        said = spoken("why_not_told", done=True, object=name, affordance=_use(wanted))
     else:
         said = spoken("why_not_asked", done=True, object=name)
     return said, ()
@@ -280,11 +297,16 @@ def _reason(decision: Decision | None, name: str | None) -> str | None:
     return rejection_reason(decision.object, found) if found else None
 
 
-def _wanted_use(last: Reply) -> str | None:
+def _wanted_use(last: Reply, name: str) -> Question | None:
+    """Whether an object is used for what a command wanted; None when it wanted no use."""
     said = last.understanding.meaning
     if isinstance(said, ToolCommand):
-        return said.tool.used_for
-    return said.target.used_for if isinstance(said, Command) else None
+        use, material = said.tool.used_for, said.tool.material or said.patient
+    elif isinstance(said, Command):
+        use, material = said.target.used_for, said.target.material
+    else:
+        return None
+    return Question("is_used_for", name, use, material=material) if use else None
 
 
 # --- Helpers -------------------------------------------------------------------------------
@@ -294,8 +316,34 @@ def _told(key: str, rule: Rule, known: Knowledge) -> SpokenAnswer:
     return spoken(key, done=True, rule=known.quote(rule))
 
 
+def _use(question: Question, *materials: str) -> Slot | None:
+    """The use that a question names, on its material or on others."""
+    use = question.affordance
+    return use_slot(use, *(materials or (question.material,))) if use else None
+
+
+def _named(rule: Rule, question: Question, known: Knowledge) -> str:
+    """The object of a rule, with its material where the question names another one or none."""
+    name = rule.object or "thing"
+    if rule.material is None or rule.material == question.material:
+        return name
+    return known.words.object_for(name, rule.material)
+
+
 def _functional(question: Question, known: Knowledge) -> list[Rule]:
-    return _by_strength(known.base.rules(affordance=question.affordance))
+    """The rules about the use that a question names, those about its material first."""
+    rules = known.base.rules(object=question.object, affordance=question.affordance)
+    return _on_material(rules, question, known)
+
+
+def _on_material(rules: Iterable[Rule], question: Question, known: Knowledge) -> list[Rule]:
+    """The rules that apply to the material that a question names, the surest first.
+
+    Those about the material itself come before those about any.
+    """
+    kinds = material_kinds(question.material, Taxonomy.from_base(known.base))
+    applying = _by_strength(rule for rule in rules if rule.applies_to(kinds))
+    return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
 
 
 def _meant(question: Question, known: Knowledge) -> list[Rule]:
@@ -306,7 +354,8 @@ def _meant(question: Question, known: Knowledge) -> list[Rule]:
     rules = known.base.rules(
         object=question.object, affordance=question.affordance, context=question.context
     )
-    return _by_strength(rule for rule in rules if question.part in {None, rule.part})
+    fitting = [rule for rule in rules if question.part in {None, rule.part}]
+    return _on_material(fitting, question, known) if question.affordance else _by_strength(fitting)
 
 
 def _latest(known: Knowledge) -> list[Rule]:
@@ -319,11 +368,11 @@ def _by_strength(rules: Iterable[Rule]) -> list[Rule]:
 
 def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
     """Of rules with the same conclusion the strongest, best first."""
-    best: dict[str, Rule] = {}
+    best: dict[tuple[str, str | None], Rule] = {}
     for rule in _by_strength(rules):
         concluded = getattr(rule, argument)
         if concluded:
-            best.setdefault(concluded, rule)
+            best.setdefault((concluded, rule.material), rule)
     return list(best.values())
 
 

@@ -82,8 +82,9 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list
     last = topic[-1] if topic else None
     if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
         return same
-    changed = (last.features != new.features) + (last.argument != new.argument)
-    return [last] if changed == 1 and last.contexts == new.contexts else []
+    uses = [(rule.argument, rule.material) for rule in (last, new)]
+    changed = (last.features != new.features) + (uses[0] != uses[1])
+    return [last] if changed == 1 and last.context == new.context else []
 
 
 def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:

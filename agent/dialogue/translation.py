@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ...inference.types import Target
 from ...kb.interval import Interval
@@ -25,7 +26,12 @@ def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> R
     interval = Interval(*said.confidence).discounted(heard)
     if isinstance(said, meaning.FunctionalRule):
         return functional(
-            said.object, said.affordance, interval=interval, properties=said.props, speaker=speaker
+            said.object,
+            said.affordance,
+            interval=interval,
+            material=said.material,
+            properties=said.props,
+            speaker=speaker,
         )
     return grasping(
         said.object,
@@ -41,13 +47,16 @@ def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
     """Return the meaning that asserts a rule; None when no sentence can express it."""
     confidence = (rule.interval.lower, rule.interval.upper)
     kinds = sorted(atom.kind for atom in rule.features if atom.kind != "property")
-    others = [atom for atom in rule.contexts if atom.kind != "action"]
+    said = {"functional": "material", "action": "action"}.get(rule.kind)
+    others = [atom for atom in rule.contexts if atom.kind != said]
     if others or kinds not in ([], ["object"]):
         return None  # these atoms have no words
     props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
     name = rule.object or meaning.ANY_OBJECT
-    if rule.kind == "functional" and rule.affordance and not rule.contexts:
-        return meaning.FunctionalRule(name, rule.affordance, confidence, props)
+    if rule.kind == "functional" and rule.affordance:
+        return meaning.FunctionalRule(
+            name, rule.affordance, confidence, props, material=rule.material
+        )
     if rule.kind == "action" and rule.part and rule.context:
         return meaning.ActionRule(name, rule.context, rule.part, confidence, props)
     return None
@@ -66,6 +75,8 @@ def request_from_command(
     if isinstance(command, meaning.ToolCommand):
         tool, patient = _target(command.tool), Target(object=command.patient)
         is_assumed = tool == Target(used_for=(tool_acts or {}).get(command.goal, ""))
+        if tool.object is None and tool.material is None:
+            tool = replace(tool, material=command.patient)
         arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
         return Request(
             command.goal,
@@ -115,4 +126,4 @@ def action_words(actions: Actions, language: Language) -> list[NewWord]:
 def _target(said: meaning.ObjectReference) -> Target:
     name = None if said.object == meaning.ANY_OBJECT else said.object
     props = frozenset(said.props)
-    return Target(name, said.used_for, said.not_used_for, properties=props)
+    return Target(name, said.used_for, said.not_used_for, properties=props, material=said.material)

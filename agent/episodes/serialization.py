@@ -61,6 +61,7 @@ def _target_as_json(target: Target) -> Json:
         and [affords.functor, None if affords.argument is None else str(affords.argument)],
         "properties": sorted(target.properties),
         "is_confirmed": target.is_confirmed,
+        "material": target.material,
     }
 
 
@@ -76,6 +77,7 @@ def _target_from_json(kept: dict[str, Any]) -> Target:
         affords,
         frozenset(kept["properties"]),
         kept["is_confirmed"],
+        kept.get("material"),  # episodes of older versions have none
     )
 
 

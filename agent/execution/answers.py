@@ -60,6 +60,12 @@ def decided(action: str, decision: Decision) -> SpokenAnswer:
     return SpokenAnswer("would_do_by" if decision.chosen_part else "would_do", slots)
 
 
+def use_slot(affordance: str, *materials: str | None) -> str | tuple[str, ...]:
+    """Return a use for a slot of the form `use`: the affordance, and what it is used on."""
+    named = tuple(name for name in materials if name)
+    return (affordance, *named) if named else affordance
+
+
 def not_found(target: Target, inference: Inference) -> SpokenAnswer:
     """Return the answer when no candidate is accepted."""
     first = inference.candidates[0] if inference.candidates else None
@@ -105,7 +111,9 @@ def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:
 def _no_candidate(target: Target, inference: Inference) -> SpokenAnswer:
     """Return the answer when nothing fits, with the absent or denied objects that rules name."""
     if target.not_used_for:
-        return _not_found("nothing_not_used_for", affordance=target.not_used_for)
+        return _not_found(
+            "nothing_not_used_for", affordance=use_slot(target.not_used_for, target.material)
+        )
     wanted = _wanted(target)
     if wanted is None or target.object:
         return _not_found("nothing_seen", object=_description(target))
@@ -124,11 +132,12 @@ def _not_found(key: str, **slots: Slot) -> SpokenAnswer:
     return SpokenAnswer(key, slots, "failed", "not_found")
 
 
-def _wanted(target: Target) -> str | None:
+def _wanted(target: Target) -> str | tuple[str, ...] | None:
     """Return the affordance or conclusion that the target must have; None for any."""
     if target.affords:
         return str(target.affords)
-    return target.used_for or target.not_used_for
+    use = target.used_for or target.not_used_for
+    return use_slot(use, target.material) if use else None
 
 
 def _description(target: Target) -> str:

@@ -68,7 +68,9 @@ def _default(default: str | Affords, arguments: Mapping[str, Argument], speaker:
         return speaker
     argument = Atom.parse(default.argument) if default.argument else None
     if argument is not None and argument.kind == "affordance":
-        return Target(used_for=argument.name)
+        patient = arguments.get(PATIENT)
+        material = patient.object if isinstance(patient, Target) else patient
+        return Target(used_for=argument.name, material=material)
     of = arguments.get(default.of) if default.of else None
     name = of.object if isinstance(of, Target) else of
     if name:

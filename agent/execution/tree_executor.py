@@ -126,7 +126,8 @@ class TreeExecutor:
         """The goal at this node: about the object already found, or the one to look for."""
         target = self._target(arguments)
         if target in self._found:
-            target = Target(object=self._found[target].percept.object)
+            found = self._found[target].percept.object
+            target = Target(object=found, material=target.material)
         return Goal(self._request.action, target, self._request.contexts)
 
     def _target(self, arguments: Mapping[str, Argument]) -> Target:

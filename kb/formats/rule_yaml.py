@@ -23,7 +23,7 @@ from .csv_table import BETWEEN, Cells, Writable
 
 _CONCLUSIONS = ("affordance", "part", "functor")
 _KEYS = (
-    *("object", "properties", "features", "context", "contexts"),
+    *("object", "properties", "features", "context", "contexts", "material"),
     *(*_CONCLUSIONS, "argument", "interval", "speaker", "status", "time"),
 )
 
@@ -90,7 +90,8 @@ def _features(found: Mapping[str, Field]) -> frozenset[Atom]:
 
 
 def _contexts(found: Mapping[str, Field]) -> frozenset[Atom]:
-    return _atoms(found.get("context"), "action") | _atoms(found.get("contexts"), "action")
+    acting = _atoms(found.get("context"), "action") | _atoms(found.get("contexts"), "action")
+    return acting | _atoms(found.get("material"), "material")
 
 
 def _atoms(field: Field | None, kind: str) -> frozenset[Atom]:
@@ -160,6 +161,8 @@ def _written_atoms(cell: str, key: str) -> str:
     names = [_quoted(name) for name in cell.split(BETWEEN)]
     if cell in {"", notation.ANY}:
         return ""
+    if key == "context" and len(names) == 1 and cell.startswith("material:"):
+        return f"material: {_quoted(cell.removeprefix('material:'))}, "
     if len(names) == 1 and ":" not in cell:
         return f"{key}: {names[0]}, "
     return f"{'features' if key == 'object' else 'contexts'}: [{', '.join(names)}], "

@@ -92,7 +92,8 @@ class Realizer:
     def _rule(self, rule: Rule, *, reported: bool = False) -> str:
         slots = {"often": self._often(rule.confidence)}
         if isinstance(rule, FunctionalRule):
-            slots |= {"thing": self._thing(rule), "affordance": rule.affordance}
+            use = self.answers.use_phrase(rule.affordance, rule.material)
+            slots |= {"thing": self._thing(rule), "affordance": use}
             return self._say("rules", "functional", **slots)
         slots |= {"thing": self._thing(rule), "part": rule.part, "act": self._act(rule.context)}
         return self._say("rules", "reported" if reported else "action", **slots)
@@ -132,6 +133,8 @@ class Realizer:
         names = ("object", "used_for", "not_used_for")
         slots = _given({name: getattr(target, name) for name in names})
         (shape,) = slots
+        if target.object is None:
+            slots[shape] = self.answers.use_phrase(slots[shape], target.material)
         if target.object == ANY_OBJECT:
             shape = "props"
         return self._say("targets", shape, props=" ".join(target.props), **slots)
@@ -139,7 +142,10 @@ class Realizer:
     def _question(self, question: Question) -> str:
         filled = {each.name: getattr(question, each.name) for each in fields(question)}
         ask = str(filled.pop("ask"))
+        material = filled.pop("material")
         slots = _given(filled)
+        if question.affordance:
+            slots["affordance"] = self.answers.use_phrase(question.affordance, material)
         return self._say("questions", " ".join([ask, *sorted(slots)]), **slots)
 
     def _say(self, section: str, shape: str, **slots: str) -> str:

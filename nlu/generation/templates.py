@@ -28,7 +28,7 @@ MOST_OF_NEVER = 0.1
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
 _LISTED = frozenset({"list", "clauses", "things", "kinds", "quotes", "names"})
-_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name"}) | _LISTED
+_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "use"}) | _LISTED
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,7 @@ class Phrases:
         seldom: a functional rule that holds now and then, but mostly not.
         forbidden: an action rule that is denied.
         seldom_by: an action rule that holds now and then, but mostly not.
+        for_material: an object that is used on a material only.
         noted: `what` is said, with `notes`: how often it holds, and who told it.
         source: the note of the `speaker` something comes from.
         any_object: what stands for every object.
@@ -65,6 +66,7 @@ class Phrases:
     holding: str
     forbidden: str
     seldom_by: str
+    for_material: str
     noted: str
     source: str
     any_object: str
@@ -83,6 +85,7 @@ class AnswerTemplates:
         acts: the verb of each act, with its particle ("pickUp": "pick up").
         tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
         adverbs: the usual adverb of each confidence, empty for the default one.
+        mass: names of what is not counted: "bread".
     """
 
     answers: Mapping[str, AnswerTemplate]
@@ -91,6 +94,7 @@ class AnswerTemplates:
     acts: Mapping[str, str]
     tool_acts: Mapping[str, str]
     adverbs: Mapping[Confidence, str]
+    mass: frozenset[str] = frozenset()
 
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer with its slots filled, beginning with a capital letter.
@@ -118,13 +122,29 @@ class AnswerTemplates:
         slots["often"] = self.adverb(rule.confidence)
         if isinstance(rule, FunctionalRule):
             text = (said.negative, said.seldom, said.functional)[at]
-            slots["affordance"] = rule.affordance
+            slots["affordance"] = self.use_phrase(rule.affordance, rule.material)
         else:
             likely = said.holding if rule.context == "grasp" else said.action
             text = (said.forbidden, said.seldom_by, likely)[at]
             act = self.tool_acts.get(rule.context) or self.act(rule.context)
             slots |= {"act": act, "part": rule.part}
         return " ".join(self.fill(text, slots).split())
+
+    def use_phrase(self, affordance: str, *materials: str | None) -> str:
+        """Return what something is used for: "cutting", "cutting bread", "painting walls"."""
+        names = self.join([self._in_general(name) for name in materials if name])
+        return f"{affordance} {names}".rstrip()
+
+    def object_for(self, name: str, material: str) -> str:
+        """Return an object that is used on a material: "brush for walls"."""
+        slots = {"object": name, "material": self._in_general(material)}
+        return self.fill(self.phrases.for_material, slots)
+
+    def _in_general(self, material: str) -> str:
+        """A material in the plural, unless it is not counted."""
+        _, _, last = material.rpartition(" ")
+        is_mass = material in self.mass or last in self.mass
+        return material if is_mass else self.inflection.form(material, "plural")
 
     def adverb(self, confidence: Confidence) -> str:
         """Return the adverb of the degree that is closest to a confidence, which may be empty."""
@@ -180,10 +200,11 @@ class AnswerTemplates:
             "quotes": lambda text: f'"{text.removesuffix(".")}"',
             "names": _capitalised,
         }
+        if form == "use":
+            return value if isinstance(value, str) else self.use_phrase(*map(str, _items(value)))
         if form in _LISTED:
-            items = (value,) if isinstance(value, (str, int, float)) else value
             comma = "," if form == "clauses" else ""
-            return self.join([forms[form](str(each)) for each in items], comma)
+            return self.join([forms[form](str(each)) for each in _items(value)], comma)
         return forms[form](str(value)) if form else str(value)
 
 
@@ -193,6 +214,8 @@ def load_answers(
     acts: Mapping[str, str],
     tool_acts: Mapping[str, str],
     adverbs: Mapping[Confidence, str],
+    *,
+    mass: frozenset[str] = frozenset(),
 ) -> AnswerTemplates:
     """Load the answers of a language.
 
@@ -210,6 +233,7 @@ def load_answers(
         acts,
         tool_acts,
         adverbs,
+        mass,
     )
 
 
@@ -226,6 +250,10 @@ def _answer(field: Field) -> AnswerTemplate:
     if unused:
         raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
     return AnswerTemplate(slots, say)
+
+
+def _items(value: Slot) -> Sequence[object]:
+    return (value,) if isinstance(value, (str, int, float)) else value
 
 
 def _capitalised(word: str) -> str:

@@ -30,6 +30,7 @@ from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
+_MASS = "mass"  # the template of what is not counted
 _NOTHING = Constant("something")
 _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
@@ -78,6 +79,7 @@ class LexiconBuilder:
         nameable: words of constructions that may be taught as names.
         denying: words that deny the object named after them.
         denied: words for any object, which `denying` words may precede.
+        mass: names of what is not counted: "bread".
         lexicon: the entries of all files.
     """
 
@@ -93,6 +95,7 @@ class LexiconBuilder:
         self.nameable: frozenset[str] = frozenset()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
+        self.mass: frozenset[str] = frozenset()
         self._constructions = Lexicon()
         self.lexicon = Lexicon(base=self._constructions)
 
@@ -113,9 +116,7 @@ class LexiconBuilder:
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
         for kind, field in _entries(parts, "nouns"):
-            self._template_named(kind, field)
-            for name in field.texts():
-                self.lexicon.add_all(self.noun(kind, name))
+            self._read_nouns(kind, field)
         for field in _items(parts, "words"):
             self._read_word(field)
         for field in _items(parts, "constructions"):
@@ -258,6 +259,13 @@ class LexiconBuilder:
             known = ", ".join(sorted(self._templates))
             raise field.fail(f'there is no template "{name}"; expected one of {known}.')
         return self._templates[name]
+
+    def _read_nouns(self, kind: str, field: Field) -> None:
+        self._template_named(kind, field)
+        for name in field.texts():
+            self.lexicon.add_all(self.noun(kind, name))
+        if kind == _MASS:
+            self.mass |= set(field.texts())
 
     def _read_verb(self, field: Field) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))

@@ -156,7 +156,8 @@ class Interpreter:
                 name, props = _kind_and_properties(said)
                 return replace(rule, object=name, props=props)
             case FunctionalRule(), "correctUse" | "alsoFor":
-                return replace(rule, affordance=self._affordance(said))
+                affordance, material = _use(said)
+                return replace(rule, affordance=affordance, material=material)
             case ActionRule(), "alsoFor":
                 raise RefusedError("not_a_rule")
             case (None, _) | (FunctionalRule(), _) | (_, "correctUse"):
@@ -198,21 +199,13 @@ class Interpreter:
         if len(used_for) > 1 or (used_for and form.name not in SOMETHING):
             raise RefusedError("object_or_use")
         if used_for:
-            affordance = self._affordance(used_for[0].arguments[1])
+            affordance, material = _use(used_for[0].arguments[1])
             if used_for[0].name == "usedFor":
-                return ObjectReference(used_for=affordance, props=props)
-            return ObjectReference(not_used_for=affordance, props=props)
+                return ObjectReference(used_for=affordance, props=props, material=material)
+            return ObjectReference(not_used_for=affordance, props=props, material=material)
         if form.name in SOMETHING and not props:
             raise RefusedError("which_thing", asks=True)
         return ObjectReference(object=_kind_and_properties(form)[0], props=props)
-
-    def _affordance(self, form: Form) -> str:
-        """The affordance that a form names, without what it is used on."""
-        if form.name == "of":
-            form = form.arguments[0]
-        if form.arguments:
-            raise RefusedError("one_use_at_a_time")
-        return _name(form)
 
     def _command_with_part(self, form: Form) -> Command:
         command = self._command(form.arguments[0])
@@ -256,14 +249,11 @@ class Interpreter:
             if use.name == "notUsedFor" or use.arguments[0].name not in SOMETHING:
                 raise RefusedError("say_the_use")
             use = use.arguments[1]
-        patient = use.arguments[1].name if use.name == "of" else "something"
-        if patient not in SOMETHING and confidence[0] < self.intervals["low"][0]:
-            # Not used for cutting bread is less than not used for cutting.
-            raise RefusedError("use_in_general", patient=patient.replace("_", " "))
         name, props = _kind_and_properties(noun)
         if name == ANY_OBJECT and not props:
             raise RefusedError("of_which_object", asks=True)
-        return FunctionalRule(name, self._affordance(use), confidence, props)
+        affordance, material = _use(use)
+        return FunctionalRule(name, affordance, confidence, props, material=material)
 
     def _action_rule(self, form: Form) -> ActionRule:
         context, act, degree = form.arguments
@@ -271,6 +261,8 @@ class Interpreter:
         if not self._is_act_on_object(context.name) and context.name not in self.tool_acts:
             raise RefusedError("no_act")
         name, props = _kind_and_properties(owner)
+        if context.name in self.tool_acts and context.arguments[1:] == (owner,):
+            raise RefusedError("not_a_rule")  # it is the tool that is held, not what it is used on
         return ActionRule(name, context.name, _name(part), self.intervals[degree.name], props)
 
     def _question(self, form: Form) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
@@ -285,7 +277,7 @@ class Interpreter:
             case ("usesOf" | "about" | "exceptions" | "inHand", (thing, *_)):
                 return Question(_QUESTIONS[form.name], object=_kind(thing))
             case ("aboutUse" | "best" | "whatIf", (use, *_)):
-                return Question(_QUESTIONS[form.name], affordance=self._affordance(use))
+                return _question_on_use(_QUESTIONS[form.name], use)
             case ("whyPart" | "whyNotPart", (part, *_)):
                 return Question(_QUESTIONS[form.name], part=_part_name(part))
             case ("trust" | "told" | "lastTold", (person, *_)):
@@ -298,7 +290,7 @@ class Interpreter:
                 return Question("source", object=_kind(thing))
             case "which", (Form(name="usedFor" | "implies", arguments=(thing, use, *_)), *_):
                 if thing.name in SOMETHING and use.name != "graspObject":
-                    return Question("objects_for", affordance=self._affordance(use))
+                    return _question_on_use("objects_for", use)
             case "how", (Form(name="implies", arguments=(act, *_)) | act, *_):
                 return self._question_on_act("how", act)
             case "why" | "whyNot", reason:
@@ -310,7 +302,7 @@ class Interpreter:
                 return replace(asked, context=context, part=_part_name(part))
             case "see", (thing, *_):
                 target = self._reference(thing)
-                return Question("see", object=target.object, affordance=target.used_for)
+                return _question_on_target("see", target)
             case _:
                 pass
         raise RefusedError("unanswerable")
@@ -318,7 +310,9 @@ class Interpreter:
     def _question_on_rule(self, ask: str, form: Form) -> Question:
         rule = self._one_rule(form, "one_thing_at_a_time")
         if isinstance(rule, FunctionalRule):
-            return Question(ask, object=rule.object, affordance=rule.affordance)
+            return Question(
+                ask, object=rule.object, affordance=rule.affordance, material=rule.material
+            )
         # "Is a knife passed by the blade?" is answered as "How is a knife passed?" is.
         ask = "how" if ask == "is_used_for" else ask
         return Question(ask, object=rule.object, context=rule.context, part=rule.part)
@@ -335,9 +329,7 @@ class Interpreter:
             # The last argument is the tool, or what it is used on where no tool is named.
             return Question(ask, object=_kind(act.arguments[-1]), context=act.name, part=part)
         target = self._reference(act.arguments[1])
-        return Question(
-            ask, object=target.object, affordance=target.used_for, context=act.name, part=part
-        )
+        return replace(_question_on_target(ask, target), context=act.name, part=part)
 
     def _question_on_reason(self, ask: str, form: Form | None = None, *_: Form) -> Question:
         if form is None:
@@ -351,6 +343,29 @@ class Interpreter:
         if form.name in acts or form.name in self.tool_acts:
             return self._question_on_act(ask, form)
         return Question(ask, object=_kind(form))
+
+
+def _use(form: Form) -> tuple[str, str | None]:
+    """The affordance that a form names, and what it is used on, None for anything."""
+    material = None
+    if form.name == "of":
+        form, patient = form.arguments
+        kind, props = _kind_and_properties(patient)
+        material = None if kind == ANY_OBJECT else " ".join((*props, kind))
+        if kind == ANY_OBJECT and props:
+            raise RefusedError("one_thing_at_a_time")
+    if form.arguments:
+        raise RefusedError("one_use_at_a_time")
+    return _name(form), material
+
+
+def _question_on_use(ask: str, use: Form) -> Question:
+    affordance, material = _use(use)
+    return Question(ask, affordance=affordance, material=material)
+
+
+def _question_on_target(ask: str, target: ObjectReference) -> Question:
+    return Question(ask, object=target.object, affordance=target.used_for, material=target.material)
 
 
 def _kind(form: Form) -> str:

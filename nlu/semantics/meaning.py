@@ -45,6 +45,7 @@ class FunctionalRule(_Record):
         confidence: (lower, upper) in [0, 1].
         props: further properties that the object must have, sorted.
         revises: whether it replaces what was taught before.
+        material: what it is used on ("bread", for cutting), or None for anything.
     """
 
     object: str
@@ -52,6 +53,7 @@ class FunctionalRule(_Record):
     confidence: Confidence
     props: tuple[str, ...] = ()
     revises: bool = False
+    material: str | None = None
 
     def as_json(self) -> Json:
         """Return the rule as a JSON object."""
@@ -110,12 +112,14 @@ class ObjectReference(_Record):
         used_for: an affordance it must have.
         not_used_for: an affordance it must not have.
         props: further properties that it must have, sorted.
+        material: what the affordance is wanted for ("bread", for cutting), or None for anything.
     """
 
     object: str | None = None
     used_for: str | None = None
     not_used_for: str | None = None
     props: tuple[str, ...] = ()
+    material: str | None = None
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
@@ -175,6 +179,7 @@ class Question(_Record):
             `objects_for`, `repeated`, `see`, `source`, `told`, `trust`, `uses_of`, `wellbeing`,
             `what_if`, `which_context`, `why` or `why_not`.
         object, affordance, context, part, speaker: what the question names, else None.
+        material: what the affordance is asked for ("bread", for cutting), or None for anything.
     """
 
     kind: ClassVar[str] = "question"
@@ -184,6 +189,7 @@ class Question(_Record):
     context: str | None = None
     part: str | None = None
     speaker: str | None = None
+    material: str | None = None
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
+from hilt.inference.taxonomy import Taxonomy
 from hilt.inference.types import Goal, Observation, Target
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
@@ -287,6 +288,58 @@ def test_rule_with_a_place_is_weighted_by_the_interval_of_the_place():
 
     assert elsewhere is None
     assert best is not None and best.interval.lower == pytest.approx(0.475)
+
+
+# --- Materials -----------------------------------------------------------------------------
+
+BOTH = Interval(0.0475, 0.9525)  # of [.95, 1] and [0, .05], by Yager's rule
+
+
+@pytest.mark.parametrize(
+    ("told", "wanted", "expected"),
+    [
+        ([(None, G)], "bread", G),
+        ([(None, NEVER)], "bread", NEVER),
+        ([("bread", G)], "bread", G),
+        ([("bread", NEVER)], "bread", NEVER),
+        ([("wood", G)], "bread", Interval(0, 1)),
+        ([("wood", NEVER)], "bread", Interval(0, 1)),
+        ([(None, G)], None, G),
+        ([(None, NEVER)], None, NEVER),
+        ([("bread", G)], None, G),
+        ([("bread", NEVER)], None, Interval(0, 1)),
+        ([("wood", G), ("bread", NEVER)], None, G),
+        ([("wood", G), ("bread", NEVER)], "wood", G),
+        ([("wood", G), ("bread", NEVER)], "bread", NEVER),
+        ([(None, O), ("bread", S)], "bread", Interval(0.875, 1)),
+        ([("wood", O), ("bread", S)], None, Interval(0.875, 1)),
+        ([(None, G), ("bread", NEVER)], "bread", BOTH),
+        ([(None, G), ("bread", NEVER)], "wood", G),
+        ([("bread", S)], "rye bread", S),
+        ([("rye bread", S)], "bread", Interval(0, 1)),
+    ],
+)
+def test_rule_applies_to_its_material(
+    told: list[tuple[str | None, Interval]], wanted: str | None, expected: Interval
+):
+    """A rule with a material is about that one; a use on any material is a use."""
+    rules = [functional("saw", "cutting", interval=each, material=name) for name, each in told]
+    goal = Goal("pass", Target(used_for="cutting", material=wanted))
+    kinds = Taxonomy([(Atom("object", "rye bread"), Atom("object", "bread"))])
+
+    [saw] = Affordances(Rules(*rules), taxonomy=kinds).infer(FIND, goal, [seen("saw")]).candidates
+
+    assert saw.interval.lower == pytest.approx(expected.lower)
+    assert saw.interval.upper == pytest.approx(expected.upper)
+
+
+def test_uses_on_two_materials_count_the_observation_once():
+    """Belief in a use stays below belief in the object, however many materials were told."""
+    rules = [functional("saw", "cutting", interval=G, material=name) for name in ("wood", "bread")]
+
+    [saw] = Affordances(Rules(*rules)).infer(FIND, CUTTING, [seen("saw", 0.9)]).candidates
+
+    assert saw.interval.lower == pytest.approx(0.9 * (1 - 0.05**2))
 
 
 # --- The set taught, nothing else ----------------------------------------------------------

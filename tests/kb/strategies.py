@@ -16,6 +16,7 @@ contexts = st.sampled_from(["pass", "pickUp", "use"])
 
 functional_rules = st.builds(
     functional, words, st.sampled_from(["cutting", "holding water"]), interval=intervals,
+    material=st.none() | st.sampled_from(["bread", "tent peg"]),
     properties=st.lists(st.just("red"), max_size=1), speaker=speakers,
 )  # fmt: skip
 grasping_rules = st.builds(

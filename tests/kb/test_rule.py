@@ -59,6 +59,27 @@ def test_functional_rule_hangs_on_finding():
     assert rule.node == "findObject.cutting"
 
 
+def test_material_is_a_context_of_a_use():
+    """A use on bread is another rule than the use on anything, found at the same node."""
+    general, on_bread = (
+        functional("knife", "cutting", interval=HIGH, material=material)
+        for material in (None, "bread")
+    )
+
+    assert on_bread.contexts == {Atom("material", "bread")}
+    assert (on_bread.node, on_bread.material) == (general.node, "bread")
+    assert on_bread.id != general.id
+    assert (on_bread.as_json()["material"], "material" in general.as_json()) == ("bread", False)
+
+
+def test_rule_has_at_most_one_material():
+    """Cutting bread and cutting wood are two rules."""
+    contexts = frozenset({Atom("material", "bread"), Atom("material", "wood")})
+
+    with pytest.raises(ValidationError, match="one material"):
+        replace(functional("knife", "cutting", interval=HIGH), contexts=contexts)
+
+
 def test_grasping_without_context_hangs_on_the_action_alone():
     """A way of grasping that holds in any context is found at every grasp."""
     assert grasping("mug", "handle", interval=HIGH).node == "graspObject"

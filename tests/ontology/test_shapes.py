@@ -68,7 +68,7 @@ EXAMPLES = {
     "Functor": 'functor:moveTo a hilt:Functor ; rdfs:label "moveTo" .',
 } | {
     name: f'{name.lower()}:x a hilt:{name} ; rdfs:label "x" .'
-    for name in ("Property", "Action", "Place", "Role", "Affordance")
+    for name in ("Property", "Action", "Place", "Role", "Affordance", "Material")
 }
 
 # (valid text, what stands in it, what is put instead, what the message says)
@@ -154,7 +154,7 @@ BREAKS = [
     (EXAMPLES["Functor"], "functor:moveTo a", "functor:Move a", "A functor is"),
     *(
         (EXAMPLES[name], f"{name.lower()}:x a", "node:x a", f"is a node {name.lower()}:NAME")
-        for name in ("Property", "Action", "Place", "Role", "Affordance")
+        for name in ("Property", "Action", "Place", "Role", "Affordance", "Material")
     ),
 ]
 

@@ -32,6 +32,7 @@ OBJECTS = st.sampled_from(
 )
 PARTS = st.sampled_from(["handle", "blade", "bowl", "upper", "sole", "head", "stem", "shaft"])
 USES = st.sampled_from(["cutting", "containing", "pounding", "rolling", "poking"])
+MATERIALS = st.none() | st.sampled_from(["bread", "wood", "wall", "tent peg", "mug", "old knife"])
 PROPS = st.sets(st.sampled_from(["red", "sharp", "wooden"]), max_size=2).map(
     lambda props: tuple(sorted(props))
 )
@@ -42,8 +43,8 @@ CONTEXTS = st.sampled_from(["pass", "pickUp", "pointTo", "grasp", "use", "cut", 
 SOME = st.sampled_from([("red",), ("sharp",), ("sharp", "wooden")])
 
 functional = st.one_of(
-    st.builds(FunctionalRule, OBJECTS, USES, CONFIDENCES, PROPS),
-    st.builds(FunctionalRule, st.just(ANY_OBJECT), USES, CONFIDENCES, SOME),
+    st.builds(FunctionalRule, OBJECTS, USES, CONFIDENCES, PROPS, material=MATERIALS),
+    st.builds(FunctionalRule, st.just(ANY_OBJECT), USES, CONFIDENCES, SOME, material=MATERIALS),
 )
 action = st.builds(
     ActionRule, st.one_of(OBJECTS, st.just(ANY_OBJECT)), CONTEXTS, PARTS, CONFIDENCES, PROPS
@@ -52,8 +53,8 @@ rules = st.one_of(functional, action)
 targets = st.one_of(
     st.builds(lambda name, props: ObjectReference(object=name, props=props), OBJECTS, PROPS),
     st.builds(lambda props: ObjectReference(object=ANY_OBJECT, props=props), SOME),
-    st.builds(lambda use, props: ObjectReference(used_for=use, props=props), USES, PROPS),
-    st.builds(lambda use, props: ObjectReference(not_used_for=use, props=props), USES, PROPS),
+    st.builds(ObjectReference, used_for=USES, props=PROPS, material=MATERIALS),
+    st.builds(ObjectReference, not_used_for=USES, props=PROPS, material=MATERIALS),
 )
 parts = st.one_of(st.none(), PARTS)
 commands = st.one_of(
@@ -83,15 +84,20 @@ questions = st.one_of(
     st.builds(Question, st.sampled_from(["about", "uses_of", "see", "source"]), OBJECTS),
     st.builds(Question, st.sampled_from(["why", "why_not"]), OBJECTS),
     st.builds(
-        Question, st.sampled_from(["confidence", "source", "is_used_for"]), OBJECTS, affordance=USES
+        Question,
+        st.sampled_from(["confidence", "source", "is_used_for"]),
+        OBJECTS,
+        affordance=USES,
+        material=MATERIALS,
     ),
     st.builds(
         Question,
         st.sampled_from(["about", "best_for", "objects_for", "see"]),
         affordance=USES,
+        material=MATERIALS,
     ),
     st.builds(Question, st.just("how"), OBJECTS, context=HELD),
-    st.builds(Question, st.just("how"), affordance=USES, context=ACTS),
+    st.builds(Question, st.just("how"), affordance=USES, context=ACTS, material=MATERIALS),
     st.builds(
         Question,
         st.sampled_from(["how", "confidence", "source"]),
@@ -102,7 +108,7 @@ questions = st.one_of(
     st.builds(Question, st.sampled_from(["why", "why_not"]), OBJECTS, context=ACTS),
     st.builds(Question, st.just("why"), OBJECTS, context=ACTS, part=PARTS),
     st.builds(Question, st.sampled_from(["why", "why_not"]), part=PARTS),
-    st.builds(Question, st.just("what_if"), affordance=USES),
+    st.builds(Question, st.just("what_if"), affordance=USES, material=MATERIALS),
     st.builds(Question, st.just("which_context"), OBJECTS, part=PARTS),
     st.builds(
         Question, st.sampled_from(["capabilities", "see", "trust", "why", "confidence", "source"])
@@ -116,13 +122,7 @@ replies = st.builds(
 
 def revised(rule: Rule) -> Statement:
     """A rule that takes the place of another."""
-    if isinstance(rule, FunctionalRule):
-        return Statement(
-            (FunctionalRule(rule.object, rule.affordance, rule.confidence, rule.props, True),)
-        )
-    return Statement(
-        (ActionRule(rule.object, rule.context, rule.part, rule.confidence, rule.props, True),)
-    )
+    return Statement((replace(rule, revises=True),))
 
 
 meanings = st.one_of(
