@@ -26,7 +26,7 @@ def test_rule_is_kept_with_its_material(agent: Agent):
     """What is said back, stored and printed as JSON has the material."""
     reply = agent.hear("a spatula is never used for cutting bread")
 
-    assert reply.said == "I learned: a spatula is not used for cutting bread ([0, 0.05], from Sam)."
+    assert reply.said == "I learned: a spatula is not used for cutting bread."
     assert [rule.as_json()["material"] for rule in reply.rules] == ["bread"]
     assert [rule.material for rule in agent.base.rules(object="spatula")] == ["bread"]
 
@@ -37,20 +37,23 @@ def test_rule_is_kept_with_its_material(agent: Agent):
         ("is a knife used for cutting bread?", "Yes: a knife is used for cutting bread"),
         ("is a knife used for cutting?", "Yes: a knife is used for cutting bread"),
         ("is a knife used for cutting wood?", "Not that I know of: nobody has told me that a"),
-        ("is a spatula used for cutting?", "Yes: a spatula is used for cutting wood"),
+        ("is a spatula used for cutting?", "Yes: a spatula is often used for cutting wood"),
         ("is a spatula used for cutting bread?", "No: a spatula is not used for cutting bread"),
-        ("is a spoon used for cutting wood?", "Yes: a spoon is used for cutting (0.5"),
+        ("is a spoon used for cutting wood?", "Yes: a spoon is sometimes used for cutting."),
         (
             "what do I cut bread with?",
-            "For cutting bread, I know of a knife (0.95, from Sam) and a",
+            "For cutting bread, I know of a knife and a spoon",
         ),
-        ("what do I cut wood with?", "For cutting wood, I know of a spatula (0.75, from Sam) and"),
-        ("what is used for painting?", "For painting, I know of a screwdriver for walls (0.75"),
-        ("what is best for cutting wood?", "A spatula is best for cutting wood (0.75"),
-        ("what is best for cutting?", "A knife is best for cutting bread (0.95"),
-        ("what is a screwdriver used for?", "A screwdriver is used for painting walls (0.75"),
+        ("what do I cut wood with?", "For cutting wood, I know of a spatula (often) and"),
+        ("what is used for painting?", "For painting, I know of a screwdriver for walls"),
+        ("what is best for cutting wood?", "A spatula is best for cutting wood."),
+        ("what is best for cutting?", "A knife is best for cutting bread."),
+        ("what is a screwdriver used for?", "A screwdriver is used for painting walls (often)."),
         ("what do you know about cutting bread?", "For cutting bread, I know of a knife"),
-        ("how sure are you that a knife is used for cutting bread?", "My confidence is 0.95: a"),
+        (
+            "how sure are you that a knife is used for cutting bread?",
+            "Quite sure: a knife is used for cutting bread",
+        ),
         ("who told you that a knife is used for cutting wood?", "Nobody has told me that."),
         (
             "what would have to be true of an object for it to be used for cutting bread?",

@@ -156,12 +156,12 @@ def tool(reply: Reply) -> str | None:
         ({"shoe": 1.0}, "I pounded the nail with the shoe."),
         (
             {},
-            "I don't see anything for pounding. "
+            "I don't see anything for pounding nails. "
             "I know of a hammer and a shoe, but I don't see any here.",
         ),
         (
             {"shoe": 0.2},
-            "I'm not sure enough that a shoe is used for pounding. Should I take it?",
+            "I'm not sure enough that a shoe is used for pounding nails. Should I take it?",
         ),
     ],
     ids=["the best", "the next best when it is absent", "tool absent", "not sure enough"],
