@@ -36,6 +36,9 @@ from .lexicon.shared_index import SharedIndex
 from .lexicon.tokenizer import tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
+from .offers.checks import Checks, load_check_words
+from .offers.choice import load_choice_words
+from .offers.offers import Offers, load_model
 from .parsing.clarification import Clarification
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.reading_filter import ReadingFilter
@@ -43,7 +46,15 @@ from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import Control, Meaning, Rule, Statement, Topic
+from .semantics.meaning import (
+    AskBack,
+    Control,
+    Meaning,
+    Misunderstanding,
+    Rule,
+    Statement,
+    Topic,
+)
 from .semantics.pragmatics import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
@@ -179,7 +190,47 @@ class Language:
         control = self.control(text)
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
-        return self.utterance_parser.understand(text, context, accepted)
+        found = self.utterance_parser.understand(text, context, accepted)
+        match found.meaning:
+            case Misunderstanding() | AskBack(choices=()):
+                tokens = tokenize(text, self.builder.contractions)
+                question = self.offers.question(tokens, context.discourse)
+                return replace(found, meaning=question) if question else found
+            case _:
+                return found
+
+    @cached_property
+    def offers(self) -> Offers:
+        """What is offered for an utterance that is not understood."""
+        folder = _folder(self.name)
+        intervals = self.degrees.intervals
+        return Offers(
+            load_model(folder / "offers.json"),
+            Checks(load_check_words(folder / "offers.yaml")),
+            self.utterance_parser.known_words,
+            {
+                tuple(phrase.split()): intervals[degree]
+                for degree, phrases in self.builder.qualifiers.items()
+                for phrase in phrases
+            },
+            self.tool_acts,
+            self.answers,
+            self.generate,
+            self._meaning_of,
+        )
+
+    def chosen(self, text: str, count: int) -> int | None:
+        """Return which of `count` numbered choices an answer takes, from 1 on.
+
+        It is 0 for none of them ("neither"), and None for a text that is no such answer.
+        """
+        words = tokenize(text, self.builder.contractions).words
+        return load_choice_words(_folder(self.name) / "offers.yaml").chosen(words, count)
+
+    def _meaning_of(self, sentence: str) -> Meaning:
+        """The meaning of a sentence as the first of a conversation, without offers."""
+        context = UtteranceContext("sam", "self", Discourse())
+        return self.utterance_parser.understand(sentence, context, ()).meaning
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

@@ -254,7 +254,19 @@ def test_wheel_holds_only_hilt(tmp_path: Path):
     names = zipfile.ZipFile(next(tmp_path.glob("*.whl"))).namelist()
 
     assert {name.split("/")[0] for name in names} == {"hilt", "hilt-0.1.0.dist-info"}
-    kinds = {".py", ".pyi", ".yaml", ".ttl", ".rq", ".lark", ".typed", ".npz", ".html", ".jinja"}
+    kinds = {
+        ".py",
+        ".pyi",
+        ".yaml",
+        ".json",
+        ".ttl",
+        ".rq",
+        ".lark",
+        ".typed",
+        ".npz",
+        ".html",
+        ".jinja",
+    }
     for package in PACKAGES:
         files = (p for p in (ROOT / package).rglob("*") if p.suffix in kinds)
         assert {f"hilt/{p.relative_to(ROOT).as_posix()}" for p in files} <= set(names)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from ...kb.interval import Interval
@@ -68,17 +69,19 @@ class DialogueTurn:
 
 @dataclass(frozen=True)
 class Pending:
-    """A question of Hilt that waits for "yes" or "no".
+    """A question of Hilt that waits for "yes", "no" or a number.
 
     Attributes:
         asked: the only speaker who can answer it.
         yes: called after a "yes".
         no: called after a "no"; None only acknowledges.
+        choices: called after the number of a choice, by number from 1 on.
     """
 
     asked: str
     yes: Callable[[], Reply]
     no: Callable[[], Reply] | None = None
+    choices: tuple[Callable[[], Reply], ...] = ()
 
 
 class DialogueManager:
@@ -165,7 +168,12 @@ class DialogueManager:
             StoreError: what was said could not be stored; then nothing was believed.
         """
         speaker = self.base.match_speaker(speaker)
+        pending, number = self._pending, self._chosen(text, speaker)
+        if pending and number:
+            return pending.choices[number - 1]()
         understood = self._understood(text, speaker, accepted, heard)
+        if number == 0:
+            understood = replace(understood, meaning=meaning.Acknowledgement("no"))
         self._discourse = understood.discourse
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
@@ -367,6 +375,10 @@ class DialogueManager:
 
     def _ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
         reply = self._recorded(turn, said.question, "asked")
+        choices = [each for each in said.choices if not isinstance(each, str)]
+        if choices:
+            self._offer(turn, said, choices)
+            return reply
         text, speaker = turn.understood.text, turn.speaker
         meant = self._corrected(turn, said)
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
@@ -382,13 +394,34 @@ class DialogueManager:
             )
         return reply
 
+    def _offer(
+        self, turn: DialogueTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
+    ) -> None:
+        """Wait for the choice of a meaning, which is then heard as the sentence that says it."""
+        speaker = turn.speaker
+        heard = tuple(
+            partial(self.hear, self.language.generate(each), speaker=speaker, heard=turn.heard)
+            for each in choices
+        )
+        again = partial(self._ask_back, turn, said)
+        self._pending = Pending(speaker, heard[0] if len(heard) == 1 else again, choices=heard)
+
+    def _chosen(self, text: str, speaker: str) -> int | None:
+        """Which of the choices offered a text takes, 0 for none; None if it is no answer."""
+        pending = self._pending
+        if pending is None or pending.asked != speaker or not pending.choices:
+            return None
+        return self.language.chosen(text, len(pending.choices))
+
     def _corrected(self, turn: DialogueTurn, said: meaning.AskBack) -> tuple[str, str] | None:
         """The utterance with the suggested word in place of the unknown one, and the latter."""
         words = turn.understood.words
         unknown = [word for word in words if not self.language.knows(word)]
-        if len(said.choices) != 1 or not unknown:
-            return None
-        return " ".join(said.choices[0] if w == unknown[0] else w for w in words), unknown[0]
+        match said.choices:
+            case (str(choice),) if unknown:
+                return " ".join(choice if w == unknown[0] else w for w in words), unknown[0]
+            case _:
+                return None
 
     def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
         problem = said.message

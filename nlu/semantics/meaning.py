@@ -261,16 +261,17 @@ class AskBack:
 
     Attributes:
         question: the sentence to ask.
-        choices: the words or sentences to choose from, best first.
+        choices: the meanings, or the words or sentences, to choose from, best first.
     """
 
     kind: ClassVar[str] = "ask_back"
     question: str = ""
-    choices: tuple[str, ...] = ()
+    choices: tuple[Meaning | str, ...] = ()
 
     def as_json(self) -> Json:
         """Return the JSON object, which leaves the question out because it is spoken."""
-        return {"ask_back": True}
+        choices = [each.as_json() for each in self.choices if not isinstance(each, str)]
+        return {"ask_back": True, "choices": choices} if choices else {"ask_back": True}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Trains the weights of the offers ("Did you mean ..?") from the utterances of `tests/nlu/data`.
+
+    python benchmarks/train_offers.py [--seed 0] [--write]
+
+Prints a table over five folds, which are runs of neighbouring lines of the files, so that sentences
+written together are on one side. `--write` trains on all and writes `ontology/english/offers.json`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import sys
+import time
+from array import array
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import scipy.optimize
+import scipy.sparse
+from utterances import data_sets
+
+from hilt.nlu import Language, Session
+from hilt.nlu.lexicon.tokenizer import tokenize
+from hilt.nlu.offers.candidates import CandidateMeaning, candidates
+from hilt.nlu.offers.mentions import Mentions, find_mentions
+from hilt.nlu.offers.offers import LEAST, OfferModel
+from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
+from hilt.nlu.offers.shapes import Shape, meaning_from_json, shape_of
+from hilt.nlu.semantics.meaning import Json
+
+OFFERS_FILE = Path(__file__).parents[1] / "ontology" / "english" / "offers.json"
+FOLDS = 5
+RUN = 20  # neighbouring lines that stay together
+
+LEAST_SHAPES, LEAST_FEATURES = 3, 3
+"""How many examples have a shape or a feature that is used."""
+
+KEPT = 2600
+"""How many weights are kept, the greatest."""
+
+PENALTY = 0.5
+"""The weight of the squared weights in the loss."""
+
+
+@dataclass(frozen=True)
+class Example:
+    """An utterance, what it names, and the meanings that are right; none if it is to be refused."""
+
+    text: str
+    mentions: Mentions
+    right: tuple[Json, ...]
+    is_refused: bool  # by the grammar as it is
+
+
+def main() -> None:
+    """Print the table, and write the weights if asked to."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--folds", type=int, default=FOLDS, help="how many of the folds to measure")
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
+    language = Language.load()
+    examples = list(read_examples(language))
+    runs = np.random.default_rng(options.seed).permutation(len(examples) // RUN + 1) % FOLDS
+    folds = [int(runs[number // RUN]) for number in range(len(examples))]
+    results = [
+        result
+        for fold in range(options.folds)
+        for result in measure(language, examples, folds, fold)
+    ]
+    if results:
+        print_table(results)
+    if options.write:
+        model = trained(examples, language.tool_acts)
+        OFFERS_FILE.write_text(as_json(model, options.seed), encoding="utf-8")
+
+
+def read_examples(language: Language) -> Iterator[Example]:
+    """Yield the utterances of all files with what they mean, in their order."""
+    for name, utterances in data_sets().items():
+        for each in utterances if name != "paradigm" else ():
+            session = Session(language).after(each.before)
+            understood, _ = session.hear(each.text)
+            is_refused = understood.kind in {"error", "ask_back"}
+            mentions = mentions_of(session, each.text)
+            yield Example(each.text, mentions, tuple(_right(each.wanted)), is_refused)
+
+
+def mentions_of(session: Session, text: str) -> Mentions:
+    """What an utterance names at its place in a conversation."""
+    offers, tokens = session.language.offers, tokenize(text, session.language.builder.contractions)
+    return find_mentions(tokens, offers.known, offers.degrees, session.discourse)
+
+
+def _right(wanted: dict[str, object] | None) -> Iterator[Json]:
+    """The meanings that fit what is wanted."""
+    choices = (wanted or {}).get("any_of")
+    for each in choices if isinstance(choices, list) else ():
+        yield from _right(each)
+    if wanted and not wanted.keys() & {"any_of", "error", "ask_back"}:
+        with contextlib.suppress(ValueError, KeyError, TypeError):  # the check of a part of it
+            yield json.loads(json.dumps(meaning_from_json(wanted).as_json()))
+
+
+def shapes_of(examples: Iterable[Example], acts: Mapping[str, str]) -> tuple[Shape, ...]:
+    """The shapes of the meanings of at least `LEAST_SHAPES` examples, the commonest first."""
+    count = Counter(
+        shape
+        for each in examples
+        for shape in {shape_of(m, each.mentions, acts) for m in each.right}
+    )
+    return tuple(shape for shape, n in count.most_common() if n >= LEAST_SHAPES)
+
+
+@dataclass
+class Choices:
+    """The candidates of an utterance, and which of them are right, with "none" as the last."""
+
+    example: Example
+    candidates: list[CandidateMeaning]
+    right: np.ndarray
+
+
+def choices(
+    examples: Sequence[Example], shapes: Sequence[Shape], acts: Mapping[str, str]
+) -> list[Choices]:
+    """Return the choices that each example has."""
+    found: list[Choices] = []
+    for each in examples:
+        some = list(candidates(each.mentions, shapes, acts))
+        right = [one.meaning in each.right for one in some]
+        found.append(Choices(each, some, np.array([*right, not any(right)])))
+    return found
+
+
+@dataclass
+class Design:
+    """The features of all candidates: rows of the shapes of an utterance, and of their fillings."""
+
+    names: list[tuple[str, str]]
+    shapes: scipy.sparse.csr_matrix
+    of_shape: np.ndarray
+    fillings: scipy.sparse.csr_matrix
+
+    def scores(self, weights: np.ndarray) -> np.ndarray:
+        """The score of each choice."""
+        return (self.shapes @ weights)[self.of_shape] + self.fillings @ weights
+
+    def only(self, order: np.ndarray) -> Design:
+        """These features alone."""
+        names = [self.names[each] for each in order]
+        shapes, fillings = self.shapes[:, order].tocsr(), self.fillings[:, order].tocsr()
+        return Design(names, shapes, self.of_shape, fillings)
+
+    def gradient(self, errors: np.ndarray) -> np.ndarray:
+        """The gradient of the weights, from the errors of the probabilities."""
+        of_shapes = np.bincount(self.of_shape, errors, self.shapes.shape[0])
+        return self.shapes.T @ of_shapes + self.fillings.T @ errors
+
+
+def used_features(data: Sequence[Choices]) -> list[tuple[str, str]]:
+    """The features that at least `LEAST_FEATURES` right choices have."""
+    count: Counter[tuple[str, str]] = Counter()
+    for choice in data:
+        said = list(utterance_features(choice.example.mentions))
+        seen = {(f, NONE) for f in said} if choice.right[-1] else set()
+        for each, right in zip(choice.candidates, choice.right, strict=False):
+            if right:
+                seen.update((f, trait) for trait in each.shape.traits for f in said)
+                seen.update(filling_features(each, choice.example.mentions))
+        count.update(seen)
+    return [f for f, n in count.items() if n >= LEAST_FEATURES]
+
+
+def design(data: Sequence[Choices], names: list[tuple[str, str]]) -> Design:
+    """Return the features of all choices, of which only those with a name count."""
+    columns: dict[str, dict[str, int]] = defaultdict(dict)
+    for number, (feature, trait) in enumerate(names):
+        columns[feature][trait] = number
+    shapes, fillings = _Rows(), _Rows()
+    of_shape: list[int] = []
+    for choice in data:
+        by_trait: dict[str, list[int]] = defaultdict(list)
+        for feature in utterance_features(choice.example.mentions):
+            for trait, number in columns.get(feature, {}).items():
+                by_trait[trait].append(number)
+        rows: dict[str, int] = {}
+        for each in choice.candidates:
+            if each.shape.text not in rows:
+                rows[each.shape.text] = shapes.add(
+                    n for t in each.shape.traits for n in by_trait[t]
+                )
+            of_shape.append(rows[each.shape.text])
+            found = filling_features(each, choice.example.mentions)
+            fillings.add(columns[f][t] for f, t in found if t in columns.get(f, {}))
+        of_shape.append(shapes.add(by_trait[NONE]))
+        fillings.add(())
+    return Design(names, shapes.matrix(len(names)), np.array(of_shape), fillings.matrix(len(names)))
+
+
+class _Rows:
+    def __init__(self) -> None:
+        self.columns: array[int] = array("i")
+        self.starts = array("i", [0])
+
+    def add(self, columns: Iterable[int]) -> int:
+        self.columns.extend(columns)
+        self.starts.append(len(self.columns))
+        return len(self.starts) - 2
+
+    def matrix(self, width: int) -> scipy.sparse.csr_matrix:
+        values = np.ones(len(self.columns), dtype=np.float32)
+        shape = (len(self.starts) - 1, width)
+        return scipy.sparse.csr_matrix(
+            (values, np.array(self.columns), np.array(self.starts)), shape=shape
+        )
+
+
+def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
+    """Fit the weights, keep the greatest, and fit those again."""
+    shapes = shapes_of(examples, acts)
+    data = choices(examples, shapes, acts)
+    whole = design(data, used_features(data))
+    order = np.argsort(-np.abs(_fit(data, whole, 20)))[:KEPT]
+    part = whole.only(order)
+    found: dict[str, dict[str, float]] = defaultdict(dict)
+    for (feature, trait), weight in zip(part.names, _fit(data, part, 40), strict=True):
+        if abs(weight) >= 0.05:
+            found[feature][trait] = round(float(weight), 1)
+    return OfferModel(shapes, Ranker(found))
+
+
+def _fit(data: Sequence[Choices], made: Design, steps: int) -> np.ndarray:
+    right = np.concatenate([choice.right for choice in data]).astype(float)
+    sizes = [len(choice.right) for choice in data]
+    firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    owners = np.repeat(np.arange(len(sizes)), sizes)
+
+    def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
+        scores = made.scores(weights)
+        scores -= np.maximum.reduceat(scores, firsts)[owners]
+        powers = np.exp(scores)
+        total = np.add.reduceat(powers, firsts)
+        good = np.maximum(np.add.reduceat(powers * right, firsts), 1e-300)
+        value = np.sum(np.log(total) - np.log(good)) + PENALTY / 2 * weights @ weights
+        gradient = made.gradient(powers / total[owners] - powers * right / good[owners])
+        return value, gradient + PENALTY * weights
+
+    start = np.zeros(len(made.names))
+    return scipy.optimize.minimize(
+        loss, start, jac=True, method="L-BFGS-B", options={"maxiter": steps}
+    ).x
+
+
+@dataclass(frozen=True)
+class Result:
+    """What was offered for one utterance.
+
+    Attributes:
+        has: whether a candidate is right.
+        ranked: whether each of the three likeliest candidates is right.
+        first: the probability of the likeliest.
+        offered: whether each of the meanings offered after the checks is right.
+        seconds: how long finding the offers took.
+    """
+
+    example: Example
+    has: bool
+    ranked: tuple[bool, ...]
+    first: float
+    offered: tuple[bool, ...]
+    seconds: float
+
+
+def measure(
+    language: Language, examples: Sequence[Example], folds: Sequence[int], fold: int
+) -> Iterator[Result]:
+    """Yield what is offered for the utterances of a fold after training on the others."""
+    known = [each for each, number in zip(examples, folds, strict=True) if number != fold]
+    model = trained(known, language.tool_acts)
+    print(
+        f"fold {fold}: {len(model.shapes)} shapes, {len(as_json(model, 0))} bytes", file=sys.stderr
+    )
+    offers = replace(language.offers, model=model)
+    new = [each for each, number in zip(examples, folds, strict=True) if number == fold]
+    for choice in choices(new, model.shapes, language.tool_acts):
+        example = choice.example
+        ranked = offers.ranked(example.mentions)[:3]
+        start = time.process_time()
+        offered = offers.of_mentions(example.mentions)
+        seconds = time.process_time() - start
+        yield Result(
+            example,
+            bool(any(choice.right[:-1])),
+            tuple(each.meaning in example.right for _, each in ranked),
+            ranked[0][0] if ranked else 0.0,
+            tuple(json.loads(json.dumps(each.as_json())) in example.right for each in offered),
+            seconds,
+        )
+
+
+def print_table(results: Sequence[Result]) -> None:
+    """Print what was offered for all utterances, and for those that are refused at present."""
+    took = sorted(each.seconds * 1000 for each in results)
+    print(f"one offer: {np.mean(took):.1f} ms, 95 %: {took[len(took) * 19 // 20]:.1f} ms")
+    for title, chosen in (
+        ("all", results),
+        ("refused", [r for r in results if r.example.is_refused]),
+    ):
+        wanted = [each for each in chosen if each.example.right]
+        unwanted = [each for each in chosen if not each.example.right]
+        print(
+            f"{title}: {len(wanted)} with a meaning, {sum(r.has for r in wanted)} with it as a",
+            f"candidate; {len(unwanted)} to be refused",
+        )
+        _print_row(
+            "without checks", wanted, unwanted, lambda r: r.ranked if r.first >= LEAST else ()
+        )
+        _print_row("no threshold", wanted, unwanted, lambda r: r.ranked)
+        _print_row("with checks", wanted, unwanted, lambda r: r.offered)
+
+
+def _print_row(
+    title: str,
+    wanted: Sequence[Result],
+    unwanted: Sequence[Result],
+    offers: Callable[[Result], Sequence[bool]],
+) -> None:
+    first = sum(offers(each)[:1] == (True,) for each in wanted)
+    among = sum(any(offers(each)) for each in wanted)
+    total, wrong = max(len(wanted), 1), sum(bool(offers(each)) for each in unwanted)
+    print(
+        f"  {title:15} offered {sum(bool(offers(each)) for each in wanted):5}"
+        f"  right first {first:5} ({first / total:.0%})"
+        f"  among three {among:5} ({among / total:.0%})"
+        f"  for what must be refused {wrong} ({wrong / max(len(unwanted), 1):.1%})"
+    )
+
+
+def as_json(model: OfferModel, seed: int) -> str:
+    """The file of a model: shapes, traits, and for each feature `trait:weight`, in tenths."""
+    shapes, ranker = model.shapes, model.ranker
+    traits = list(dict.fromkeys(t for weights in ranker.weights.values() for t in weights))
+    number = {trait: n for n, trait in enumerate(traits)}
+    shape_numbers = {shape.text: n for n, shape in enumerate(shapes)}
+    weights = {
+        feature: " ".join(f"{number[t]}:{round(w * 10)}" for t, w in each.items())
+        for feature, each in sorted(ranker.weights.items())
+    }
+    made_by = f"python benchmarks/train_offers.py --write --seed {seed}"
+    lines = [
+        f'{{"made_by":{json.dumps(made_by)},',
+        '"shapes":[\n' + ",\n".join(shape.text for shape in shapes) + "],",
+        '"traits":' + _compact([shape_numbers.get(trait, trait) for trait in traits]) + ",",
+        '"weights":' + _compact(weights) + "}\n",
+    ]
+    return "\n".join(lines)
+
+
+def _compact(value: object) -> str:
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+
+
+if __name__ == "__main__":
+    main()

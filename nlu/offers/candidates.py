@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Candidates: the meanings that the names of an utterance allow, in every shape that fits them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice, permutations, product
+
+from ..semantics.meaning import Json
+from .mentions import Mention, Mentions
+from .shapes import Shape
+
+MAX_FILLINGS = 12
+"""The greatest number of ways in which the names of an utterance may fill one shape."""
+
+
+@dataclass(frozen=True)
+class CandidateMeaning:
+    """A shape, and for each of its slots the value; the mentions are those used, by slot."""
+
+    shape: Shape
+    values: Mapping[str, object]
+    used: Mapping[str, tuple[Mention, ...]]
+
+    @cached_property
+    def meaning(self) -> Json:
+        """The meaning as a JSON object of the meaning schema."""
+        return self.shape.filled(self.values)
+
+
+def candidates(
+    mentions: Mentions, shapes: Iterable[Shape], tool_acts: Mapping[str, str]
+) -> Iterator[CandidateMeaning]:
+    """Yield the ways in which the names of an utterance fill the shapes."""
+    for shape in shapes:
+        if len(mentions.required) > len(shape.slots):
+            continue
+        given = _given(shape, mentions)
+        if given is None or any(
+            len(slots) > len(mentions.by_role.get(role, ())) for role, slots in shape.roles.items()
+        ):
+            continue
+        for names in islice(_fillings(shape, mentions), MAX_FILLINGS):
+            values = {**given, **names}
+            if "?tool" in shape.slots:
+                goal = shape.filled({**dict.fromkeys(shape.slots, ""), **values})["goal"]
+                if goal not in tool_acts:
+                    continue
+                values["?tool"] = tool_acts[str(goal)]
+            used = {
+                slot: mentions.by_role[slot[1:].rstrip("23456789")][name]
+                for slot, name in names.items()
+            }
+            said = {value for value in values.values() if isinstance(value, str)}
+            if _apart(used) and not any(said.isdisjoint(names) for names in mentions.required):
+                yield CandidateMeaning(shape, values, used)
+
+
+def _given(shape: Shape, mentions: Mentions) -> dict[str, object] | None:
+    """The values of the slots that no name fills, None when there is none for one of them."""
+    values: dict[str, object] = {}
+    for slot in shape.slots:
+        if slot == "?it":
+            values[slot] = mentions.it
+        elif slot == "?degree":
+            intervals = dict.fromkeys(interval for _, _, interval in mentions.degrees)
+            values[slot] = list(next(iter(intervals))) if len(intervals) == 1 else None
+        elif slot.startswith("?last."):
+            if mentions.last is None or mentions.last.as_json()["rule"] != _kind(shape):
+                return None
+            value = getattr(mentions.last, slot[len("?last.") :])
+            values[slot] = list(value) if isinstance(value, tuple) else value
+    return values if all(value for value in values.values()) else None
+
+
+def _kind(shape: Shape) -> object:
+    retracted = shape.template.get("retract")
+    return (retracted if isinstance(retracted, dict) else shape.template).get("rule")
+
+
+def _fillings(shape: Shape, mentions: Mentions) -> Iterator[dict[str, str]]:
+    by_role = [
+        [
+            dict(zip(slots, names, strict=True))
+            for names in islice(permutations(mentions.by_role[role], len(slots)), MAX_FILLINGS)
+        ]
+        for role, slots in shape.roles.items()
+    ]
+    for chosen in product(*by_role):
+        yield {slot: name for names in chosen for slot, name in names.items()}
+
+
+def _apart(used: Mapping[str, tuple[Mention, ...]]) -> bool:
+    """Whether no two slots are filled by the same words."""
+    spans = [{(each.start, each.end) for each in mentions} for mentions in used.values()]
+    return len(set().union(*spans)) >= len(spans) and all(
+        not one <= other or one is other for one in spans for other in spans
+    )

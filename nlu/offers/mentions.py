@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mentions: the names that occur in an utterance, with the roles that they may have in a meaning.
+
+A known name is found by the lexicon. An unknown word may be a new name, by its place and ending. An
+utterance also refers to the object mentioned last, and a correction to the last rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..grammar.categories import Category, Functor
+from ..lexicon.lexicon import Entry, Lexicon
+from ..lexicon.tokenizer import Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.coreference import Discourse
+from ..semantics.interpretation import GOALS
+from ..semantics.meaning import Confidence, Rule
+
+_ROLES = {
+    **dict.fromkeys(("N", "NS"), "object"),
+    "MS": "material",
+    "P": "part",
+    "AP": "property",
+    **dict.fromkeys(("RN", "HN"), "person"),
+    **dict.fromkeys(("K", "KB", "K3", "KPP", "KW"), "affordance"),
+    **dict.fromkeys(("C", "CP", "CG", "C3", "HP", "HT", "GP"), "act"),
+}
+"""The role of a name whose category has this result."""
+
+_BEFORE_VERBS = frozenset({"to", "can", "you", "we", "i", "and"})
+
+_LABELS = ("degree", "object", "part", "property", "material", "person", "act", "affordance", "new")
+"""Of the roles of one word the first of these is its label."""
+
+_NEW_ROLES = {"object": "object", "part": "part", "affordance": "affordance", "context": "act"}
+
+
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """A name at the tokens `[start, end)`, in its dictionary form, in one of its roles.
+
+    Attributes:
+        is_new: whether the word is not known.
+    """
+
+    role: str
+    name: str
+    start: int
+    end: int
+    is_new: bool = False
+
+
+@dataclass(frozen=True)
+class Mentions:
+    """What one utterance names.
+
+    Attributes:
+        names: the names, in the order of the utterance.
+        degrees: the places and intervals of words for a degree of confidence.
+        it: the object mentioned last before the utterance.
+        last: the last rule before the utterance.
+    """
+
+    tokens: Tokens
+    names: tuple[Mention, ...]
+    degrees: tuple[tuple[int, int, Confidence], ...] = ()
+    it: str | None = None
+    last: Rule | None = None
+
+    @cached_property
+    def by_role(self) -> Mapping[str, Mapping[str, tuple[Mention, ...]]]:
+        """The mentions of each name, by role and name."""
+        found: dict[str, dict[str, tuple[Mention, ...]]] = {}
+        for each in self.names:
+            names = found.setdefault(each.role, {})
+            names[each.name] = (*names.get(each.name, ()), each)
+        return found
+
+    @cached_property
+    def required(self) -> tuple[frozenset[str], ...]:
+        """The known names that a meaning must use: for each of their places, the names it has."""
+        spans: dict[tuple[int, int], dict[str, str]] = {}
+        for each in self.names:
+            if not each.is_new:
+                spans.setdefault((each.start, each.end), {})[each.role] = each.name
+        return tuple(
+            dict.fromkeys(
+                frozenset(names.values()) for names in spans.values() if _is_required(names)
+            )
+        )
+
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """The tokens, with a label for its roles instead of each name."""
+        labels = list(self.tokens.words)
+        roles: dict[tuple[int, int], dict[str, str]] = {}
+        for each in self.names:
+            role = "new" if each.is_new else each.role
+            roles.setdefault((each.start, each.end), {})[role] = each.name
+        for start, end, _ in self.degrees:
+            roles[start, end] = {"degree": ""}
+        for start, end in sorted(roles, key=lambda span: span[1] - span[0]):
+            label = _label(roles[start, end], self.tokens.words[end - 1])
+            labels[start:end] = [label, *[""] * (end - start - 1)]
+        return tuple(labels)
+
+
+def find_mentions(
+    tokens: Tokens,
+    known: KnownWords,
+    degrees: Mapping[tuple[str, ...], Confidence],
+    discourse: Discourse,
+) -> Mentions:
+    """Return what an utterance names; `degrees` has the words for degrees of confidence."""
+    found = dict.fromkeys((*_known(tokens, known.lexicon), *_new(tokens, known)))
+    it = discourse.object.name.replace("_", " ") if discourse.object else None
+    return Mentions(
+        tokens,
+        tuple(sorted(_without_parts(found), key=lambda each: (each.start, each.end))),
+        tuple(_degrees(tokens.words, degrees)),
+        it,
+        discourse.rule,
+    )
+
+
+def _label(names: Mapping[str, str], word: str) -> str:
+    """The label of a word with these names by role."""
+    if "affordance" in names and names.get("act") not in GOALS:
+        return "<affordance>"
+    role = next(role for role in _LABELS if role in names)
+    if role == "act":
+        return f"<act {names[role]}>"
+    return "<new-ing>" if role == "new" and word.endswith("ing") else f"<{role}>"
+
+
+def _is_required(names: Mapping[str, str]) -> bool:
+    """Whether a word with these names by role says what a sentence is about."""
+    if "affordance" in names:  # a word like "hold" need not be a use
+        return names.get("act") not in GOALS
+    return not names.keys().isdisjoint({"object", "part"}) and names.keys().isdisjoint(
+        {"material", "property"}
+    )
+
+
+def _known(tokens: Tokens, lexicon: Lexicon) -> Iterator[Mention]:
+    for start in range(len(tokens.words)):
+        for end, node in lexicon.nodes(tokens.words, start):
+            for role, name in dict.fromkeys(map(_role_and_name, node.entries)):
+                if role and name:
+                    yield Mention(role, name, start, end)
+
+
+def _role_and_name(entry: Entry) -> tuple[str, str]:
+    return _ROLES.get(_result(entry.category), ""), entry.name
+
+
+def _result(category: Category) -> str:
+    while isinstance(category, Functor):
+        category = category.result
+    return str(category)
+
+
+def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
+    guesses = known.guesses(tokens, known.unknown(tokens))
+    for start, entries in guesses.items():
+        for entry in entries:
+            role = _NEW_ROLES.get(entry.role)
+            end = start + 1 + entry.says.count(" ")
+            if role and _fits(role, tokens.words, start, end):
+                yield Mention(role, entry.name, start, end, is_new=True)
+
+
+def _fits(role: str, words: tuple[str, ...], start: int, end: int) -> bool:
+    """Whether an unknown word may have a role by its place and ending."""
+    is_verb = words[end - 1].endswith("ing") or (start > 0 and words[start - 1] in _BEFORE_VERBS)
+    return is_verb == (role in {"affordance", "act"})
+
+
+def _without_parts(found: Iterable[Mention]) -> Iterator[Mention]:
+    """The mentions that are no part of a longer name: "wine" in "wine glass"."""
+    mentions = list(found)
+    longer = [each for each in mentions if each.end - each.start > 1 and not each.is_new]
+    for each in mentions:
+        if not any(
+            one.start <= each.start
+            and each.end <= one.end
+            and one.end - one.start > each.end - each.start
+            for one in longer
+        ):
+            yield each
+
+
+def _degrees(
+    words: tuple[str, ...], degrees: Mapping[tuple[str, ...], Confidence]
+) -> Iterator[tuple[int, int, Confidence]]:
+    longest = max(map(len, degrees), default=0)
+    place = 0
+    while place < len(words):
+        ends = range(min(len(words), place + longest), place, -1)
+        end = next((end for end in ends if words[place:end] in degrees), None)
+        if end is not None:
+            yield place, end, degrees[words[place:end]]
+        place = end or place + 1

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Offers for an utterance that is not understood, as a question with at most three choices.
+
+Candidates are built from the names in the utterance, ranked, and checked; the sentence that the
+language generates for an offer must be understood as just this meaning. An offer is never believed
+or acted on before its speaker has chosen it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+from ...ontology.errors import UnknownNameError
+from ..generation.templates import AnswerTemplates
+from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.coreference import Discourse
+from ..semantics.meaning import AskBack, Command, Confidence, Meaning, Statement, ToolCommand
+from .candidates import CandidateMeaning, candidates
+from .checks import Checks
+from .mentions import Mentions, find_mentions
+from .ranker import Ranker
+from .shapes import Shape, meaning_from_json
+
+MAX_OFFERS = 3
+
+LEAST_FIRST: Mapping[type, float] = {Command: 0.5, ToolCommand: 0.5}
+"""The least probability of the first offer of a kind; `LEAST` for all others."""
+
+LEAST = 0.3
+LEAST_OTHER = 0.06
+"""The least probability of a further offer."""
+
+MAX_TRIED = 6
+"""How many of the likeliest candidates are checked."""
+
+
+@dataclass(frozen=True)
+class OfferModel:
+    """What was learned from utterances: the shapes of their meanings, and the weights."""
+
+    shapes: tuple[Shape, ...]
+    ranker: Ranker
+
+
+@dataclass(frozen=True, repr=False)
+class Offers:
+    """Finds meanings to offer.
+
+    Attributes:
+        degrees: the words for degrees of confidence, with their intervals.
+        tool_acts: the acts done with a tool, each with the affordance that the tool must have.
+        answers: the words of the question.
+        realize: returns the sentence for a meaning.
+        meaning_of: returns the meaning of a sentence.
+    """
+
+    model: OfferModel
+    checks: Checks
+    known: KnownWords
+    degrees: Mapping[tuple[str, ...], Confidence]
+    tool_acts: Mapping[str, str]
+    answers: AnswerTemplates
+    realize: Callable[[Meaning], str]
+    meaning_of: Callable[[str], Meaning]
+
+    def question(self, tokens: Tokens, discourse: Discourse) -> AskBack | None:
+        """Return the question which of some meanings was meant, None when none is to be offered."""
+        choices = self.meanings(tokens, discourse)
+        if not choices:
+            return None
+        said = [self._aloud(meaning) for meaning in choices]
+        if len(said) == 1:
+            return AskBack(self.answers.say("offer", choice=said[0]), choices)
+        numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
+        return AskBack(self.answers.say("offers", choices=numbered), choices)
+
+    def meanings(self, tokens: Tokens, discourse: Discourse) -> tuple[Meaning, ...]:
+        """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
+        if not _is_text(tokens):
+            return ()
+        return self.of_mentions(find_mentions(tokens, self.known, self.degrees, discourse))
+
+    def of_mentions(self, mentions: Mentions) -> tuple[Meaning, ...]:
+        """Return the meanings to offer for an utterance that names this."""
+        if self.checks.is_incomplete(mentions.tokens.words):
+            return ()
+        found: list[Meaning] = []
+        for probability, candidate in self.ranked(mentions):
+            meaning = meaning_from_json(candidate.meaning)
+            least = LEAST_OTHER if found else LEAST_FIRST.get(type(meaning), LEAST)
+            if probability < least:
+                break
+            is_new = _content(meaning) not in map(_content, found)
+            if is_new and self.checks.allows(meaning, mentions) and self._is_understood(meaning):
+                found.append(meaning)
+        return tuple(found[:MAX_OFFERS])
+
+    def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
+        """Return the likeliest candidates with their probabilities, the likeliest first."""
+        some = tuple(candidates(mentions, self.model.shapes, self.tool_acts))
+        chances = self.model.ranker.probabilities(mentions, some)
+        ranked = sorted(zip(chances, some, strict=True), key=lambda each: -each[0])
+        return ranked[:MAX_TRIED]
+
+    def _aloud(self, meaning: Meaning) -> str:
+        """The sentence for a meaning, with what denies in capitals."""
+        first, *rest = self.realize(meaning).rstrip("?").split(" ")
+        denying = self.checks.phrases["negative"]
+        return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
+
+    def _is_understood(self, meaning: Meaning) -> bool:
+        try:
+            return self.meaning_of(self.realize(meaning)) == meaning
+        except UnknownNameError:
+            return False
+
+
+def _content(meaning: Meaning) -> Meaning:
+    """A meaning, whether it corrects something or not."""
+    if not isinstance(meaning, Statement):
+        return meaning
+    return Statement(tuple(replace(rule, revises=False) for rule in meaning.rules))
+
+
+def _is_text(tokens: Tokens) -> bool:
+    """Whether an utterance consists of words, and not of too many."""
+    words = tokens.words
+    return len(words) <= MAX_TOKENS and all(word.isalpha() or word == BREAK for word in words)
+
+
+@lru_cache(maxsize=4)
+def load_model(path: Path) -> OfferModel:
+    """Return the model in a file, which `benchmarks/train_offers.py` writes."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    shapes = tuple(Shape(json.dumps(each, separators=(",", ":"))) for each in data["shapes"])
+    traits = [each if isinstance(each, str) else shapes[each].text for each in data["traits"]]
+    weights = {
+        feature: {
+            traits[int(n)]: int(w) / 10 for n, w in (each.split(":") for each in said.split())
+        }
+        for feature, said in data["weights"].items()
+    }
+    return OfferModel(shapes, Ranker(weights))

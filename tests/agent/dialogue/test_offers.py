@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A choice among meanings that were offered, in a conversation."""
+
+from __future__ import annotations
+
+from hilt.agent.agent import Agent
+
+UNCLEAR = "not that a spoon would cut"
+SAID = "spoon"
+
+
+def test_an_offer_is_not_believed(agent: Agent) -> None:
+    """Before a yes there is no rule."""
+    reply = agent.hear(UNCLEAR)
+
+    assert reply.ending == "asked"
+    assert agent.base.rules() == []
+
+
+def test_a_yes_confirms_the_only_offer(agent: Agent) -> None:
+    """The sentence that says it is heard."""
+    agent.hear(UNCLEAR)
+
+    agent.hear("yes")
+
+    assert [str(rule.interval) for rule in agent.base.rules()] == ["[0.00, 0.05]"]
+
+
+def test_a_number_takes_an_offer(agent: Agent) -> None:
+    """So does an ordinal."""
+    agent.hear(UNCLEAR)
+
+    agent.hear("the first one")
+
+    assert len(agent.base.rules()) == 1
+
+
+def test_no_and_neither_take_none(agent: Agent) -> None:
+    """And a later yes confirms nothing."""
+    for answer in ("no", "neither", "none of them", "never mind"):
+        agent.hear(UNCLEAR)
+
+        agent.hear(answer)
+        agent.hear("yes")
+
+    assert agent.base.rules() == []
+
+
+def test_only_who_was_asked_can_choose(agent: Agent) -> None:
+    """A number said by somebody else is no answer."""
+    agent.hear(UNCLEAR, speaker="sam")
+
+    agent.hear("1", speaker="kim")
+
+    assert agent.base.rules() == []

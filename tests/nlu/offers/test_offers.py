@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Offers for what is not understood: which meanings, and what keeps one from being offered."""
+
+from __future__ import annotations
+
+import pytest
+
+from hilt.nlu import Language
+from hilt.nlu.semantics.meaning import AskBack, Meaning
+
+
+def offered(language: Language, text: str) -> tuple[Meaning | str, ...]:
+    """The meanings that are offered for an utterance."""
+    understood = language.understand(text)
+    assert isinstance(understood.meaning, AskBack)
+    return understood.meaning.choices
+
+
+def test_an_offer_is_a_meaning_that_is_asked_about(language: Language) -> None:
+    """Nothing is believed or done: the meaning is a question back with the choice."""
+    found = language.understand("pass me something cutting").meaning.as_json()
+
+    assert found == {
+        "ask_back": True,
+        "choices": [{"goal": "pass", "target": {"usedFor": "cutting"}}],
+    }
+
+
+def test_a_denial_is_said_aloud(language: Language) -> None:
+    """The sign is in capitals, so that nobody says yes to its opposite."""
+    understood = language.understand("not that a spoon would cut")
+
+    assert isinstance(understood.meaning, AskBack)
+    assert "NEVER used for cutting" in understood.meaning.question
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "my neighbour passes knives by the blade",
+        "when you pass a fork, praise the handle",
+        "grab the knife by the",
+        "a spoon a spoon is is cutting",
+        "they say shoes pounding is for",
+        "unless a shoe, pounding never",
+    ],
+)
+def test_nothing_is_offered_that_loses_a_word_that_matters(language: Language, text: str) -> None:
+    """A doer, a source, an exception, another verb, half a sentence."""
+    assert not getattr(language.understand(text).meaning, "choices", ())
+
+
+def test_every_offer_is_understood_as_itself(language: Language) -> None:
+    """The sentence of an offer has its meaning."""
+    for choice in offered(language, "pass me something cutting"):
+        assert not isinstance(choice, str)
+        assert language.understand(language.generate(choice)).meaning == choice
