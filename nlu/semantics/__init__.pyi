@@ -3,7 +3,7 @@ from .coreference import Discourse, RefusedError, resolve
 from .interpretation import Interpreter
 from .meaning import Command, Control, Meaning, Question, Rule, Statement, ToolCommand
 from .pragmatics import Intention, Pragmatics, load_pragmatics
-from .predicates import Form, fill, form_of, form_of_term, match, term_of
+from .predicates import Form, fill, form_of, form_of_term, match
 
 __all__ = [
     "Command",
@@ -25,5 +25,4 @@ __all__ = [
     "load_pragmatics",
     "match",
     "resolve",
-    "term_of",
 ]

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import reduce
 
-from ..grammar.terms import Apply, Constant, Neutral, Term, Value, spine
+from ..grammar.terms import Constant, Neutral, Term, Value, spine
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,11 +71,6 @@ def form_of_term(term: Term) -> Form:
     if not isinstance(head, Constant):
         raise ValueError("A function is not a predicate form.")
     return Form(head.name, tuple(form_of_term(argument) for argument in arguments))
-
-
-def term_of(form: Form) -> Term:
-    """Return the term of a predicate form."""
-    return reduce(Apply, map(term_of, form.arguments), Constant(form.name))
 
 
 def match(
