@@ -5,7 +5,7 @@
 >>> language.understand("To pass a knife grab it by the blade").semantics
 'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same eleven files. A
+A second language is a second folder beside `ontology/english`, with the same twelve files. A
 `Session` understands the utterances of a conversation one after the other, without believing or
 doing anything.
 """
@@ -45,7 +45,9 @@ from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse
+from .semantics.features import load_features
 from .semantics.interpretation import Interpreter
+from .semantics.licence import load_licence
 from .semantics.meaning import (
     AskBack,
     Control,
@@ -126,7 +128,11 @@ class Language:
             SharedIndex(builder.tool_acts().items()),
             SharedIndex((name, name) for name in names.contexts),
         )
-        parser = SentenceParser(grammar, lexicon, combinator, interpreter, load_pragmatics())
+        features = load_features(folder / "features.yaml")
+        licence = load_licence(features.values, degrees.intervals)
+        parser = SentenceParser(
+            grammar, lexicon, combinator, interpreter, load_pragmatics(), features, licence
+        )
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
         adverbs[degrees.intervals[degrees.default]] = ""
         acts, tools = builder.act_names(), builder.tool_phrases()
@@ -251,7 +257,7 @@ class Language:
         clarification = Clarification(
             self.parser, known, self.inflection, self.answers, self.realizer, self.examples
         )
-        reading_filter = ReadingFilter(known, self.inflection)
+        reading_filter = ReadingFilter(known, self.inflection, self.parser.features)
         return UtteranceParser(self.parser, self.builder, known, reading_filter, clarification)
 
     @property

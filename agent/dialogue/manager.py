@@ -174,15 +174,12 @@ class DialogueManager:
         understood = self._understood(text, speaker, accepted, heard)
         if number == 0:
             understood = replace(understood, meaning=meaning.Acknowledgement("no"))
-        self._discourse = understood.discourse
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
             return self._answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
             self._pending = None
-        reply = self._listeners[type(understood.meaning)](turn, understood.meaning)
-        self._last_said = reply.said
-        return reply
+        return self._respond(turn)
 
     def hear_aside(
         self, text: str, said: meaning.Control, *, speaker: str, heard: float, keep: bool
@@ -191,6 +188,14 @@ class DialogueManager:
         speaker = self.base.match_speaker(speaker)
         turn = DialogueTurn(Understanding(text, speaker, "self", said), heard, keep)
         return self._answered(turn, "waiting" if said.is_halt else "going_on", "done")
+
+    def _respond(self, turn: DialogueTurn) -> Reply:
+        """Act on what was understood, and return the reply."""
+        self._discourse = turn.understood.discourse
+        said = turn.understood.meaning
+        reply = self._listeners[type(said)](turn, said)
+        self._last_said = reply.said
+        return reply
 
     def _understood(
         self, text: str, speaker: str, accepted: Collection[str], heard: float
@@ -397,14 +402,18 @@ class DialogueManager:
     def _offer(
         self, turn: DialogueTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
     ) -> None:
-        """Wait for the choice of a meaning, which is then heard as the sentence that says it."""
-        speaker = turn.speaker
-        heard = tuple(
-            partial(self.hear, self.language.generate(each), speaker=speaker, heard=turn.heard)
-            for each in choices
-        )
+        """Wait for the choice of a meaning."""
+        heard = tuple(partial(self._take, turn, each) for each in choices)
         again = partial(self._ask_back, turn, said)
-        self._pending = Pending(speaker, heard[0] if len(heard) == 1 else again, choices=heard)
+        only = heard[0] if len(heard) == 1 else again
+        self._pending = Pending(turn.speaker, only, choices=heard)
+
+    def _take(self, turn: DialogueTurn, choice: meaning.Meaning) -> Reply:
+        """Respond to a chosen meaning, of the sentence that has it or as one that says it."""
+        if turn.understood.reading is not None:
+            return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
+        text = self.language.generate(choice)
+        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _chosen(self, text: str, speaker: str) -> int | None:
         """Which of the choices offered a text takes, 0 for none; None if it is no answer."""

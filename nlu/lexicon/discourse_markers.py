@@ -90,9 +90,10 @@ class DiscourseMarkers:
         for end in sorted(
             {end for steps in self.reasons for _, end in match_pattern(steps, words, 0)}
         ):
-            reason, rest = words[:end], words[end:]
-            if rest and not _any_of(self.doubts, reason) and not _any_of(self.stand_ins, rest):
-                return tokens.part(end, len(words))
+            reason, said = words[:end], words[end:]
+            if said and not _any_of(self.doubts, reason) and not _any_of(self.stand_ins, said):
+                rest = tokens.part(end, len(words))
+                return replace(rest, removed=(*tokens.removed, reason))
         return None
 
     def request_before_tag(self, tokens: Tokens) -> Tokens | None:
@@ -116,6 +117,7 @@ class DiscourseMarkers:
         edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
         edges |= {place for place, word in enumerate(words) if word == BREAK}
         kept: list[tuple[int, Token]] = []
+        removed: list[Phrase] = []
         place = 0
         while place < len(words):
             whole = _longest(words, place, kept_whole)
@@ -123,8 +125,10 @@ class DiscourseMarkers:
             if end == place:
                 end += whole or 1
                 kept += enumerate(tokens.items[place:end], start=place)
+            else:
+                removed.append(words[place:end])
             place = end
-        return _only(tokens, kept)
+        return replace(_only(tokens, kept), removed=(*tokens.removed, *removed))
 
     def _end(self, words: Phrase, start: int, edges: Collection[int]) -> int:
         """One past the longest marker from a place on; the place itself where there is none."""
@@ -191,12 +195,8 @@ def move_to_front(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
         return None
     items = tokens.items
     pauses = (p + end - start if p <= start else p for p in tokens.pauses if not start < p <= end)
-    return Tokens(
-        tokens.text,
-        (*items[start:end], *items[:start], *items[end:]),
-        tokens.asks,
-        tuple(sorted({*pauses})),
-    )
+    moved = (*items[start:end], *items[:start], *items[end:])
+    return replace(tokens, items=moved, pauses=tuple(sorted({*pauses})))
 
 
 def _only(tokens: Tokens, kept: list[tuple[int, Token]]) -> Tokens:
@@ -205,7 +205,8 @@ def _only(tokens: Tokens, kept: list[tuple[int, Token]]) -> Tokens:
         for pause in tokens.pauses
     }
     items = tuple(token for _, token in kept)
-    return Tokens(tokens.text, items, tokens.asks, tuple(sorted(pauses - {len(kept)})))
+    pauses -= {len(kept)}
+    return replace(tokens, items=items, pauses=tuple(sorted(pauses)))
 
 
 def _after_breaks(tokens: Tokens) -> Iterator[int]:

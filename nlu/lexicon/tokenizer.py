@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 MAX_CHARACTERS = 2000
 MAX_TOKENS = 40
@@ -46,12 +46,14 @@ class Tokens:
         text: the utterance as it was written.
         asks: whether the text ends with a question mark.
         pauses: indices of the tokens that follow a comma or dash.
+        removed: the phrases that were taken out because they add nothing.
     """
 
     text: str
     items: tuple[Token, ...]
     asks: bool
     pauses: tuple[int, ...] = ()
+    removed: tuple[tuple[str, ...], ...] = ()
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -82,7 +84,8 @@ class Tokens:
                 pauses.add(len(kept))
             if token.word != BREAK:
                 kept.append(token)
-        return Tokens(self.text, tuple(kept), self.asks, tuple(sorted(pauses - {0, len(kept)})))
+        pauses -= {0, len(kept)}
+        return replace(self, items=tuple(kept), pauses=tuple(sorted(pauses)))
 
     def part(self, start: int, end: int) -> Tokens:
         """The tokens `[start, end)` as an utterance of their own, without breaks at its end."""
@@ -91,7 +94,7 @@ class Tokens:
             end -= 1
             asks = "?" in self.span(end, end + 1)
         pauses = tuple(pause - start for pause in self.pauses if start < pause < end)
-        return Tokens(self.text, self.items[start:end], asks, pauses)
+        return replace(self, items=self.items[start:end], asks=asks, pauses=pauses)
 
 
 def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:

@@ -2,6 +2,7 @@
 """Parsing: from the text of an utterance to its readings, or to the clarification it needs.
 
 chart           the CCG chart of a token sequence, and its derivations
+clauses         the words of a derivation by clause, and the features of a sentence
 derivation      derivation trees as text, JSON and SVG
 parser          the readings of one sentence, from its chart
 reading_filter  which readings may introduce new words, and what "no" negates

@@ -24,6 +24,7 @@ from ..lexicon.unknown_words import (
 )
 from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import RefusedError
+from ..semantics.licence import ACCEPT
 from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
 from .chart import Chart
 from .parser import SentenceParser
@@ -80,6 +81,15 @@ class Clarification:
                 if close is not None:
                     return self._did_you_mean(part, close)
         return None
+
+    def licensed(self, reading: Reading) -> Meaning:
+        """The meaning of a reading, as sure as its features allow, or whether it is meant."""
+        licence = self.parser.licence
+        answer = licence.outcome(reading.meaning, reading.features)
+        if answer == ACCEPT:
+            return licence.weakened(reading.meaning, reading.features)
+        meant = self._choice(reading.meaning)
+        return AskBack(self.answers.say(answer, meant=meant), (reading.meaning,))
 
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
         """The question whether an unknown word is a misspelled known one, None when none is."""

@@ -19,11 +19,14 @@ from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.coreference import IT, SOMETHING, Discourse, RefusedError, resolve
+from ..semantics.features import FeatureReader
 from ..semantics.interpretation import Interpreter
+from ..semantics.licence import Licence
 from ..semantics.meaning import Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import Form, form_of
 from .chart import Chart, Derivation
+from .clauses import features_of
 from .derivation import lexical_entries, subderivations
 from .understanding import Reading
 
@@ -55,6 +58,8 @@ class SentenceParser:
     combinator: Combinator
     interpreter: Interpreter
     pragmatics: Pragmatics
+    features: FeatureReader
+    licence: Licence
 
     def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
         """Return the filled chart of a token sequence, with guesses for the words at positions."""
@@ -137,14 +142,18 @@ class SentenceParser:
             form = Form("isTrue", (form,))
         speech_act = Form(act, (Form(context.speaker), Form(context.addressee), form))
         intention = self._intention(speech_act, context.recognition)
+        interpreter = self.interpreter.with_words(words)
+        meaning = interpreter.meaning(intention.form, context.discourse)
+        features = features_of(self.features, derivation, tokens, meaning, words)
         return Reading(
             speech_act,
             intention.form,
             intention.interval,
-            self.interpreter.with_words(words).meaning(intention.form, context.discourse),
+            meaning,
             derivation.cost + _WORD_COST * len(entries),
             derivation,
             words,
+            features,
         )
 
     def _intention(self, speech_act: Form, recognition: Confidence) -> Intention:

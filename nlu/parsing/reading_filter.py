@@ -3,7 +3,8 @@
 
 A statement may teach new words; a question may be about them, and an action may be requested on
 what they name. "No, knives are for cutting" corrects something, "no knives are for pounding"
-negates it, and only the pause tells. So a rule is accepted of "no knife" only as a negative one.
+negates it, and only the pause tells. So a rule is accepted of "no knife" only as a negative one,
+and of "..., no, for stirring" no two rules at once.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..lexicon.inflection import Inflection
-from ..lexicon.tokenizer import Tokens
+from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..lexicon.vocabulary import NewWord
+from ..semantics.features import FeatureReader
 from ..semantics.meaning import Command, Meaning, Question, Statement, ToolCommand, Topic
 from .understanding import Reading
 
@@ -30,14 +32,18 @@ class ReadingFilter:
 
     known_words: KnownWords
     inflection: Inflection
+    features: FeatureReader
 
     def accepted(self, readings: Sequence[Reading], tokens: Tokens) -> list[Reading]:
         """Return the readings of a whole sentence that may be accepted, in the same order."""
         negated = self._is_thing_negated(tokens)
+        repaired = self._is_repaired(tokens)
         return [
             each
             for each in readings
             if (not negated or _is_negative(each.meaning))
+            and not (repaired and _is_of_several_rules(each.meaning))
+            and not self._names_with_features(each)
             and self._may_introduce_words(each, tokens)
         ]
 
@@ -49,6 +55,15 @@ class ReadingFilter:
             and place not in tokens.pauses
             and self.known_words.may_be_a_thing(words[place])
             for place, word in enumerate(words[:-1], start=1)
+        )
+
+    def _is_repaired(self, tokens: Tokens) -> bool:
+        """Whether a word like "no" after a pause corrects what the same sentence said before it."""
+        words, negating = tokens.words, self.known_words.builder.denying
+        return any(
+            word in negating and (place in tokens.pauses or words[place - 1] == BREAK)
+            for place, word in enumerate(words)
+            if place
         )
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
@@ -66,6 +81,11 @@ class ReadingFilter:
             return not tokens.proper.intersection(word.said for word in words)
         return isinstance(meaning, Question)
 
+    def _names_with_features(self, reading: Reading) -> bool:
+        """Whether a word that shows a feature, like "reportedly", is part of a new name."""
+        said = (part for word in reading.new_words for part in word.said.split(" "))
+        return any(map(self.features.has_feature, said))
+
     def _may_name_agent(self, words: Iterable[NewWord]) -> bool:
         """Whether a new part may as well be the agent: "a cake is baked by the baker"."""
         said = {word.role: word.said for word in words}
@@ -76,6 +96,10 @@ class ReadingFilter:
 def _is_negative(meaning: Meaning) -> bool:
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     return all(rule.confidence[1] < _LIKELY for rule in rules)
+
+
+def _is_of_several_rules(meaning: Meaning) -> bool:
+    return isinstance(meaning, Statement) and len(meaning.rules) > 1
 
 
 def _is_name(word: NewWord) -> bool:

@@ -15,7 +15,6 @@ from itertools import combinations
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..semantics.meaning import (
     Acknowledgement,
-    ActionRule,
     Command,
     Meaning,
     Question,
@@ -93,18 +92,12 @@ def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
 
 
 def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:
-    """The rules without those that the next rule corrects: "..., but only sometimes"."""
+    """The rules without those that the next rule corrects: "..., no, for stirring"."""
     kept: list[Rule] = []
     for rule in rules:
-        repairs = rule.revises and kept and _subject(kept[-1]) == _subject(rule)
+        repairs = rule.revises and kept and type(kept[-1]) is type(rule)
         kept.append(replace(rule, revises=kept.pop().revises) if repairs else rule)
     return kept
-
-
-def _subject(rule: Rule) -> Rule:
-    """The rule without what a correction may change: confidence and part."""
-    rule = replace(rule, confidence=(0, 1), revises=False)
-    return replace(rule, part="") if isinstance(rule, ActionRule) else rule
 
 
 def _asks_for_target(first: Meaning, last: Meaning) -> bool:

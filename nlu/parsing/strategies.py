@@ -20,6 +20,7 @@ from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.coreference import update_discourse
 from ..semantics.meaning import (
+    Acknowledgement,
     AskBack,
     Command,
     Meaning,
@@ -101,6 +102,8 @@ class _Attempt:
         """The strategies to try after the one that takes the utterance as one sentence."""
         by_grammar = (self._by_segments, self._without_markers)
         strategies = (*by_grammar, self._after_reason)
+        if result.reading is not None:
+            return ()
         match result.meaning:
             case Misunderstanding() | AskBack(choices=()):
                 return strategies
@@ -128,8 +131,21 @@ class _Attempt:
             if self._may_be_rule(meaning, segments):
                 continue
             words = tuple(word for each in found for word in each.new_words)
-            return replace(found[main], meaning=meaning, new_words=words)
+            whole = replace(found[main], meaning=meaning, new_words=words)
+            return self._licensed_with_replies(whole, found)
         return None
+
+    def _licensed_with_replies(
+        self, whole: Understanding, found: Sequence[Understanding]
+    ) -> Understanding:
+        """The whole, or the question whether it is meant: "..., I heard" casts doubt on it."""
+        replies = [each.words for each in found if isinstance(each.meaning, Acknowledgement)]
+        if not replies or whole.reading is None or isinstance(whole.meaning, AskBack):
+            return whole
+        features = self._tools.parser.features.with_asides(whole.reading.features, replies)
+        reading = replace(whole.reading, meaning=whole.meaning, features=features)
+        answer = self._tools.clarification.licensed(reading)
+        return replace(whole, meaning=answer, reading=reading)
 
     def _may_be_rule(self, meaning: Meaning, segments: Sequence[Tokens]) -> bool:
         """Whether a command to use a part of any object of a kind may be meant as a rule."""
@@ -224,7 +240,8 @@ class _Attempt:
         if chosen is not None:
             answer = clarify.of_new_words(chosen.new_words, self._accepted)
             if answer is None:
-                return _understanding(tokens, context, chosen.meaning, chosen, len(accepted))
+                licensed = clarify.licensed(chosen)
+                return _understanding(tokens, context, licensed, chosen, len(accepted))
         elif accepted:
             words = (word for reading in accepted for word in reading.new_words)
             answer = clarify.of_new_words(words, self._accepted) or clarify.of_ambiguity(accepted)

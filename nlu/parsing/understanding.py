@@ -7,11 +7,12 @@ is not understood has an `Understanding` too, whose meaning says how far it was 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..lexicon.vocabulary import NewWord
-from ..semantics.coreference import Discourse
-from ..semantics.meaning import Confidence, Json, Meaning
+from ..semantics.coreference import Discourse, update_discourse
+from ..semantics.features import Features
+from ..semantics.meaning import Confidence, Json, Meaning, Statement
 from ..semantics.predicates import Form
 from .chart import Derivation
 from .derivation import DerivationStep, derivation_step
@@ -27,6 +28,7 @@ class Reading:
         interval: how sure the intention is, by the pragmatic rules and by how well the speech was
             recognised, as (lower, upper) in [0, 1].
         cost: how unlikely the reading is; the lowest cost is the best.
+        features: those of its clauses, such as who does it and when.
     """
 
     speech_act: Form
@@ -36,6 +38,7 @@ class Reading:
     cost: float
     derivation: Derivation
     new_words: tuple[NewWord, ...] = ()
+    features: Features = field(default_factory=Features)
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,15 @@ class Understanding:
     new_words: tuple[NewWord, ...] = ()
     words: tuple[str, ...] = ()
     discourse: Discourse = field(default_factory=Discourse)
+
+    def chosen(self, meaning: Meaning) -> Understanding:
+        """Return this understanding after its speaker has chosen a meaning that was asked about."""
+        if self.reading is None:
+            return replace(self, meaning=meaning)
+        words = self.reading.new_words if isinstance(meaning, Statement) else ()
+        said = self.reading.speech_act.arguments[-1]
+        discourse = update_discourse(meaning, said, self.discourse)
+        return replace(self, meaning=meaning, new_words=words, discourse=discourse)
 
     @property
     def kind(self) -> str:
@@ -103,4 +115,5 @@ class Understanding:
             "meaning": self.meaning.as_json(),
             "new_words": [word.as_json() for word in self.new_words],
             "readings": self.readings,
+            "features": self.reading.features.as_json() if self.reading else {},
         }

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 from .coreference import Discourse, RefusedError, resolve
+from .features import FeatureReader, Features, load_features
 from .interpretation import Interpreter
+from .licence import Licence, load_licence
 from .meaning import Command, Control, Meaning, Question, Rule, Statement, ToolCommand
 from .pragmatics import Intention, Pragmatics, load_pragmatics
 from .predicates import Form, fill, form_of, form_of_term, match
@@ -9,9 +11,12 @@ __all__ = [
     "Command",
     "Control",
     "Discourse",
+    "FeatureReader",
+    "Features",
     "Form",
     "Intention",
     "Interpreter",
+    "Licence",
     "Meaning",
     "Pragmatics",
     "Question",
@@ -22,6 +27,8 @@ __all__ = [
     "fill",
     "form_of",
     "form_of_term",
+    "load_features",
+    "load_licence",
     "load_pragmatics",
     "match",
     "resolve",

@@ -35,11 +35,13 @@ OTHERWISE = {
         "a correction of both"
     ),
     "Poking holes? That's screwdriver territory.": "a name of two words",
+    "drop that": "a control word, let go",
+    "Put the knife back.": "a control word",
     "It is not true that a knife is not used for cutting": "a belief is taken back",
-    "It is false that a shoe is used for cutting": "a belief is taken back",
     "Yeah right, a spoon is for cutting": "irony",
     "The mug needs cutting": "a command to cut it",
-    "By no means is every knife used for cutting.": "of none, not of some",
+    "A mallet will do for pounding if there's no hammer about.": "only sometimes, then",
+    "I don't know about you, but I think a shoe ought to be picked up by the upper.": "a belief",
 }
 
 

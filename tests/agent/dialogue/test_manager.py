@@ -569,3 +569,24 @@ def test_a_speaker_known_to_the_base_may_be_asked_about(tmp_path: Path):
         reply = agent.hear("do you trust kim?")
 
     assert "kim" in reply.said.lower()
+
+
+# --- What is only believed after a yes ----------------------------------------------------------
+
+
+def test_what_is_reported_is_believed_only_after_a_yes(agent: Agent):
+    """What somebody else does is asked about, and a yes teaches it, with its new words."""
+    asked = agent.hear("when people pass a trowel they hold it by the prongs")
+
+    assert asked.ending == "asked"
+    assert agent.base.rules() == []
+    agent.hear("yes")
+    assert [(rule.object, rule.part) for rule in agent.base.rules()] == [("trowel", "prong")]
+
+
+def test_what_is_reported_is_not_believed_after_a_no(agent: Agent):
+    """A no leaves nothing."""
+    agent.hear("you might pass a knife by the blade")
+    agent.hear("no")
+
+    assert agent.base.rules() == []

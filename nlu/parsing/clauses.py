@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clauses: which words of a derivation belong to the main clause and which to its condition.
+
+Every leaf that is a function word, a verb or a turn of phrase gives the features of the words in
+its span, whatever entry took them. What a sentence names has features, too: whether a new noun is
+a part of what it is said of, or something that can be handled at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from ..grammar.categories import AtomicCategory
+from ..lexicon.lexicon import Entry
+from ..lexicon.tokenizer import Tokens
+from ..lexicon.vocabulary import NewWord
+from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, Features
+from ..semantics.meaning import ActionRule, Command, Meaning, Statement, ToolCommand
+from .chart import Derivation
+
+
+def features_of(
+    reader: FeatureReader,
+    derivation: Derivation,
+    tokens: Tokens,
+    meaning: Meaning,
+    new_words: Sequence[NewWord],
+) -> Features:
+    """Return the features of a sentence, with those of the new nouns in its meaning."""
+    words = list(_words(reader, derivation, tokens.words, MAIN))
+    found = reader.features(words, tokens.removed)
+    named = dict(_features_of_names(reader, tokens.words, meaning, new_words))
+    return replace(found, main={**found.main, **named}) if named else found
+
+
+def _words(
+    reader: FeatureReader, derivation: Derivation, words: Sequence[str], clause: str
+) -> Iterator[ClauseWord]:
+    """The words of a derivation with the clause that each belongs to, from left to right."""
+    category = str(derivation.category)
+    if category in reader.conditions:
+        clause = CONDITION
+    rule = derivation.rule
+    if isinstance(rule, Entry):
+        is_name = rule.name and isinstance(rule.category, AtomicCategory)
+        if is_name or category in reader.names:
+            clause = ""
+        for word in words[derivation.start : derivation.end]:
+            yield ClauseWord(word, clause)
+    for part in derivation.parts:
+        yield from _words(reader, part, words, clause)
+
+
+def _features_of_names(
+    reader: FeatureReader, words: Sequence[str], meaning: Meaning, new_words: Sequence[NewWord]
+) -> Iterator[tuple[str, frozenset[str]]]:
+    """The features `part` and `thing` of what a meaning names."""
+    new = {word.role: word for word in new_words}
+    if isinstance(meaning, Statement):
+        parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
+        found = {_part(reader, words, part, new.get("part")) for part in parts} - {""}
+        if found:
+            yield "part", frozenset(found)
+        if "object" in new and "affordance" in new:
+            yield "thing", frozenset({"new"})
+    elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
+        said = new["object"]
+        if reader.is_noun("abstract", said.said, said.word):
+            yield "thing", frozenset({"abstract"})
+        elif "your" in _before(words, said.said, 1):
+            yield "thing", frozenset({"own"})
+
+
+def _part(reader: FeatureReader, words: Sequence[str], part: str, new: NewWord | None) -> str:
+    """Whether a part is `own`, a person's, or `new` and not said to be one; else empty."""
+    said = new.said if new is not None and new.word == part else part
+    before = _before(words, said, 3)
+    if before and before[-1] in reader.owners:
+        return "own"
+    if new is None or new.word != part or reader.is_noun("part", said, part):
+        return ""
+    is_said = not reader.part_words.isdisjoint(before) or _after(words, said) in reader.part_words
+    return "" if is_said else "new"
+
+
+def _before(words: Sequence[str], said: str, count: int) -> Sequence[str]:
+    place = _place(words, said)
+    return words[max(0, place - count) : place] if place is not None else ()
+
+
+def _after(words: Sequence[str], said: str) -> str:
+    place = _place(words, said)
+    end = len(words) if place is None else place + len(said.split(" "))
+    return words[end] if end < len(words) else ""
+
+
+def _place(words: Sequence[str], said: str) -> int | None:
+    """Where some words stand for the first time, None where they do not."""
+    phrase = tuple(said.split(" "))
+    places: Iterable[int] = range(len(words) - len(phrase) + 1)
+    return next((n for n in places if tuple(words[n : n + len(phrase)]) == phrase), None)

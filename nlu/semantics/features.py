@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Features of a clause: who does it, when, how surely, on whose word; read off its small words.
+
+The meaning of a sentence leaves out most of its small words: "you might pass a knife by the blade"
+and "you pass a knife by the blade" have one predicate form. `FeatureReader` reads the features off
+the words of a derivation, whatever entry of the lexicon took them, so that no entry can lose one.
+Words that name something have no features; words below a category of `conditions`, such as `ANT`,
+belong to the condition. The words and their features are data (`features.yaml`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+from ...ontology.yaml_reader import Field, read_yaml
+from ..grammar.patterns import spellings
+
+Values: TypeAlias = Mapping[str, frozenset[str]]
+"""The values of each feature that a clause has."""
+
+MAIN, CONDITION, ASIDE = "main", "condition", "aside"
+
+NAMED: Values = {
+    "part": frozenset({"new", "own"}),
+    "thing": frozenset({"new", "own", "abstract"}),
+}
+"""The features of what is named: a part that is new or that of a person, and a new thing."""
+
+
+class ClauseWord(NamedTuple):
+    """A word of a derivation: its clause, and its place in the utterance.
+
+    Attributes:
+        clause: `MAIN` or `CONDITION`; empty for a word that names something.
+    """
+
+    word: str
+    clause: str
+
+
+@dataclass(frozen=True)
+class Features:
+    """The features of an utterance by clause.
+
+    Attributes:
+        main: those of the main clause.
+        condition: those of the clause that says when, or what for.
+        aside: those of the phrases that were taken to add nothing.
+    """
+
+    main: Values = field(default_factory=dict)
+    condition: Values = field(default_factory=dict)
+    aside: Values = field(default_factory=dict)
+
+    def of(self, clause: str) -> Values:
+        """The values of the features of one clause."""
+        return {MAIN: self.main, CONDITION: self.condition, ASIDE: self.aside}[clause]
+
+    def as_json(self) -> dict[str, object]:
+        """The features of the main clause, and those of the others by the name of the clause."""
+        others = {name: _plain(self.of(name)) for name in (CONDITION, ASIDE) if self.of(name)}
+        return {**_plain(self.main), **others}
+
+
+@dataclass(frozen=True)
+class FeatureReader:
+    """Reads features off words.
+
+    Attributes:
+        phrases: the phrases with features by their first word, the longest first.
+        values: all values of each feature.
+        conditions: the names of the categories of conditions.
+        names: the names of the categories of people and things.
+        nouns: the nouns of each kind: parts of things, and what cannot be handled.
+        part_words: words that show that a noun names a part: "by the lug", "its lug".
+        owners: words that show that a part is that of a person: "your".
+    """
+
+    phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
+    values: Values
+    conditions: frozenset[str]
+    names: frozenset[str]
+    nouns: Values
+    part_words: frozenset[str]
+    owners: frozenset[str]
+
+    def features(self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]) -> Features:
+        """Return the features of an utterance by its words and the phrases taken out of it."""
+        main, condition = (_joined(self._found(_of_clause(words, c))) for c in (MAIN, CONDITION))
+        return self.with_asides(Features(main, condition), removed)
+
+    def has_feature(self, word: str) -> bool:
+        """Whether a word alone has a feature, so that it is no part of a name."""
+        return any(len(phrase) == 1 for phrase, _ in self.phrases.get(word, ()))
+
+    def with_asides(self, features: Features, phrases: Iterable[Sequence[str]]) -> Features:
+        """Return features with those of further phrases that add nothing to the meaning."""
+        found = [value for phrase in phrases for value in self._found(phrase)]
+        return replace(features, aside=_joined([features.aside, *found]))
+
+    def is_noun(self, kind: str, *words: str) -> bool:
+        """Whether one of some words is a noun of a kind, `part` or `abstract`."""
+        return not self.nouns[kind].isdisjoint(words)
+
+    def _found(self, words: Sequence[str]) -> Iterator[Values]:
+        """The features of the phrases in some words, from left to right, the longest first."""
+        place = 0
+        while place < len(words):
+            for phrase, values in self.phrases.get(words[place], ()):
+                if tuple(words[place : place + len(phrase)]) == phrase:
+                    yield values
+                    place += len(phrase) - 1
+                    break
+            place += 1
+
+
+def load_features(path: Path) -> FeatureReader:
+    """Return the reader of features by its data file.
+
+    Raises:
+        DataError: the file is not as expected, or one phrase has two values of one feature.
+    """
+    parts = read_yaml(path).entries(
+        required=("features", "conditions", "names", "nouns", "part_words", "owners"), optional=()
+    )
+    found: dict[tuple[str, ...], dict[str, frozenset[str]]] = {}
+    values: dict[str, frozenset[str]] = {}
+    for feature, group in parts["features"].entries().items():
+        values[feature] = frozenset(group.entries())
+        for value, phrases in group.entries().items():
+            for item in phrases.items():
+                for phrase in spellings(item):
+                    _add(found.setdefault(phrase, {}), feature, value, item)
+    by_first: dict[str, list[tuple[tuple[str, ...], Values]]] = {}
+    for phrase, each in sorted(found.items(), key=lambda pair: -len(pair[0])):
+        by_first.setdefault(phrase[0], []).append((phrase, each))
+    nouns = parts["nouns"].entries(required=("part", "abstract"), optional=())
+    return FeatureReader(
+        by_first,
+        {**values, **NAMED},
+        frozenset(parts["conditions"].texts()),
+        frozenset(parts["names"].texts()),
+        {kind: _words(field) for kind, field in nouns.items()},
+        _words(parts["part_words"]),
+        _words(parts["owners"]),
+    )
+
+
+def _words(group: Field) -> frozenset[str]:
+    return frozenset(" ".join(phrase) for item in group.items() for phrase in spellings(item))
+
+
+def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: Field) -> None:
+    if feature in known:
+        other = ", ".join(known[feature])
+        raise item.fail(f'"{item.text()}" has two values of {feature}: {other} and {value}.')
+    known[feature] = frozenset({value})
+
+
+def _of_clause(words: Sequence[ClauseWord], clause: str) -> list[str]:
+    """The words of a clause in their order, with an empty one for each word of another kind."""
+    return [each.word if each.clause == clause else "" for each in words]
+
+
+def _joined(found: Iterable[Values]) -> Values:
+    joined: dict[str, frozenset[str]] = {}
+    for values in found:
+        for feature, value in values.items():
+            joined[feature] = joined.get(feature, frozenset()) | value
+    return joined
+
+
+def _plain(values: Values) -> dict[str, object]:
+    return {feature: sorted(value) for feature, value in sorted(values.items())}

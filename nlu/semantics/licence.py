@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The licence: what a sentence with a meaning may become, by the features of its clauses.
+
+"You might pass a knife by the blade" and "children pass a knife by the blade" have the meaning of a
+rule, but nobody says that it is one. One ordered table (`licence.yaml`) says which features of a
+sentence let it become a rule, a retraction or a command; all others are asked about. The features
+also bound how sure a rule is: "I think a shoe is used for pounding".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from pathlib import Path
+
+from ...ontology.yaml_reader import Field, read_yaml
+from .features import ASIDE, CONDITION, MAIN, Features, Values
+from .meaning import (
+    ActionRule,
+    Command,
+    Confidence,
+    Meaning,
+    Retraction,
+    Rule,
+    Statement,
+    ToolCommand,
+)
+
+LICENCE_FILE = Path(__file__).parents[2] / "ontology" / "licence.yaml"
+
+ACCEPT = "accept"
+ABSENT = "none"
+"""Stands in a row for the absence of a feature."""
+
+KINDS = ("use", "holding", "correction", "retraction", "command")
+
+_CLAUSES = (MAIN, CONDITION, ASIDE)
+_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table: for the kinds of meaning `of`, with these features, what follows.
+
+    Attributes:
+        clauses: for each clause the values of which it must have one, for each of some features.
+        then: `ACCEPT`, or the name of the answer that asks back.
+    """
+
+    of: frozenset[str]
+    clauses: Mapping[str, Values]
+    then: str
+
+    def applies(self, kinds: frozenset[str], features: Features) -> bool:
+        """Whether the row decides on a meaning of some kinds with these features."""
+        return not self.of.isdisjoint(kinds) and all(
+            _has_one(features.of(clause), feature, values)
+            for clause, wanted in self.clauses.items()
+            for feature, values in wanted.items()
+        )
+
+
+@dataclass(frozen=True)
+class Licence:
+    """The table of rows, and how sure a rule can be at most by the value of a feature.
+
+    Attributes:
+        degrees: for each feature and value the interval that bounds the one of a rule.
+    """
+
+    rows: Sequence[Row]
+    degrees: Mapping[tuple[str, str], Confidence]
+
+    def outcome(self, meaning: Meaning, features: Features) -> str:
+        """Return `ACCEPT`, or the name of the answer that asks whether this is meant."""
+        kinds = kinds_of(meaning)
+        if not kinds:
+            return ACCEPT
+        return next(row.then for row in self.rows if row.applies(kinds, features))
+
+    def weakened(self, meaning: Meaning, features: Features) -> Meaning:
+        """Return a meaning whose rules are as sure as their features allow."""
+        if not isinstance(meaning, Statement):
+            return meaning
+        bounds = [
+            self.degrees[feature, value]
+            for clause in _CLAUSES
+            for feature, values in features.of(clause).items()
+            for value in values
+            if (feature, value) in self.degrees
+        ]
+        return Statement(tuple(_bounded(rule, bounds) for rule in meaning.rules))
+
+
+def bounded(interval: Confidence, bound: Confidence) -> Confidence:
+    """Return an interval that is no surer than another one.
+
+    Its lower bound is at most that of `bound`. When it says that something is not so, its upper
+    bound is at least one minus that. The result contains `interval`, and a weaker bound gives an
+    interval that contains that of a stronger one.
+    """
+    lower, upper = interval
+    if upper < _LIKELY:
+        return lower, max(upper, round(1 - bound[0], 4))
+    return min(lower, bound[0]), upper
+
+
+def kinds_of(meaning: Meaning) -> frozenset[str]:
+    """The kinds of meaning that rows speak of; empty for what needs no licence."""
+    if isinstance(meaning, Statement):
+        return frozenset(map(_kind, meaning.rules))
+    if isinstance(meaning, Retraction):
+        return frozenset({"retraction"})
+    if isinstance(meaning, (Command, ToolCommand)) and not meaning.negated:
+        return frozenset({"command"})
+    return frozenset()
+
+
+def load_licence(
+    features: Values, degrees: Mapping[str, Confidence], path: Path = LICENCE_FILE
+) -> Licence:
+    """Return the licence of a file.
+
+    Args:
+        features: all values of each feature.
+        degrees: the interval of each degree.
+        path: the file.
+
+    Raises:
+        DataError: the file is not as expected, or a kind of meaning has no row without features.
+    """
+    parts = read_yaml(path).entries(required=("rows", "degrees"), optional=())
+    rows = tuple(_row(field, features) for field in parts["rows"].items())
+    free = {kind for row in rows if not row.clauses for kind in row.of}
+    for kind in KINDS:
+        if kind not in free:
+            raise parts["rows"].fail(f'there is no last row of "{kind}", without any feature.')
+    bounds = {
+        (feature, value): degrees[degree.text(choices=degrees)]
+        for feature, values in _known(parts["degrees"], features).items()
+        for value, degree in _known(values, features[feature]).items()
+    }
+    return Licence(rows, bounds)
+
+
+def _row(field: Field, features: Values) -> Row:
+    parts = field.entries(required=("of", "then"), optional=_CLAUSES)
+    clauses = {
+        clause: {
+            name: frozenset(values.texts(choices=features[name] | {ABSENT}))
+            for name, values in _known(parts[clause], features).items()
+        }
+        for clause in _CLAUSES
+        if clause in parts
+    }
+    return Row(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
+
+
+def _known(field: Field, names: Values | frozenset[str]) -> dict[str, Field]:
+    return field.entries(optional=names)
+
+
+def _has_one(features: Values, feature: str, wanted: frozenset[str]) -> bool:
+    return not wanted.isdisjoint(features.get(feature) or {ABSENT})
+
+
+def _kind(rule: Rule) -> str:
+    if rule.revises:
+        return "correction"
+    return "holding" if isinstance(rule, ActionRule) else "use"
+
+
+def _bounded(rule: Rule, bounds: Sequence[Confidence]) -> Rule:
+    if rule.revises:
+        return rule
+    return replace(rule, confidence=reduce(bounded, bounds, rule.confidence))

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The licence: which features of a sentence let it become a rule, and how sure it is then."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hilt.nlu import Language
+from hilt.nlu.semantics.features import Features
+from hilt.nlu.semantics.licence import ACCEPT, KINDS, bounded, load_licence
+from hilt.nlu.semantics.meaning import ActionRule, FunctionalRule, Retraction, Statement
+from hilt.ontology.errors import DataError
+
+HOLDING = Statement((ActionRule("knife", "pass", "blade", (0.95, 1.0)),))
+USE = Statement((FunctionalRule("shoe", "pounding", (0.95, 1.0)),))
+VALUES = {"agent": frozenset({"other"}), "modality": frozenset({"weak"})}
+DEGREES = {"sometimes": (0.5, 1.0)}
+
+INTERVALS = st.tuples(st.floats(0, 1), st.floats(0, 1)).map(lambda pair: (min(pair), max(pair)))
+
+
+def features(**values: str) -> Features:
+    """The features of a main clause."""
+    return Features({name: frozenset({value}) for name, value in values.items()})
+
+
+@pytest.mark.parametrize("feature", [{"agent": "other"}, {"tense": "past"}, {"modality": "weak"}])
+def test_a_report_of_holding_is_asked_about(language: Language, feature: dict[str, str]) -> None:
+    """What somebody else does, did or might do is no rule for the robot."""
+    licence = language.parser.licence
+
+    assert licence.outcome(HOLDING, features()) == ACCEPT
+    assert licence.outcome(HOLDING, features(**feature)) != ACCEPT
+
+
+def test_a_possible_use_is_a_less_sure_rule(language: Language) -> None:
+    """What may be used is sometimes used."""
+    licence, maybe = language.parser.licence, features(modality="weak")
+
+    assert licence.outcome(USE, maybe) == ACCEPT
+    assert licence.weakened(USE, maybe) == Statement(
+        (FunctionalRule("shoe", "pounding", (0.5, 1.0)),)
+    )
+
+
+def test_other_meanings_need_no_licence(language: Language) -> None:
+    """A retraction of what was said last is no matter of who does it."""
+    assert language.parser.licence.outcome(Retraction(), features(agent="other")) == ACCEPT
+
+
+@given(INTERVALS, INTERVALS, INTERVALS)
+def test_a_bound_never_makes_a_rule_surer(
+    interval: tuple[float, float], one: tuple[float, float], other: tuple[float, float]
+) -> None:
+    """The result contains the interval, and a weaker bound gives a wider one."""
+    weak, strong = sorted((one, other))
+    wide, narrow = bounded(interval, weak), bounded(interval, strong)
+
+    assert wide[0] <= narrow[0] <= interval[0]
+    assert wide[1] + 1e-4 >= narrow[1]
+    assert narrow[1] >= interval[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("rows: [{of: [use], main: {agent: [nobody]}, then: ask}]\ndegrees: {}", "nobody"),
+        ("rows: [{of: [use], main: {colour: [red]}, then: ask}]\ndegrees: {}", "colour"),
+        ("rows: [{of: [wish], then: accept}]\ndegrees: {}", "wish"),
+        ("rows: [{of: [use], then: accept}]\ndegrees: {}", "no last row"),
+        (
+            f"rows: [{{of: [{', '.join(KINDS)}], then: accept}}]\n"
+            "degrees: {modality: {weak: often}}",
+            "often",
+        ),
+    ],
+)
+def test_a_table_with_an_error_is_refused(tmp_path: Path, text: str, problem: str) -> None:
+    """An unknown feature, value, kind or degree, and a kind without a last row."""
+    path = tmp_path / "licence.yaml"
+    path.write_text(text, encoding="utf-8")
+
+    with pytest.raises(DataError, match=problem):
+        load_licence(VALUES, DEGREES, path)
