@@ -69,6 +69,7 @@ _WORD_FILES = (
     "constructions.yaml",
     "requests.yaml",
     "conversation.yaml",
+    "fragments.yaml",
 )
 
 

@@ -22,7 +22,7 @@ from .patterns import compile_pattern, expand
 from .terms import Term, Value, evaluate
 from .types import Basic, FunctionType, Signature, Type, TypeMismatchError, check_type
 
-SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "REPLY")
+SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "FRAGMENT", "REPLY")
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
-from ..semantics.coreference import IT, SOMETHING, Discourse, RefusedError, resolve
+from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, RefusedError, resolve
 from ..semantics.features import FeatureReader
 from ..semantics.interpretation import Interpreter
 from ..semantics.licence import Licence
@@ -89,7 +89,7 @@ class SentenceParser:
         """Return the object that an utterance consists of, None when it is more than a name."""
         for derivation in chart.derivations(self.grammar.topic):
             form = _fill_persons(form_of(derivation.value), context)
-            if IT not in form and not new_words(lexical_entries(derivation)):
+            if PRONOUNS.isdisjoint(form) and not new_words(lexical_entries(derivation)):
                 return form
         return None
 
@@ -99,7 +99,7 @@ class SentenceParser:
             form = form_of(derivation.value)
             while form.name == "having":
                 form = form.arguments[0]
-            if not form.arguments and form != IT and form.name not in SOMETHING:
+            if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
                 return form.name.replace("_", " ")
         return None
 
@@ -137,6 +137,8 @@ class SentenceParser:
         form = resolve(form, context.discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
+        if act == "FRAGMENT" and tokens.asks:
+            form = Form("asked", (form,))
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and"}:
             form = Form("isTrue", (form,))

@@ -60,9 +60,11 @@ class UtteranceParser:
         tokens = tokenize(text, self.builder.contractions)
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
-            return _understanding(tokens, context, problem)
+            return _failed(_understanding(tokens, context, problem))
         found = _Attempt(self, accepted).understand(tokens, context)
-        if found.reading is None or self.parser.pragmatics.is_enough(found.reading.interval):
+        if found.reading is None:
+            return _failed(found)
+        if self.parser.pragmatics.is_enough(found.reading.interval):
             return found
         return _understanding(tokens, context, self.clarification.of_recognition(found.text))
 
@@ -280,6 +282,11 @@ def _has_words(tokens: Tokens) -> bool:
 
 def _has_several_rules(found: Understanding) -> bool:
     return found.reading is not None and found.reading.intention.arguments[-1].name == "and"
+
+
+def _failed(found: Understanding) -> Understanding:
+    """The result of an utterance without a reading, after which nothing can be referred to."""
+    return replace(found, discourse=replace(found.discourse, has_failed=True))
 
 
 def _with_object(thing: Form | None, context: UtteranceContext) -> UtteranceContext:

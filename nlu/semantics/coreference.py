@@ -1,21 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Coreference: resolving "it" in the sentence and in the conversation before it.
+"""Coreference: resolving "it", "they", "one" and "the former" in and before a sentence.
 
 Within a rule, "it" in one half refers to the object of the other half: "to pass a knife grab it by
-the blade". Elsewhere it refers to the object mentioned last. A rule about two different objects is
-rejected.
+the blade". Elsewhere it refers to the object mentioned last, "they" to all objects that the last
+turn named, "the former" and "the latter" to the first and the last of them. "One" is an object of
+the kind mentioned last. A turn that failed leaves no referent. A rule about two different objects
+is rejected.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from .meaning import AskBack, Meaning, Misunderstanding, Rule, Statement
+from .meaning import (
+    ANY_OBJECT,
+    Acknowledgement,
+    AskBack,
+    Command,
+    Meaning,
+    Misunderstanding,
+    ObjectReference,
+    Question,
+    Rule,
+    Statement,
+    ToolCommand,
+)
 from .predicates import Form
 
-IT = Form("it")
+IT, THEY, ONE = Form("it"), Form("they"), Form("one")
+PRONOUNS = frozenset({IT, THEY})
 SOMETHING = frozenset({"something", "anything"})
 
+_ORDINALS = {"former": 0, "latter": -1}
 _OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
 _HILT = Form("self")
 _OBJECT_FIRST = frozenset(
@@ -26,10 +43,26 @@ _OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need",
 
 @dataclass(frozen=True)
 class Discourse:
-    """The discourse state: the object mentioned last and the rule taught or corrected last."""
+    """The discourse state.
+
+    Attributes:
+        object: the object mentioned last.
+        rule: the rule taught, corrected or applied last.
+        last: the last rule, question or command, which a fragment completes.
+        named: all objects that the last turn with any named, in order.
+        has_failed: whether the last turn was not understood, so that nothing can be referred to.
+    """
 
     object: Form | None = None
     rule: Rule | None = None
+    last: Rule | Question | Command | ToolCommand | None = None
+    named: tuple[Form, ...] = ()
+    has_failed: bool = False
+
+    @property
+    def accessible(self) -> Discourse:
+        """This state, or an empty one after a turn that failed."""
+        return Discourse() if self.has_failed else self
 
 
 class RefusedError(ValueError):
@@ -44,18 +77,50 @@ class RefusedError(ValueError):
 
 
 def resolve(form: Form, discourse: Discourse) -> Form:
-    """Return the form with every "it" replaced by its referent.
+    """Return the form with every pronoun replaced by its referent.
 
     Raises:
         RefusedError: there is no referent, or one rule is about two objects.
     """
-    form = form.mapped(_with_use).mapped(_with_tool)
+    discourse = discourse.accessible
+    form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)
+    if THEY in form:
+        return _resolve_they(form, discourse)
     rest = _simplified(_resolve_rules(form, discourse))
     if not any(part == IT for part in rest):
         return rest
     if discourse.object is None:
         raise RefusedError("no_referent", asks=True, word=IT.name)
     return _simplified(_replace_it(rest, discourse.object))
+
+
+def _ordinal(part: Form, discourse: Discourse) -> Form | None:
+    """The referent of "the former" or "the latter", and the kind of "one"."""
+    if part == ONE:
+        is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
+        known = None if is_described else discourse.object
+        return _noun(known) if known else Form("something")
+    if part.name not in _ORDINALS or part.arguments:
+        return None
+    if len(discourse.named) < 2:
+        raise RefusedError("no_referent", asks=True, word=f"the {part.name}")
+    return discourse.named[_ORDINALS[part.name]]
+
+
+def _resolve_they(form: Form, discourse: Discourse) -> Form:
+    """The form with "they" as its own object, else once for each of the objects named."""
+    as_one = form.mapped(lambda part: IT if part == THEY else None)
+    rest = resolve(as_one, replace(discourse, object=THEY))
+    if THEY not in rest:
+        return rest
+    if not discourse.named:
+        raise RefusedError("no_referent", asks=True, word=THEY.name)
+    each = [_simplified(rest.mapped(_replacing(THEY, named))) for named in discourse.named]
+    return each[0] if len(each) == 1 else Form("and", tuple(each))
+
+
+def _replacing(old: Form, new: Form) -> Callable[[Form], Form | None]:
+    return lambda part: new if part == old else None
 
 
 def _with_use(form: Form) -> Form | None:
@@ -85,7 +150,8 @@ def _resolve_rules(form: Form, discourse: Discourse) -> Form:
             # The second rule may speak of the first one's object.
             first = _resolve_rules(one, discourse)
             known = _object_of_rule(first) or discourse.object
-            return Form("and", (first, _resolve_rules(other, Discourse(known))))
+            second = _resolve_rules(other, replace(discourse, object=known))
+            return Form("and", (first, second))
         case "implies", _:
             return _resolve_rule(form, discourse)
         case "within", (occasion, rule):
@@ -238,14 +304,47 @@ def _object_of_rule(form: Form) -> Form | None:
 
 def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> Discourse:
     """Return the discourse state after an utterance with a meaning and a predicate form."""
-    if isinstance(meaning, (AskBack, Misunderstanding)):
+    if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
         return discourse
+    discourse = replace(discourse, has_failed=False)
     mentioned = _mentioned_object(content)
     if mentioned is not None:
         discourse = replace(discourse, object=mentioned)
-    if isinstance(meaning, Statement):
-        discourse = replace(discourse, rule=meaning.rules[-1])
-    return discourse
+    named = tuple(dict.fromkeys(_named_objects(meaning)))
+    if named:
+        discourse = replace(discourse, named=named, object=named[-1])
+    match meaning:
+        case Statement(rules=rules):
+            return replace(discourse, rule=rules[-1], last=rules[-1])
+        case Question() | Command() | ToolCommand():
+            return replace(discourse, last=meaning)
+        case _:
+            return discourse
+
+
+def _named_objects(meaning: Meaning) -> Iterator[Form]:
+    """The objects that a meaning is about, in order."""
+    match meaning:
+        case Statement(rules=rules):
+            for rule in rules:
+                yield from _object_form(rule.object, rule.props)
+        case Command(target=ObjectReference(object=name, props=props)):
+            yield from _object_form(name, props)
+        case ToolCommand(patient=name):
+            yield from _object_form(name, ())
+        case Question(object=name):
+            yield from _object_form(name, ())
+        case _:
+            return
+
+
+def _object_form(name: str | None, props: tuple[str, ...]) -> Iterator[Form]:
+    if name is None or name == ANY_OBJECT:
+        return
+    form = Form(name.replace(" ", "_"))
+    for prop in props:
+        form = Form("having", (form, Form(prop.replace(" ", "_"))))
+    yield form
 
 
 def _mentioned_object(form: Form) -> Form | None:

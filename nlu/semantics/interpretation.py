@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from ..lexicon.shared_index import SharedIndex
 from ..lexicon.vocabulary import NewWord
 from .coreference import SOMETHING, Discourse, RefusedError
+from .fragments import FRAGMENTS, Fragment, complete
 from .meaning import (
     ANY_OBJECT,
     Acknowledgement,
@@ -84,18 +85,20 @@ class Interpreter:
         acts = frozenset(word.word for word in words if word.role == "context")
         return replace(self, new_acts=acts) if acts else self
 
-    def meaning(self, intention: Form, discourse: Discourse) -> Meaning:
+    def meaning(self, intention: Form, discourse: Discourse) -> Meaning:  # noqa: PLR0911
         """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
 
-        A correction or an addition refers to the last rule of the discourse.
+        A fragment refers to the last rule, question or command of the discourse.
 
         Raises:
             RefusedError: the intention is nothing that Hilt can believe, do or answer.
         """
         content = intention.arguments[-1]
         match intention.name:
-            case "wantBelieve" if content.name in {"alsoOf", "alsoFor", "alsoBy"}:
-                return self._analogous_rule(content, discourse)
+            case "wantAmend":
+                return self._fragment(content, discourse)
+            case "wantBelieve" if content.name in FRAGMENTS:
+                return self._fragment(content, discourse)
             case "wantBelieve":
                 is_topic = content.name == "topic"
                 return Topic(_kind(content.arguments[0])) if is_topic else self._statement(content)
@@ -137,33 +140,38 @@ class Interpreter:
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
             rules = self._rules(form.arguments[0])
             return Statement(tuple(replace(rule, revises=True) for rule in rules))
-        return Statement((replace(self._changed_rule(form, discourse.rule), revises=True),))
+        return self._fragment(form, discourse)
 
-    def _analogous_rule(self, form: Form, discourse: Discourse) -> Statement:
-        """The last rule for another object, use or part: "the same goes for spoons"."""
-        rule = self._changed_rule(form, discourse.rule)
-        degree = form.arguments[1:]
-        confidence = self.intervals[degree[0].name] if degree else rule.confidence
-        return Statement((replace(rule, confidence=confidence, revises=False),))
+    def _fragment(self, form: Form, discourse: Discourse) -> Meaning:
+        """What a fragment completes: the last rule, question or command."""
+        asks = form.name == "asked"
+        said = form.arguments[0] if asks else form
+        slot, mode = FRAGMENTS.get(said.name, ("part", "instead"))
+        value, *degree = said.arguments
+        fragment = self._filled(Fragment(mode, asks), slot, value)
+        if degree:
+            fragment = replace(fragment, confidence=self.intervals[degree[0].name])
+        return complete(fragment, discourse)
 
-    def _changed_rule(self, form: Form, rule: Rule | None) -> Rule:
-        """The last rule with what a form names instead: "no, only sometimes", "by the handle"."""
-        said = form.arguments[0]
-        match rule, form.name:
-            case ((FunctionalRule() | ActionRule()), "correctDegree"):
-                return replace(rule, confidence=self.intervals[said.name])
-            case ((FunctionalRule() | ActionRule()), "correctObject" | "alsoOf"):
-                name, props = _kind_and_properties(said)
-                return replace(rule, object=name, props=props)
-            case FunctionalRule(), "correctUse" | "alsoFor":
-                affordance, material = _use(said)
-                return replace(rule, affordance=affordance, material=material)
-            case ActionRule(), "alsoFor":
-                raise RefusedError("not_a_rule")
-            case (None, _) | (FunctionalRule(), _) | (_, "correctUse"):
-                raise RefusedError("nothing_to_correct", asks=True)
+    def _filled(self, fragment: Fragment, slot: str, value: Form) -> Fragment:
+        """A fragment with the value of its slot."""
+        match slot:
+            case "target":
+                return replace(fragment, target=self._reference(value))
+            case "use":
+                return _with_use(fragment, value)
+            case "part":
+                part, owner = _part_and_owner(value)
+                return replace(fragment, part=part, part_of=owner)
+            case "context":
+                if not self._is_act_on_object(value.name):
+                    raise RefusedError("no_act")
+                target = self._reference(value.arguments[1])
+                return replace(fragment, context=value.name, target=target)
+            case "recipient":
+                return replace(fragment, recipient=_name(value))
             case _:
-                return replace(rule, part=_other_part(rule, said))
+                return replace(fragment, confidence=self.intervals[value.name])
 
     def _command(self, form: Form) -> Command | ToolCommand:
         if form.name == "not":
@@ -180,6 +188,8 @@ class Interpreter:
         if len(form.arguments) > (3 if form.name == "pass" else 2):
             raise RefusedError("one_thing_at_a_time")
         target = self._reference(form.arguments[1])
+        if target == ObjectReference(ANY_OBJECT, other=True):
+            raise RefusedError("which_thing", asks=True)
         recipient = _name(form.arguments[2]) if len(form.arguments) > 2 else None
         return Command(form.name, target, recipient=recipient)
 
@@ -189,8 +199,11 @@ class Interpreter:
     def _reference(self, form: Form) -> ObjectReference:
         names: set[str] = set()
         used_for: list[Form] = []
-        while form.name in {"having", "usedFor", "notUsedFor"}:
-            if form.name == "having":
+        other = False
+        while form.name in {"having", "usedFor", "notUsedFor", "other"}:
+            if form.name == "other":
+                other = True
+            elif form.name == "having":
                 names.add(_name(form.arguments[1]))
             else:
                 used_for.append(form)
@@ -201,11 +214,11 @@ class Interpreter:
         if used_for:
             affordance, material = _use(used_for[0].arguments[1])
             if used_for[0].name == "usedFor":
-                return ObjectReference(used_for=affordance, props=props, material=material)
-            return ObjectReference(not_used_for=affordance, props=props, material=material)
-        if form.name in SOMETHING and not props:
+                return ObjectReference(None, affordance, None, props, material, other)
+            return ObjectReference(None, None, affordance, props, material, other)
+        if form.name in SOMETHING and not props and not other:
             raise RefusedError("which_thing", asks=True)
-        return ObjectReference(object=_kind_and_properties(form)[0], props=props)
+        return ObjectReference(object=_kind_and_properties(form)[0], props=props, other=other)
 
     def _command_with_part(self, form: Form) -> Command:
         command = self._command(form.arguments[0])
@@ -402,13 +415,15 @@ def _name(form: Form) -> str:
     return form.name.replace("_", " ")
 
 
-def _other_part(rule: ActionRule, place: Form) -> str:
-    """The part that a correction names, which must be one of the object of the rule."""
+def _with_use(fragment: Fragment, form: Form) -> Fragment:
+    affordance, material = _use(form)
+    return replace(fragment, use=affordance, material=material)
+
+
+def _part_and_owner(place: Form) -> tuple[str, str | None]:
+    """The part that a fragment names, and the object that it is said to be a part of."""
     if place.name == "graspObject":
         place = place.arguments[1]
-    if place.name == "partOf":
-        name, _ = _kind_and_properties(place.arguments[1])
-        if name != rule.object:
-            raise RefusedError("two_objects", first=rule.object, second=name)
-        place = place.arguments[0]
-    return _name(place)
+    if place.name != "partOf":
+        return _name(place), None
+    return _name(place.arguments[0]), _kind_and_properties(place.arguments[1])[0]

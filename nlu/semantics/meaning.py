@@ -113,6 +113,7 @@ class ObjectReference(_Record):
         not_used_for: an affordance it must not have.
         props: further properties that it must have, sorted.
         material: what the affordance is wanted for ("bread", for cutting), or None for anything.
+        other: whether it is none of those that were chosen before: "the other one".
     """
 
     object: str | None = None
@@ -120,6 +121,7 @@ class ObjectReference(_Record):
     not_used_for: str | None = None
     props: tuple[str, ...] = ()
     material: str | None = None
+    other: bool = False
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:

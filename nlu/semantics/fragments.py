@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fragments: what is said instead of a sentence completes the last rule, question or command.
+
+"And a mug?", "the same for spoons", "by the handle, I mean", "to Kim", "what about passing it?":
+each names a value for one slot of the last meaning, and takes all else from it. A fragment is
+refused when that meaning has no such slot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from .coreference import Discourse, RefusedError
+from .meaning import (
+    ANY_OBJECT,
+    ActionRule,
+    Command,
+    Confidence,
+    FunctionalRule,
+    Meaning,
+    ObjectReference,
+    Question,
+    Rule,
+    Statement,
+    ToolCommand,
+)
+
+FRAGMENTS = {
+    "alsoOf": ("target", "also"),
+    "alsoFor": ("use", "also"),
+    "alsoBy": ("part", "also"),
+    "alsoIn": ("context", "also"),
+    "alsoTo": ("recipient", "also"),
+    "correctObject": ("target", "instead"),
+    "correctUse": ("use", "instead"),
+    "correctPart": ("part", "instead"),
+    "correctDegree": ("degree", "instead"),
+    "correctAct": ("context", "instead"),
+    "fillObject": ("target", ""),
+    "fillUse": ("use", ""),
+    "fillPart": ("part", ""),
+    "fillRecipient": ("recipient", ""),
+}
+"""The slot that each predicate of a fragment fills, and whether it adds to the last meaning or
+replaces it; without either, a fragment completes a command or question and corrects a rule."""
+
+_OF_OBJECTS = {"objects_for", "best_for"}
+_OF_USES = {"uses_of", "about", "how", "see", "why", "why_not"}
+
+
+@dataclass(frozen=True)
+class Fragment:
+    """The values that a fragment names: for one slot, and perhaps a degree of confidence.
+
+    Attributes:
+        mode: `also`, `instead`, or empty for neither.
+        asks: whether it is a question.
+    """
+
+    mode: str = ""
+    asks: bool = False
+    target: ObjectReference | None = None
+    use: str | None = None
+    material: str | None = None
+    part: str | None = None
+    part_of: str | None = None
+    context: str | None = None
+    recipient: str | None = None
+    confidence: Confidence | None = None
+
+
+def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
+    """Return the meaning of a fragment after the turns before it.
+
+    Raises:
+        RefusedError: there is nothing that it completes.
+    """
+    match _completed(fragment, discourse.accessible):
+        case FunctionalRule() | ActionRule() as rule:
+            return _as_rule(fragment, rule)
+        case Question() as question:
+            return _as_question(fragment, question)
+        case Command() as command if not fragment.asks:
+            return _as_command(fragment, command)
+        case ToolCommand() as command if (
+            not fragment.asks and fragment.target
+        ):  # what it is done to
+            return replace(command, patient=_kind(fragment.target)[0])
+        case Command() | ToolCommand():
+            raise RefusedError("as_question", asks=True)
+        case None:
+            raise _nothing()
+
+
+def _completed(
+    fragment: Fragment, discourse: Discourse
+) -> Rule | Question | Command | ToolCommand | None:
+    """What a fragment completes: the last meaning, or the rule spoken of last."""
+    rule, last = discourse.rule, discourse.last
+    if rule is None or fragment.mode == "also" or fragment.asks:
+        return last if last is not None else rule
+    if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
+        return rule
+    if fragment.mode == "instead" and (fragment.part or fragment.use):
+        # A correction is about the rule that was applied, unless the command named the part itself.
+        return last if isinstance(last, Command) and not _applies(rule, last) else rule
+    return last
+
+
+def _applies(rule: Rule, command: Command) -> bool:
+    return command.part is None and command.target.object in {None, rule.object}
+
+
+def _as_rule(fragment: Fragment, rule: Rule) -> Meaning:
+    if fragment.asks and fragment.context and fragment.target:
+        return Question("how", object=_kind(fragment.target)[0], context=fragment.context)
+    if not fragment.mode and fragment.use:
+        raise _nothing()  # it may add to the rule or correct it
+    changed = _changed(fragment, rule)
+    if fragment.asks:
+        return _question_on(changed)
+    return Statement((replace(changed, revises=fragment.mode != "also"),))
+
+
+def _changed(fragment: Fragment, rule: Rule) -> Rule:
+    """The rule with what a fragment names instead."""
+    if fragment.confidence:
+        rule = replace(rule, confidence=fragment.confidence)
+    if fragment.target:
+        name, props = _kind(fragment.target)
+        rule = replace(rule, object=name, props=props)
+        if fragment.context is None:
+            return rule
+    match rule:
+        case FunctionalRule() if fragment.use:
+            return replace(rule, affordance=fragment.use, material=fragment.material)
+        case ActionRule() if fragment.part:
+            if fragment.part_of not in {None, rule.object}:
+                second = str(fragment.part_of)
+                raise RefusedError("two_objects", first=rule.object, second=second)
+            return replace(rule, part=fragment.part)
+        case ActionRule() if fragment.context:
+            return replace(rule, context=fragment.context)
+        case ActionRule() if fragment.use and fragment.mode == "also":
+            raise RefusedError("not_a_rule")
+        case _ if fragment.confidence and not (fragment.use or fragment.part or fragment.context):
+            return rule
+        case _:
+            raise _nothing()
+
+
+def _question_on(rule: Rule) -> Question:
+    if isinstance(rule, FunctionalRule):
+        return Question(
+            "is_used_for", rule.object, affordance=rule.affordance, material=rule.material
+        )
+    return Question("how", object=rule.object, context=rule.context, part=rule.part)
+
+
+def _as_question(fragment: Fragment, question: Question) -> Question:
+    """The last question about what a fragment names."""
+    if fragment.confidence or fragment.recipient:
+        raise _nothing()
+    if fragment.target:
+        name, props = _kind(fragment.target)
+        if props:
+            raise RefusedError("one_thing_at_a_time")
+        if fragment.context:
+            return Question("how", object=name, context=fragment.context)
+        ask = "is_used_for" if question.ask in _OF_OBJECTS else question.ask
+        return replace(question, ask=ask, object=name, part=None)
+    if fragment.use:
+        ask = "is_used_for" if question.ask in _OF_USES and question.object else question.ask
+        question = replace(question, ask=ask, context=None, part=None)
+        return replace(question, affordance=fragment.use, material=fragment.material)
+    if question.object is None:
+        raise _nothing()
+    return replace(question, part=fragment.part)
+
+
+def _as_command(fragment: Fragment, command: Command) -> Command:
+    """The last command with what a fragment names."""
+    if fragment.context:
+        command = replace(command, goal=fragment.context, recipient=None)
+    if fragment.target:
+        target = _meant(fragment.target, command.target)
+        return replace(command, target=target, part=None, negated=False)
+    if fragment.part:
+        return replace(command, part=fragment.part)
+    if fragment.recipient and command.goal == "pass":
+        return replace(command, recipient=fragment.recipient)
+    if fragment.use and command.target.used_for:
+        target = replace(command.target, used_for=fragment.use, material=fragment.material)
+        return replace(command, target=target)
+    raise _nothing()
+
+
+def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:
+    """The target that a fragment names; "the red one" is one of those asked for before."""
+    if target.object != ANY_OBJECT:
+        return target
+    return replace(before, props=target.props or before.props, other=target.other)
+
+
+def _kind(target: ObjectReference) -> tuple[str, tuple[str, ...]]:
+    """The kind of object that a rule or question is about, and its properties."""
+    if target.object is None or target.other:
+        raise RefusedError("one_thing_at_a_time")
+    return target.object, target.props
+
+
+def _nothing() -> RefusedError:
+    return RefusedError("nothing_to_correct", asks=True)
