@@ -14,7 +14,7 @@ from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.patterns import Steps, read_pattern
 from .tokenizer import BREAK
 
-_THING = "THING"
+_THING, _OBJECT = "THING", "OBJECT"
 _MAX_NAME = 5  # words of an object with its article
 
 Span = tuple[int, int]
@@ -66,7 +66,7 @@ class ControlPhrases:
             for end, thing in self._ends(steps, words, start)
         )
         for end, control, thing in sorted(spans, key=lambda each: each[0], reverse=True):
-            if thing is None or words[slice(*thing)] in self.pronouns:
+            if thing is None:
                 return control, end, None
             kind = named(*thing)
             if kind is not None:
@@ -84,9 +84,13 @@ class ControlPhrases:
         for step in steps:
             if isinstance(step, int):
                 yield start, thing
-            elif step[0] == _THING:
+            elif step[0] in {_THING, _OBJECT}:
                 for end in range(start + 1, min(len(words), start + _MAX_NAME) + 1):
-                    yield from self._ends(step[1], words, end, (start, end))
+                    is_pronoun = tuple(words[start:end]) in self.pronouns
+                    if is_pronoun and step[0] == _THING:
+                        yield from self._ends(step[1], words, end)
+                    elif not is_pronoun:
+                        yield from self._ends(step[1], words, end, (start, end))
             elif start < len(words) and words[start] == step[0]:
                 yield from self._ends(step[1], words, start + 1, thing)
 

@@ -84,8 +84,10 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
 
 
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
-    """All rules as one statement, None when they contradict each other."""
+    """All rules as one statement, None when they contradict each other or only some revise."""
     distinct = tuple(dict.fromkeys(_self_repaired(rules)))
+    if len({rule.revises for rule in distinct}) > 1:
+        return None
     if len({replace(rule, confidence=(0, 1)) for rule in distinct}) < len(distinct):
         return None
     return Statement(distinct)

@@ -308,11 +308,11 @@ def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> D
         return discourse
     discourse = replace(discourse, has_failed=False)
     mentioned = _mentioned_object(content)
-    if mentioned is not None:
-        discourse = replace(discourse, object=mentioned)
     named = tuple(dict.fromkeys(_named_objects(meaning)))
+    if mentioned is not None:
+        named = named if len(named) > 1 else (mentioned,)
     if named:
-        discourse = replace(discourse, named=named, object=named[-1])
+        discourse = replace(discourse, named=named, object=mentioned or named[-1])
     match meaning:
         case Statement(rules=rules):
             return replace(discourse, rule=rules[-1], last=rules[-1])
