@@ -49,7 +49,9 @@ from .semantics.features import load_features
 from .semantics.interpretation import Interpreter
 from .semantics.licence import load_licence
 from .semantics.meaning import (
+    Answer,
     AskBack,
+    Confidence,
     Control,
     Meaning,
     Misunderstanding,
@@ -251,6 +253,10 @@ class Language:
         found = self.controls.match(tokens.words, named)
         return Control(*found) if found else None
 
+    def answer(self, text: str, *, speaker: str, discourse: Discourse) -> Answer | None:
+        """Return the short answer that a text is to a question of Hilt, None when it is none."""
+        return self.utterance_parser.answer(text, UtteranceContext(speaker, "self", discourse))
+
     @cached_property
     def utterance_parser(self) -> UtteranceParser:
         """The parser of utterances with the words known now."""
@@ -270,6 +276,11 @@ class Language:
     def lexicon(self) -> LearnedLexicon:
         """The entries of all words, those of learned words first."""
         return self.parser.lexicon
+
+    @property
+    def usual(self) -> Confidence:
+        """The confidence of a rule that is told without any word of degree."""
+        return self.degrees.intervals[self.degrees.default]
 
     @property
     def tool_acts(self) -> Mapping[str, str]:

@@ -10,7 +10,7 @@ also one that is refused or not understood.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -21,13 +21,14 @@ from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
-from ...nlu.semantics.coreference import Discourse
+from ...nlu.semantics.predicates import Form
 from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..execution.goal_manager import GoalManager
-from ..execution.outcome import Ending, ExecutionResult, GoalResult, Slot, SpokenAnswer
+from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request
-from .knowledge import Knowledge
+from .conversation import Conversation, DialogueTurn
+from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
 from .teaching import (
@@ -37,7 +38,7 @@ from .teaching import (
     word_from_base,
     word_to_keep,
 )
-from .translation import declined, meaning_from_rule, request_from_command, use_of
+from .translation import choosing, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -47,44 +48,7 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
 ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
 
 
-@dataclass(frozen=True)
-class DialogueTurn:
-    """One utterance as it was understood.
-
-    Attributes:
-        understood: how it was understood.
-        heard: the confidence of the speech recogniser, in [0, 1].
-        keep: whether it is written to the history when it teaches nothing.
-    """
-
-    understood: Understanding
-    heard: float
-    keep: bool
-
-    @property
-    def speaker(self) -> str:
-        """Who said it."""
-        return self.understood.speaker
-
-
-@dataclass(frozen=True)
-class Pending:
-    """A question of Hilt that waits for "yes", "no" or a number.
-
-    Attributes:
-        asked: the only speaker who can answer it.
-        yes: called after a "yes".
-        no: called after a "no"; None only acknowledges.
-        choices: called after the number of a choice, by number from 1 on.
-    """
-
-    asked: str
-    yes: Callable[[], Reply]
-    no: Callable[[], Reply] | None = None
-    choices: tuple[Callable[[], Reply], ...] = ()
-
-
-class DialogueManager:
+class DialogueManager(Conversation):
     """One conversation, with any number of speakers.
 
     Args:
@@ -99,9 +63,7 @@ class DialogueManager:
         other: a language part that is asked first.
 
     Attributes:
-        language: grows with every word that is learned.
         contexts: what holds now beside the current action: places and roles, with their intervals.
-        last_done: the reply to the last command.
     """
 
     def __init__(
@@ -116,24 +78,14 @@ class DialogueManager:
         seed: int = 0,
         other: protocols.Dialogue | None = None,
     ) -> None:
-        self.base = base
-        self._other = other
         people = (word_for_person(name) for name in base.trust_by_speaker())
-        self.language = language.with_words(
-            (*(word_from_base(word) for word in base.words()), *people)
+        words = (*(word_from_base(word) for word in base.words()), *people)
+        super().__init__(
+            base, language.with_words(words), visible, holding=holding, seed=seed, other=other
         )
-        self.seed = seed
         self.contexts: dict[Atom, Interval] = {}
-        self.last_done: Reply | None = None
         self._goals = goals
-        self._visible, self._holding = visible, holding
         self._record_episode = record_episode
-        self._discourse = Discourse()
-        self._pending: Pending | None = None
-        self._topic: tuple[Rule, ...] = ()
-        self._retracted: tuple[Rule, ...] = ()  # and no other rule was spoken of since
-        self._just_acted = False  # and no rule was spoken of since
-        self._last_said = ""
         self._interrupted: tuple[DialogueTurn, Request] | None = None  # the command to continue
         self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
@@ -168,17 +120,15 @@ class DialogueManager:
             StoreError: what was said could not be stored; then nothing was believed.
         """
         speaker = self.base.match_speaker(speaker)
-        pending, number = self._pending, self._chosen(text, speaker)
-        if pending and number:
-            return pending.choices[number - 1]()
+        reply = self._short_answer(text, speaker, heard=heard, keep=keep)
+        if reply:
+            return reply
         understood = self._understood(text, speaker, accepted, heard)
-        if number == 0:
-            understood = replace(understood, meaning=meaning.Acknowledgement("no"))
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
             return self._answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
-            self._pending = None
+            self._open = None
         return self._respond(turn)
 
     def hear_aside(
@@ -196,6 +146,28 @@ class DialogueManager:
         reply = self._listeners[type(said)](turn, said)
         self._last_said = reply.said
         return reply
+
+    def _short_answer(self, text: str, speaker: str, *, heard: float, keep: bool) -> Reply | None:
+        """The reply to an answer to the open question; None where the text is none."""
+        open_question = self._open
+        if open_question is None or open_question.asked != speaker:
+            return None
+        answered = self._choice(text, open_question)
+        reply = open_question.reply_to(answered) if answered else None
+        if answered and answered.is_dismissal:
+            dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
+            reply = self._answered(DialogueTurn(dismissal, heard, keep), "dismissed", "done")
+        if reply and self._open is open_question:
+            self._open = None
+        return reply
+
+    def _choice(self, text: str, open_question: OpenQuestion) -> meaning.Answer | None:
+        """The short answer that a text is, a number of one of the choices included."""
+        choices = open_question.choices
+        number = self.language.chosen(text, len(choices)) if choices else None
+        if number:
+            return meaning.Answer(number=number)
+        return self.language.answer(text, speaker=open_question.asked, discourse=self._discourse)
 
     def _understood(
         self, text: str, speaker: str, accepted: Collection[str], heard: float
@@ -215,26 +187,35 @@ class DialogueManager:
         taught = lesson_from_statement(self.base, said, turn.speaker, turn.heard, self._topic)
         trust = self.base.trust(turn.speaker)
         weight = trust.lower if trust else 0.0
-        echo = taught.echo(self._knowledge(turn).describe, turn.speaker, weight, turn.heard)
-        spoken = " ".join(self._say(each) for each in (echo, *_new(turn.understood.new_words)))
+        words = (*turn.understood.new_words, *self._new_names(said, turn))
+        describe = self._knowledge(turn).describe
+        echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
+        spoken = " ".join(map(self._say, echo))
         self.base.believe(
             turn.understood.text,
             turn.understood.content,
             turn.speaker,
             taught.rules,
             supersedes=[rule.id for rule in taught.supersedes],
-            words=[word_to_keep(word, turn.speaker) for word in turn.understood.new_words],
+            words=[word_to_keep(word, turn.speaker) for word in words],
             kind=turn.understood.kind,
             answer=spoken,
             heard=turn.heard,
         )
-        self.language = self.language.with_words(turn.understood.new_words)
+        self.language = self.language.with_words(words)
         told = tuple(self.base.rule(rule.id) for rule in taught.rules)
         self._set_topic(told)
         return replace(self._reply(turn, spoken), rules=told)
 
+    def _new_names(self, said: meaning.Statement, turn: DialogueTurn) -> Iterator[NewWord]:
+        """The names of objects that "it" stands for and that no statement has used before."""
+        known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
+        for name in dict.fromkeys(rule.object for rule in said.rules):
+            if name not in known and not self.language.lexicon.is_name(name):
+                yield NewWord(name, "object", name)
+
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
-        if said == meaning.Retraction() and self._just_acted:  # "never mind" means the action
+        if said == meaning.Retraction() and (self._just_acted or not self._topic):
             return self._answered(turn, "forget_what", "failed")
         rules = rules_to_retract(self.base, said, turn.speaker, self._topic)
         own = [rule for rule in rules if rule.speaker == turn.speaker]
@@ -277,6 +258,7 @@ class DialogueManager:
             heard=turn.heard,
         )
         self.language = self.language.with_words(words)
+        self._open = OpenQuestion(turn.speaker)
         return self._reply(turn, spoken)
 
     # --- Commands -----------------------------------------------------------------------------
@@ -290,8 +272,14 @@ class DialogueManager:
             return self._spoken(turn, declined(said))
         if turn.understood.unknown:
             words = turn.understood.unknown
-            key = "unknown_use" if words == (use_of(said),) else "unknown_thing"
-            return self._answered(turn, key, "asked", words=words)
+            use = use_of(said)
+            key = "unknown_use" if words == (use,) else "unknown_thing"
+            reply = self._answered(turn, key, "asked", words=words)
+            self._open = OpenQuestion(
+                turn.speaker,
+                choose=lambda named: self._taught_use(turn, named, use or ""),
+            )
+            return reply
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
         return self._carry_out(turn, replace(request, contexts=self.contexts))
 
@@ -317,14 +305,18 @@ class DialogueManager:
         self._just_acted = True
         settled = request.confirmed(result)
         if reply.ending == "asked" and settled:
-            self._pending = Pending(turn.speaker, yes=lambda: self._carry_out(turn, settled))
+            self._open = OpenQuestion(
+                turn.speaker,
+                yes=lambda: self._carry_out(turn, settled),
+                choose=lambda named: self._carry_out(turn, choosing(request, named, result)),
+            )
         return reply
 
     # --- Controls -----------------------------------------------------------------------------
 
     def _obey(self, turn: DialogueTurn, said: meaning.Control) -> Reply:
         """Carry out a control while no command runs; one that ran was interrupted before."""
-        pending, self._pending = self._pending, None
+        pending, self._open = self._open, None
         stopped, self._just_stopped = self._just_stopped, None
         if said.control == "stop" and stopped:
             return self._spoken(turn, replace(stopped, ending="done"))
@@ -338,8 +330,8 @@ class DialogueManager:
             return self._answered(turn, "nothing_held", "failed")
         return self._spoken(turn, self._goals().empty_hand(said.control, said.object))
 
-    def _continue(self, turn: DialogueTurn, pending: Pending | None) -> Reply:
-        if pending and pending.asked == turn.speaker:
+    def _continue(self, turn: DialogueTurn, pending: OpenQuestion | None) -> Reply:
+        if pending and pending.yes and pending.asked == turn.speaker:
             return pending.yes()
         if self._interrupted:
             return self._carry_out(*self._interrupted)
@@ -349,33 +341,24 @@ class DialogueManager:
 
     def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
         found, rules = answer(said, self._knowledge(turn))
+        if found.ending == "failed":
+            self._topic = ()
+            self._open = OpenQuestion(turn.speaker)
         self._set_topic(rules)
         return replace(self._spoken(turn, found), rules=rules)
 
-    def _knowledge(self, turn: DialogueTurn) -> Knowledge:
-        return Knowledge(
-            self.base,
-            self.language.answers,
-            turn.speaker,
-            self._visible,
-            self.last_done,
-            self._topic,
-            self._holding,
-            self._last_said,
-            self._retracted,
-        )
-
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
-        pending = self._pending
+        pending = self._open
         if pending and pending.asked != turn.speaker:
             pending = None
         else:
-            self._pending = None
-        if pending and said.ack in {"yes", "okay"}:
+            self._open = None
+        if pending and pending.yes and said.ack in {"yes", "okay"}:
             return pending.yes()
         if pending and said.ack == "no" and pending.no:
             return pending.no()
         key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
+        key = "dismissed" if key == "no" and pending is None else key
         return self._answered(turn, key, "done")
 
     def _ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
@@ -387,12 +370,17 @@ class DialogueManager:
         text, speaker = turn.understood.text, turn.speaker
         meant = self._corrected(turn, said)
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
-            self._pending = Pending(
+            self._open = OpenQuestion(
                 speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
+            )
+        elif not said.choices:
+            self._open = OpenQuestion(
+                speaker,
+                choose=lambda named: self._with_referent(turn, named),
             )
         elif meant:
             again, word = meant
-            self._pending = Pending(
+            self._open = OpenQuestion(
                 speaker,
                 yes=lambda: self.hear(again, speaker=speaker, heard=turn.heard),
                 no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, accepted=[word]),
@@ -406,7 +394,7 @@ class DialogueManager:
         heard = tuple(partial(self._take, turn, each) for each in choices)
         again = partial(self._ask_back, turn, said)
         only = heard[0] if len(heard) == 1 else again
-        self._pending = Pending(turn.speaker, only, choices=heard)
+        self._open = OpenQuestion(turn.speaker, only, choices=heard)
 
     def _take(self, turn: DialogueTurn, choice: meaning.Meaning) -> Reply:
         """Respond to a chosen meaning, of the sentence that has it or as one that says it."""
@@ -415,12 +403,25 @@ class DialogueManager:
         text = self.language.generate(choice)
         return self.hear(text, speaker=turn.speaker, heard=turn.heard)
 
-    def _chosen(self, text: str, speaker: str) -> int | None:
-        """Which of the choices offered a text takes, 0 for none; None if it is no answer."""
-        pending = self._pending
-        if pending is None or pending.asked != speaker or not pending.choices:
+    def _with_referent(self, turn: DialogueTurn, named: meaning.Answer) -> Reply | None:
+        """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""
+        name = named.name
+        if name in {None, meaning.ANY_OBJECT}:
             return None
-        return self.language.chosen(text, len(pending.choices))
+        self._discourse = replace(self._discourse, object=Form(str(name).replace(" ", "_")))
+        text = turn.understood.text
+        again = self._understood(text, turn.speaker, (), turn.heard)
+        if again.kind in {"ask_back", "error"}:
+            return self._answered(turn, "say_again", "asked", object=str(name))
+        return self.hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
+
+    def _taught_use(self, turn: DialogueTurn, named: meaning.Answer, use: str) -> Reply | None:
+        """Learn what is used for something, from its name alone."""
+        if not use or named.name in {None, meaning.ANY_OBJECT}:
+            return None
+        taught = meaning.FunctionalRule(str(named.name), use, self.language.usual, named.props)
+        text = self.language.generate(meaning.Statement((taught,)))
+        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _corrected(self, turn: DialogueTurn, said: meaning.AskBack) -> tuple[str, str] | None:
         """The utterance with the suggested word in place of the unknown one, and the latter."""
@@ -438,58 +439,5 @@ class DialogueManager:
             problem = self._say(SpokenAnswer("still_not_understood"))
         example = SpokenAnswer("try_saying", {"example": said.nearest[:1]})
         step = self._say(example if said.nearest else SpokenAnswer("ask_for_help"))
-        return self._recorded(turn, f"{problem} {step}", "not_understood")
-
-    # --- Helpers -----------------------------------------------------------------------------
-
-    def _set_topic(self, rules: tuple[Rule, ...]) -> None:
-        """Make these rules the topic; "no, by the handle" and "forget that" mean the last."""
-        said = meaning_from_rule(rules[-1]) if rules else None
-        if said:
-            self._topic, self._retracted, self._just_acted = rules, (), False
-            self._discourse = replace(self._discourse, rule=said)
-
-    def _trusts(self, speaker: str) -> bool:
-        trust = self.base.trust(speaker)
-        return trust is not None and trust.upper > 0
-
-    def _answered(self, turn: DialogueTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
-        return self._spoken(turn, SpokenAnswer(key, slots, ending))
-
-    def _spoken(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
-        return self._recorded(turn, self._say(answered), answered.ending)
-
-    def _recorded(self, turn: DialogueTurn, spoken: str, ending: Ending) -> Reply:
-        """Return the reply with this answer, and write the utterance to the history."""
-        reply = replace(self._reply(turn, spoken), ending=ending)
-        self._record(reply, turn)
-        return reply
-
-    def _say(self, answered: SpokenAnswer) -> str:
-        """An answer in words, with the slots that its template has."""
-        wanted = self.language.slots(answered.key)
-        slots = {name: answered.slots[name] for name in wanted}
-        spoken = self.language.say(answered.key, **slots)
-        return self._other.say(answered, spoken) if self._other else spoken
-
-    def _record(self, reply: Reply, turn: DialogueTurn) -> None:
-        if not turn.keep:
-            return
-        self.base.record(
-            reply.text,
-            reply.understanding.content,
-            reply.speaker,
-            reply.understanding.kind,
-            accepted=reply.is_done,
-            answer=reply.said,
-            heard=turn.heard,
-        )
-
-    def _reply(self, turn: DialogueTurn, spoken: str) -> Reply:
-        understood = turn.understood
-        return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)
-
-
-def _new(words: Sequence[NewWord]) -> Iterator[SpokenAnswer]:
-    if words:
-        yield SpokenAnswer("learned_words", {"words": tuple(word.word for word in words)})
+        spoken = problem if problem.endswith("?") else f"{problem} {step}"
+        return self._recorded(turn, spoken, "not_understood")

@@ -8,7 +8,7 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...kb.knowledge_base import KnowledgeBase
@@ -38,9 +38,14 @@ class Lesson:
     is_known: bool
 
     def echo(
-        self, describe: Callable[[Rule], str], speaker: str, trust: float, heard: float
-    ) -> SpokenAnswer:
-        """The confirmation of what was learned.
+        self,
+        describe: Callable[[Rule], str],
+        speaker: str,
+        trust: float,
+        heard: float,
+        words: Sequence[NewWord] = (),
+    ) -> Iterator[SpokenAnswer]:
+        """The confirmation of what was learned, new words included.
 
         `trust` in the speaker and how well they were `heard` are in [0, 1].
         """
@@ -51,7 +56,9 @@ class Lesson:
             key = "learned_unclearly"
         rules = tuple(map(describe, self.rules))
         key = "known_already" if self.is_known else key
-        return SpokenAnswer(key, {"rules": rules, "speaker": speaker})
+        yield SpokenAnswer(key, {"rules": rules, "speaker": speaker})
+        if words:
+            yield SpokenAnswer("learned_words", {"words": tuple(word.word for word in words)})
 
 
 def lesson_from_statement(

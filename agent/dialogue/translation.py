@@ -17,7 +17,7 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.interpretation import GOALS
 from ...ontology.actions import Actions
-from ..execution.outcome import SpokenAnswer
+from ..execution.outcome import GoalResult, SpokenAnswer
 from ..execution.request import Argument, Request
 
 
@@ -88,6 +88,12 @@ def request_from_command(
     if command.recipient:
         arguments["recipient"] = command.recipient
     return Request(command.goal, arguments, speaker, part=command.part)
+
+
+def choosing(request: Request, named: meaning.Answer, result: GoalResult) -> Request:
+    """Return a request for what a short answer to a question about it names."""
+    name = None if named.name == meaning.ANY_OBJECT else named.name
+    return request.choosing(name, named.props, result)
 
 
 def use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ...inference.types import Conclusion, Target
@@ -44,10 +44,30 @@ class Request:
             return None
         if decision.object.best:
             return replace(self, part=str(result.answer.slots["part"]))
-        likeliest = Target(object=decision.object.candidates[0].object, is_confirmed=True)
-        parameter = TOOL if TOOL in self.arguments or PATIENT in self.arguments else "object"
-        arguments = {**self.arguments, parameter: likeliest}
-        return replace(self, arguments=arguments, assumed=self.assumed - {parameter})
+        return self._about(Target(object=decision.object.candidates[0].object, is_confirmed=True))
+
+    def choosing(self, name: str | None, properties: Iterable[str], result: GoalResult) -> Request:
+        """Return this request for what was named when Hilt asked about an object or a part.
+
+        Without a name it is the object first meant, with these properties.
+        """
+        decision = result.decision
+        if name and decision and decision.object.best:
+            return replace(self, part=name)
+        if name:
+            return self._about(Target(object=name, properties=frozenset(properties)))
+        meant = self.arguments.get(self._chosen)
+        target = meant if isinstance(meant, Target) else Target()
+        return self._about(replace(target, properties=target.properties | frozenset(properties)))
+
+    @property
+    def _chosen(self) -> str:
+        """The parameter whose object Hilt chooses."""
+        return TOOL if TOOL in self.arguments or PATIENT in self.arguments else "object"
+
+    def _about(self, target: Target) -> Request:
+        arguments = {**self.arguments, self._chosen: target}
+        return replace(self, arguments=arguments, assumed=self.assumed - {self._chosen})
 
 
 def review_arguments(actions: Actions, tree: str, request: Request) -> dict[str, Argument]:

@@ -56,6 +56,7 @@ class Grammar:
         roots: the speech act of each category that is a whole utterance.
         topic: the category of what is only named, for "it" to stand for.
         general: the category of any object of a kind, like "a knife".
+        answer: the category of a short answer, like "the second one".
     """
 
     types: Mapping[str, Type]
@@ -65,6 +66,7 @@ class Grammar:
     roots: Mapping[Category, str]
     topic: Category
     general: Category
+    answer: Category
 
     def entry(self, field: Field, extra: Signature | None = None) -> tuple[Category, Term, float]:
         """Read and check one line `category : term @cost`; `extra` types constants of this line."""
@@ -105,7 +107,11 @@ class Grammar:
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     """Read the grammar of a language; the names of the degrees become constants of type `d`."""
     entries = read_yaml(path).entries(
-        required=("categories", "predicates", "unary", "roots", "topic", "general"), optional=()
+        required=(
+            *("categories", "predicates", "unary", "roots"),
+            *("topic", "general", "answer"),
+        ),
+        optional=(),
     )
     atoms = entries["categories"].entries()
     parts = {
@@ -126,6 +132,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         roots=_roots(entries["roots"], types),
         topic=AtomicCategory(entries["topic"].text(choices=tuple(types))),
         general=AtomicCategory(entries["general"].text(choices=tuple(types))),
+        answer=AtomicCategory(entries["answer"].text(choices=tuple(types))),
     )
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])

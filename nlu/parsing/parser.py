@@ -20,9 +20,9 @@ from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, RefusedError, resolve
 from ..semantics.features import FeatureReader
-from ..semantics.interpretation import Interpreter
+from ..semantics.interpretation import Interpreter, short_answer
 from ..semantics.licence import Licence
-from ..semantics.meaning import Confidence, Meaning
+from ..semantics.meaning import Answer, Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import Form, form_of
 from .chart import Chart, Derivation
@@ -101,6 +101,15 @@ class SentenceParser:
                 form = form.arguments[0]
             if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
                 return form.name.replace("_", " ")
+        return None
+
+    def answer(self, chart: Chart, context: UtteranceContext) -> Answer | None:
+        """Return the short answer that an utterance is, None when it is none."""
+        for derivation in sorted(chart.derivations(self.grammar.answer), key=lambda d: d.cost):
+            try:
+                return short_answer(resolve(form_of(derivation.value), context.discourse))
+            except RefusedError:
+                continue
         return None
 
     def is_generic(self, chart: Chart) -> bool:

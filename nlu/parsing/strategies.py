@@ -21,6 +21,7 @@ from ..lexicon.unknown_words import KnownWords
 from ..semantics.coreference import update_discourse
 from ..semantics.meaning import (
     Acknowledgement,
+    Answer,
     AskBack,
     Command,
     Meaning,
@@ -67,6 +68,14 @@ class UtteranceParser:
         if self.parser.pragmatics.is_enough(found.reading.interval):
             return found
         return _understanding(tokens, context, self.clarification.of_recognition(found.text))
+
+    def answer(self, text: str, context: UtteranceContext) -> Answer | None:
+        """Return the short answer that a text is to a question of Hilt, None when it is none."""
+        tokens = tokenize(text, self.builder.contractions).without_breaks()
+        if self.clarification.of_input(text, tokens):
+            return None
+        guesses = self.known_words.guesses(tokens, self.known_words.unknown(tokens))
+        return self.parser.answer(self.parser.chart(tokens, guesses), context)
 
 
 class _Attempt:

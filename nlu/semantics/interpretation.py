@@ -18,6 +18,7 @@ from .meaning import (
     ANY_OBJECT,
     Acknowledgement,
     ActionRule,
+    Answer,
     Command,
     Confidence,
     FunctionalRule,
@@ -379,6 +380,21 @@ def _question_on_use(ask: str, use: Form) -> Question:
 
 def _question_on_target(ask: str, target: ObjectReference) -> Question:
     return Question(ask, object=target.object, affordance=target.used_for, material=target.material)
+
+
+_CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
+
+
+def short_answer(form: Form) -> Answer:
+    """Return what an answer names or chooses: `chosen(knife)`, `noneOf`.
+
+    Raises:
+        RefusedError: what it names has no name.
+    """
+    if form.name in _CHOICES:
+        return Answer(choice=_CHOICES[form.name])
+    name, props = _kind_and_properties(form.arguments[0])
+    return Answer(name, props)
 
 
 def _kind(form: Form) -> str:

@@ -258,6 +258,28 @@ class Control(_Record):
 
 
 @dataclass(frozen=True)
+class Answer(_Record):
+    """A short answer to a question of Hilt: "the red one", "the second", "neither".
+
+    Attributes:
+        name: the object, part or use that it names; `ANY_OBJECT` when it names properties only.
+        props: the properties that it names, sorted.
+        number: which of the choices that were offered, from 1.
+        choice: `none`, `any` or `unknown` ("I don't know").
+    """
+
+    name: str | None = None
+    props: tuple[str, ...] = ()
+    number: int | None = None
+    choice: str | None = None
+
+    @property
+    def is_dismissal(self) -> bool:
+        """Whether it says that the question need not be answered."""
+        return self.choice in {"none", "unknown"}
+
+
+@dataclass(frozen=True)
 class AskBack:
     """The utterance is ambiguous or close to a known one: Hilt must ask a clarification question.
 
