@@ -22,6 +22,7 @@ unary:
 roots: {%s: STATEMENT}
 topic: NP
 general: NP
+answer: S
 """
 
 
