@@ -84,6 +84,7 @@ def resolve(form: Form, discourse: Discourse) -> Form:
     """
     discourse = discourse.accessible
     form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)
+    form = form.mapped(_with_each_material)
     if THEY in form:
         return _resolve_they(form, discourse)
     rest = _simplified(_resolve_rules(form, discourse))
@@ -142,6 +143,15 @@ def _with_tool(form: Form) -> Form | None:
     if not _is_tool_act(act) or len(act.arguments) != 2:
         raise RefusedError("one_thing_at_a_time")
     return Form(act.name, (*act.arguments, tool))
+
+
+def _with_each_material(form: Form) -> Form | None:
+    """`of(cutting, both(bread, wood))` as `both(of(cutting, bread), of(cutting, wood))`."""
+    if form.name != "of" or form.arguments[1].name not in {"both", "butNot"}:
+        return None
+    use, several = form.arguments
+    each = (Form("of", (use, material)) for material in several.arguments)
+    return Form(several.name, tuple(part.mapped(_with_each_material) for part in each))
 
 
 def _resolve_rules(form: Form, discourse: Discourse) -> Form:
