@@ -17,7 +17,16 @@ from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..lexicon.vocabulary import NewWord
 from ..semantics.features import FeatureReader
-from ..semantics.meaning import Command, Meaning, Question, Statement, ToolCommand, Topic
+from ..semantics.meaning import (
+    Command,
+    FunctionalRule,
+    Meaning,
+    Question,
+    Rule,
+    Statement,
+    ToolCommand,
+    Topic,
+)
 from .understanding import Reading
 
 MAX_NEW_NAMES = 2
@@ -71,7 +80,9 @@ class ReadingFilter:
         if not words:
             return True
         if isinstance(meaning, Statement):
-            return not self._may_name_agent(words)
+            return not self._may_name_agent(words) and not any(
+                self._may_be_no_material(rule, words, tokens) for rule in meaning.rules
+            )
         if isinstance(meaning, Topic):
             return [word.role for word in words] == ["object"]
         if len(words) > MAX_NEW_NAMES or not all(map(_is_name, words)):
@@ -91,6 +102,17 @@ class ReadingFilter:
         said = {word.role: word.said for word in words}
         participle = self.inflection.origins(said.get("context", ""), "participle")
         return "part" in said and bool(participle)
+
+    def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord], tokens: Tokens) -> bool:
+        """Whether a new material may as well be an adverb ("quietly") or an aside (", kiddo,")."""
+        if not isinstance(rule, FunctionalRule):
+            return False
+        said = {word.said for word in words if word.word == rule.material}
+        uses = {rule.affordance, self.known_words.builder.bare_verb(rule.affordance)}
+        return any(self.inflection.origins(each, "adverb") for each in said) or any(
+            word in said and place in tokens.pauses and tokens.words[place - 1] in uses
+            for place, word in enumerate(tokens.words)
+        )
 
 
 def _is_negative(meaning: Meaning) -> bool:
