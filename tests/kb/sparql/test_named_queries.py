@@ -50,6 +50,15 @@ def test_best_object_is_the_surest(paper: KnowledgeBase):
     assert not len(paper.answer("best-for", affordance="pounding"))
 
 
+def test_use_is_listed_with_its_material(paper: KnowledgeBase):
+    """A use on wood says so, a use on anything has no material."""
+    teach(paper, functional("knife", "cutting", interval=Interval(0.5, 1), material="wood"))
+
+    rows = [names(row)[-1] for row in paper.answer("uses-of", object="knife")]
+
+    assert rows == [None, "wood"]
+
+
 def test_grasp_is_found_by_object_and_context(paper: KnowledgeBase):
     """By the blade to pass it; both ways when no context is named."""
     passed = paper.answer("how-to-grasp", object="knife", context="pass")
