@@ -14,6 +14,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from ...inference.types import Target
 from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom, Rule
@@ -87,6 +88,7 @@ class DialogueManager(Conversation):
         self._goals = goals
         self._record_episode = record_episode
         self._interrupted: tuple[DialogueTurn, Request] | None = None  # the command to continue
+        self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
             meaning.Statement: self._learn,
@@ -281,7 +283,17 @@ class DialogueManager(Conversation):
             )
             return reply
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
-        return self._carry_out(turn, replace(request, contexts=self.contexts))
+        target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+        self._excluded = self._excluded | self._last_chosen() if target.other else frozenset()
+        return self._carry_out(
+            turn, replace(request, contexts=self.contexts, excluded=self._excluded)
+        )
+
+    def _last_chosen(self) -> frozenset[str]:
+        """The name of the object that the last command was carried out with, if any."""
+        result = self.last_done.result if self.last_done else None
+        best = result.decision.object.best if result and result.decision else None
+        return frozenset({best.name} if best else ())
 
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
         """Carry out a request; return its result and the spoken answer."""
@@ -303,6 +315,10 @@ class DialogueManager(Conversation):
         self._topic = ()
         self._set_topic(result.decision.rules if result.decision else ())
         self._just_acted = True
+        chosen = result.decision.object.best if result.decision else None
+        wanted = request.arguments.get("object")
+        if chosen and isinstance(wanted, Target) and wanted.object is None:
+            self._discourse = self._discourse.about(chosen.object)
         settled = request.confirmed(result)
         if reply.ending == "asked" and settled:
             self._open = OpenQuestion(
@@ -353,6 +369,8 @@ class DialogueManager(Conversation):
             pending = None
         else:
             self._open = None
+        if pending:  # what was asked about can be referred to again
+            self._discourse = replace(self._discourse, has_failed=False)
         if pending and pending.yes and said.ack in {"yes", "okay"}:
             return pending.yes()
         if pending and said.ack == "no" and pending.no:

@@ -33,6 +33,7 @@ def request_as_json(request: Request) -> Json:
         "part": request.part,
         "contexts": {str(a): [held.lower, held.upper] for a, held in request.contexts.items()},
         "assumed": sorted(request.assumed),
+        "excluded": sorted(request.excluded),
     }
 
 
@@ -48,6 +49,7 @@ def request_from_json(kept: Mapping[str, Any]) -> Request:
         kept["part"],
         {Atom.parse(atom): Interval(*held) for atom, held in kept["contexts"].items()},
         frozenset(kept["assumed"]),
+        frozenset(kept.get("excluded", ())),  # episodes of older versions have none
     )
 
 

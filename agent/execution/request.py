@@ -27,6 +27,7 @@ class Request:
         part: the part to act on, when the command itself names it.
         contexts: what else holds now, with the interval to which it holds.
         assumed: the parameters that nobody mentioned; a default of the tree takes precedence.
+        excluded: the names of the objects that were chosen before, when another one is wanted.
     """
 
     action: str
@@ -35,6 +36,7 @@ class Request:
     part: str | None = None
     contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
     assumed: frozenset[str] = frozenset()
+    excluded: frozenset[str] = frozenset()
 
     def confirmed(self, result: GoalResult) -> Request | None:
         """Return this request for the object or part that Hilt asked about, after a "yes"."""

@@ -142,8 +142,14 @@ class TreeExecutor:
         percepts = self._context.vision.search([str(feature) for feature in features])
         found = self._found.get(self._target(arguments))
         if _action(node) == FIND:
-            return [each for each in percepts if each.name not in self._rejected]
+            tried = {*self._rejected, *self._excluded(arguments)}
+            return [each for each in percepts if each.name not in tried]
         return [each for each in percepts if found is None or each.name == found.percept.name]
+
+    def _excluded(self, arguments: Mapping[str, Argument]) -> Collection[str]:
+        """The objects that were chosen before; what a tool is used on may be the same again."""
+        is_patient = self._target(arguments) == self._request.arguments.get(PATIENT)
+        return () if is_patient else self._request.excluded
 
     def _act(
         self,
@@ -297,6 +303,8 @@ class TreeExecutor:
                 rejected=tuple(self._rejected.values()),
             )
         best = inference.best
+        if best is None and self._excluded(arguments):
+            return SpokenAnswer("nothing_other", {}, "failed", "not_found")
         if best is None:
             return answers.not_found(target, inference)
         percept = next(each for each in percepts if each.name == best.name)

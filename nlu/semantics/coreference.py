@@ -59,6 +59,11 @@ class Discourse:
     named: tuple[Form, ...] = ()
     has_failed: bool = False
 
+    def about(self, name: str) -> Discourse:
+        """Return this state after an object of this name was mentioned."""
+        thing = Form(name.replace(" ", "_"))
+        return replace(self, object=thing, named=(thing,))
+
     @property
     def accessible(self) -> Discourse:
         """This state, or an empty one after a turn that failed."""
@@ -316,7 +321,7 @@ def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> D
     """Return the discourse state after an utterance with a meaning and a predicate form."""
     if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
         return discourse
-    discourse = replace(discourse, has_failed=False)
+    discourse = discourse.accessible
     mentioned = _mentioned_object(content)
     named = tuple(dict.fromkeys(_named_objects(meaning)))
     if mentioned is not None:

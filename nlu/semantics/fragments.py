@@ -173,7 +173,7 @@ def _as_question(fragment: Fragment, question: Question) -> Question:
         ask = "is_used_for" if question.ask in _OF_USES and question.object else question.ask
         question = replace(question, ask=ask, context=None, part=None)
         return replace(question, affordance=fragment.use, material=fragment.material)
-    if question.object is None:
+    if question.object is None or question.context is None:
         raise _nothing()
     return replace(question, part=fragment.part)
 

@@ -590,3 +590,22 @@ def test_what_is_reported_is_not_believed_after_a_no(agent: Agent):
     agent.hear("no")
 
     assert agent.base.rules() == []
+
+
+def test_another_one_is_none_of_those_chosen_before():
+    """Of two mugs the other is chosen, then there is no further one."""
+    with Agent.open("memory:", AgentConfig(scene="objects:mug,mug,knife", simulate=False)) as mind:
+        replies = [
+            mind.hear(said) for said in ("pass me a mug", "no, the other one", "another one")
+        ]
+
+    chosen = [reply.result.decision.object.best for reply in replies if reply.result]
+    assert [each.name if each else None for each in chosen if each] == ["mug", "mug 2"]
+    assert replies[-1].said == "I don't see another one."
+
+
+def test_what_was_chosen_can_be_referred_to(taught: Agent):
+    """The object that a command was carried out with is the referent of "it"."""
+    taught.hear("pass me something used for cutting")
+
+    assert taught.hear("what is it used for?").said.startswith("A knife is used for cutting")
