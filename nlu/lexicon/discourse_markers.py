@@ -176,10 +176,13 @@ def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
     return next((n for n in range(longest, 0, -1) if words[start : start + n] in phrases), 0)
 
 
-def move_to_front(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
+def move_to_front(
+    tokens: Tokens, phrases: Collection[Phrase], barriers: Collection[str]
+) -> Tokens | None:
     """Move the only one of some phrases to the beginning; None if it is there or not the only one.
 
-    English lets an adverb stand almost anywhere: "a shoe you can sometimes pound with".
+    English lets an adverb stand almost anywhere: "a shoe you can sometimes pound with". But it
+    crosses none of the `barriers`: "I never heard that ..." says nothing of what was heard.
     """
     words = tokens.words
     found = [
@@ -191,6 +194,8 @@ def move_to_front(tokens: Tokens, phrases: Collection[Phrase]) -> Tokens | None:
     if not found or found[0][0] == 0:
         return None
     start, end = found[0]
+    if not set(barriers).isdisjoint(words[:start]):
+        return None
     if any(later[0] >= end or later[1] <= start for later in found[1:]):
         return None
     items = tokens.items

@@ -66,10 +66,13 @@ def _features_of_names(
             yield "thing", frozenset({"new"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]
-        if reader.is_noun("abstract", said.said, said.word):
+        before = _before(words, said.said, 3)
+        if reader.is_abstract(said.said, said.word):
             yield "thing", frozenset({"abstract"})
-        elif "your" in _before(words, said.said, 1):
+        elif "your" in before:
             yield "thing", frozenset({"own"})
+        elif reader.determiners.isdisjoint(before):
+            yield "thing", frozenset({"bare"})
 
 
 def _part(reader: FeatureReader, words: Sequence[str], part: str, new: NewWord | None) -> str:
@@ -78,7 +81,7 @@ def _part(reader: FeatureReader, words: Sequence[str], part: str, new: NewWord |
     before = _before(words, said, 3)
     if before and before[-1] in reader.owners:
         return "own"
-    if new is None or new.word != part or reader.is_noun("part", said, part):
+    if new is None or new.word != part or reader.is_part(said, part):
         return ""
     is_said = not reader.part_words.isdisjoint(before) or _after(words, said) in reader.part_words
     return "" if is_said else "new"

@@ -189,12 +189,13 @@ class _Attempt:
         """The utterance in fewer words of the same meaning, the closest first."""
         builder = self._tools.builder
         qualifiers = builder.qualifier_phrases
+        barriers = self._tools.parser.features.embedding
         untagged = self._markers.remove_tag(tokens)
         for each in (untagged, builder.expand_endings(untagged)):
             yield each
             bare = self._markers.remove_markers(each, qualifiers)
             yield bare
-            fronted = None if BREAK in bare.words else move_to_front(bare, qualifiers)
+            fronted = None if BREAK in bare.words else move_to_front(bare, qualifiers, barriers)
             if fronted:
                 self._fronted.add(fronted)
                 yield fronted

@@ -25,9 +25,15 @@ MAIN, CONDITION, ASIDE = "main", "condition", "aside"
 
 NAMED: Values = {
     "part": frozenset({"new", "own"}),
-    "thing": frozenset({"new", "own", "abstract"}),
+    "thing": frozenset({"new", "own", "abstract", "bare"}),
 }
 """The features of what is named: a part that is new or that of a person, and a new thing."""
+
+
+_KEYS = (
+    *("features", "conditions", "names", "nouns", "abstract_endings"),
+    *("part_words", "owners", "embedding", "determiners"),
+)
 
 
 class ClauseWord(NamedTuple):
@@ -77,6 +83,9 @@ class FeatureReader:
         nouns: the nouns of each kind: parts of things, and what cannot be handled.
         part_words: words that show that a noun names a part: "by the lug", "its lug".
         owners: words that show that a part is that of a person: "your".
+        embedding: words that make a clause what somebody says or thinks.
+        determiners: words of which one precedes the name of a thing that is asked for.
+        endings: those of abstract nouns.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
@@ -86,6 +95,9 @@ class FeatureReader:
     nouns: Values
     part_words: frozenset[str]
     owners: frozenset[str]
+    embedding: frozenset[str]
+    determiners: frozenset[str]
+    endings: tuple[str, ...]
 
     def features(self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]) -> Features:
         """Return the features of an utterance by its words and the phrases taken out of it."""
@@ -101,9 +113,13 @@ class FeatureReader:
         found = [value for phrase in phrases for value in self._found(phrase)]
         return replace(features, aside=_joined([features.aside, *found]))
 
-    def is_noun(self, kind: str, *words: str) -> bool:
-        """Whether one of some words is a noun of a kind, `part` or `abstract`."""
-        return not self.nouns[kind].isdisjoint(words)
+    def is_part(self, *words: str) -> bool:
+        """Whether one of some nouns is commonly a part of a thing."""
+        return not self.nouns["part"].isdisjoint(words)
+
+    def is_abstract(self, *words: str) -> bool:
+        """Whether one of some nouns names nothing that can be taken."""
+        return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(self.endings)
 
     def _found(self, words: Sequence[str]) -> Iterator[Values]:
         """The features of the phrases in some words, from left to right, the longest first."""
@@ -123,9 +139,7 @@ def load_features(path: Path) -> FeatureReader:
     Raises:
         DataError: the file is not as expected, or one phrase has two values of one feature.
     """
-    parts = read_yaml(path).entries(
-        required=("features", "conditions", "names", "nouns", "part_words", "owners"), optional=()
-    )
+    parts = read_yaml(path).entries(required=_KEYS, optional=())
     found: dict[tuple[str, ...], dict[str, frozenset[str]]] = {}
     values: dict[str, frozenset[str]] = {}
     for feature, group in parts["features"].entries().items():
@@ -144,8 +158,11 @@ def load_features(path: Path) -> FeatureReader:
         frozenset(parts["conditions"].texts()),
         frozenset(parts["names"].texts()),
         {kind: _words(field) for kind, field in nouns.items()},
-        _words(parts["part_words"]),
-        _words(parts["owners"]),
+        part_words=_words(parts["part_words"]),
+        owners=_words(parts["owners"]),
+        embedding=_words(parts["embedding"]),
+        determiners=_words(parts["determiners"]),
+        endings=parts["abstract_endings"].texts(),
     )
 
 

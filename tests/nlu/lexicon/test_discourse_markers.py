@@ -102,11 +102,12 @@ def test_a_single_adverb_moves_to_the_front() -> None:
     """Where there are two, neither moves."""
     often = {("often",)}
 
-    one = move_to_front(tokenize("you often cut", {}), often)
+    one = move_to_front(tokenize("you often cut", {}), often, ())
 
     assert one is not None
     assert one.words == ("often", "you", "cut")
-    assert move_to_front(tokenize("you often cut often", {}), often) is None
+    assert move_to_front(tokenize("you often cut often", {}), often, ()) is None
+    assert move_to_front(tokenize("you often cut", {}), often, ["you"]) is None
 
 
 def test_an_unknown_kind_is_refused() -> None:

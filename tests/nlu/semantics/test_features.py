@@ -11,7 +11,11 @@ from hilt.nlu import Language
 from hilt.nlu.semantics.features import load_features
 from hilt.ontology.errors import DataError
 
-EMPTY = "conditions: []\nnames: []\nnouns: {part: [], abstract: []}\npart_words: []\nowners: []\n"
+EMPTY = (
+    "conditions: []\nnames: []\nnouns: {part: [], abstract: []}\n"
+    "part_words: []\nowners: []\nembedding: []\n"
+    "determiners: []\nabstract_endings: []\n"
+)
 
 
 @pytest.mark.parametrize(
