@@ -39,6 +39,7 @@ from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import Checks, load_check_words
 from .offers.choice import load_choice_words
 from .offers.offers import Offers, load_model
+from .offers.slips import is_misspelled
 from .parsing.clarification import Clarification
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.reading_filter import ReadingFilter
@@ -200,13 +201,19 @@ class Language:
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         found = self.utterance_parser.understand(text, context, accepted)
-        match found.meaning:
+        question = self._offered(text, context.discourse, found.meaning)
+        return replace(found, meaning=question) if question else found
+
+    def _offered(self, text: str, discourse: Discourse, said: Meaning) -> AskBack | None:
+        """The question which meaning an utterance has that was not understood."""
+        tokens = tokenize(text, self.builder.contractions)
+        match said:
             case Misunderstanding() | AskBack(choices=()):
-                tokens = tokenize(text, self.builder.contractions)
-                question = self.offers.question(tokens, context.discourse)
-                return replace(found, meaning=question) if question else found
+                return self.offers.question(tokens, discourse)
+            case AskBack(choices=(str(),)) if is_misspelled(tokens, self.offers.known):
+                return self.offers.question(tokens, discourse)
             case _:
-                return found
+                return None
 
     @cached_property
     def offers(self) -> Offers:
@@ -215,7 +222,9 @@ class Language:
         intervals = self.degrees.intervals
         return Offers(
             load_model(folder / "offers.json"),
-            Checks(load_check_words(folder / "offers.yaml")),
+            Checks(
+                load_check_words(folder / "offers.yaml"), self.parser.features, self.parser.licence
+            ),
             self.utterance_parser.known_words,
             {
                 tuple(phrase.split()): intervals[degree]
@@ -236,9 +245,9 @@ class Language:
         words = tokenize(text, self.builder.contractions).words
         return load_choice_words(_folder(self.name) / "offers.yaml").chosen(words, count)
 
-    def _meaning_of(self, sentence: str) -> Meaning:
-        """The meaning of a sentence as the first of a conversation, without offers."""
-        context = UtteranceContext("sam", "self", Discourse())
+    def _meaning_of(self, sentence: str, discourse: Discourse) -> Meaning:
+        """The meaning of a sentence at some point of a conversation, without offers."""
+        context = UtteranceContext("sam", "self", discourse)
         return self.utterance_parser.understand(sentence, context, ()).meaning
 
     def control(self, text: str) -> Control | None:

@@ -44,11 +44,11 @@ def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str 
     if len(word) < MIN_LETTERS:
         return None
     is_odd = not all(each in spelled for each in letter_clusters(word))
-    likely = (_slips(word) if is_odd else _slips_of_words(word)) if word.isalpha() else ()
+    likely = (slips(word) if is_odd else _slips_of_words(word)) if word.isalpha() else ()
     return next(filter(is_known, likely), None)
 
 
-def _slips(word: str) -> Iterator[str]:
+def slips(word: str) -> Iterator[str]:
     """The words that one slip turns into `word`, the likeliest slips first."""
     yield from _swapped(word)
     yield from _doubled(word)

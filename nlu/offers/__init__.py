@@ -6,6 +6,7 @@ shapes      meanings with slots in place of the names
 candidates  the meanings that the names allow
 ranker      a log-linear model of which candidate was meant, or none
 checks      what an offer may not lose: a negation, a condition, a degree, a doer, a source
+slips       the words meant by misspelled ones
 offers      candidates, ranked, checked, and parsed back from the sentences that say them
 choice      the answers to numbered choices
 """

@@ -6,6 +6,7 @@ from .mentions import Mention, Mentions, find_mentions
 from .offers import OfferModel, Offers, load_model
 from .ranker import Ranker
 from .shapes import Shape, meaning_from_json, shape_of
+from .slips import corrected_texts
 
 __all__ = [
     "CandidateMeaning",
@@ -18,6 +19,7 @@ __all__ = [
     "Ranker",
     "Shape",
     "candidates",
+    "corrected_texts",
     "find_mentions",
     "load_check_words",
     "load_choice_words",

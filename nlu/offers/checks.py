@@ -3,19 +3,25 @@
 
 People say yes to what looks right. So a negation, a condition, an exception, a degree, a doer, a
 source or a time that the words show and the meaning does not rules the meaning out, as does half a
-sentence. The words for the checks are data (`offers.yaml`).
+sentence. Doers, sources, times and modality are features, on which the licence decides; the words
+for the other checks are data (`offers.yaml`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
 from ...ontology.yaml_reader import read_yaml
 from ..grammar.patterns import spellings
+from ..lexicon.tokenizer import BREAK
+from ..lexicon.vocabulary import NewWord
+from ..parsing.clauses import features_of_names
+from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, Features
+from ..semantics.licence import ACCEPT, Licence
 from ..semantics.meaning import (
     ActionRule,
     Command,
@@ -32,7 +38,7 @@ Phrase = tuple[str, ...]
 
 _WORD_LISTS = (
     *("negative", "implied_negation", "weak_negation", "condition", "exception"),
-    *("before_part", "unfinished", "doubtful", "doer", "source", "tense", "weak"),
+    *("before_part", "unfinished", "doubtful"),
 )
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
@@ -46,23 +52,48 @@ class Checks:
     """
 
     phrases: Mapping[str, frozenset[Phrase]]
+    reader: FeatureReader
+    licence: Licence
 
-    def allows(self, meaning: Meaning, mentions: Mentions) -> bool:
-        """Whether a meaning loses nothing of an utterance that names this."""
+    def checked(self, meaning: Meaning, mentions: Mentions) -> Meaning | None:
+        """Return a meaning as sure as the utterance says it, None if it would lose something."""
         words = mentions.tokens.words
-        return not self.is_incomplete(words) and (
-            self._keeps_sign(meaning, words)
+        keeps_all = (
+            self._is_complete(meaning, words)
+            and self._keeps_sign(meaning, words)
             and self._keeps_degree(meaning, mentions)
             and self._keeps_condition(meaning, mentions)
             and self._keeps_grip(meaning, mentions)
-            and self._is_licensed(meaning, mentions)
             and (not mentions.tokens.asks or isinstance(meaning, (Question, Command, ToolCommand)))
         )
+        if not keeps_all:
+            return None
+        features = self.clause_features(mentions)
+        if isinstance(meaning, (Command, ToolCommand)) and "tense" in features.main:
+            return None
+        named = features_of_names(self.reader, words, meaning, tuple(_new_words(mentions)))
+        features = replace(features, main={**features.main, **dict(named)})
+        if self.licence.outcome(meaning, features) != ACCEPT:
+            return None
+        return self.licence.weakened(meaning, features)
 
-    def is_incomplete(self, words: Sequence[str]) -> bool:
-        """Whether an utterance is half a sentence, or has a word twice in a row."""
-        doubled = any(one == other for one, other in pairwise(words))
-        return doubled or not words or (words[-1],) in self.phrases["unfinished"]
+    def clause_features(self, mentions: Mentions) -> Features:
+        """The features of the clauses of an utterance that names this."""
+        return self.reader.features(tuple(self._clauses(mentions)), ())
+
+    def signs(self, mentions: Mentions) -> frozenset[str]:
+        """What the words of an utterance say of doer, time, source and sign."""
+        words, features = mentions.tokens.words, self.clause_features(mentions)
+        found = {kind for kind in self.phrases if self._has(kind, words)}
+        for clause in (MAIN, CONDITION):
+            for feature, values in features.of(clause).items():
+                found |= {f"{clause} {feature}={value}" for value in values}
+        return frozenset(found | ({"cut"} if words[-1:] in self.phrases["unfinished"] else set()))
+
+    def _is_complete(self, meaning: Meaning, words: Sequence[str]) -> bool:
+        """Whether an utterance is no half sentence and has no word twice in a row."""
+        is_cut = not isinstance(meaning, Question) and (words[-1],) in self.phrases["unfinished"]
+        return not is_cut and all(one != other for one, other in pairwise(words))
 
     def _keeps_sign(self, meaning: Meaning, words: Sequence[str]) -> bool:
         if self._has("implied_negation", words) or self._has("weak_negation", words):
@@ -82,6 +113,8 @@ class Checks:
         words = mentions.tokens.words
         if self._has("exception", words) or self._has("doubtful", words):
             return False
+        if isinstance(meaning, (Command, ToolCommand)):
+            return not self._has("condition", words)
         names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(
@@ -103,12 +136,16 @@ class Checks:
             for each in places
         )
 
-    def _is_licensed(self, meaning: Meaning, mentions: Mentions) -> bool:
-        """Whether nobody else does it or says so, and it is said to be so now and always."""
-        words = mentions.tokens.words
-        if not isinstance(meaning, Statement):
-            return True
-        return not any(self._has(kind, words) for kind in ("doer", "source", "tense", "weak"))
+    def _clauses(self, mentions: Mentions) -> Iterator[ClauseWord]:
+        """The words with their clauses; one that names something belongs to none."""
+        named = {n for m in mentions.names if m.role != "act" for n in range(m.start, m.end)}
+        clause = MAIN
+        for place, word in enumerate(mentions.tokens.words):
+            if place in mentions.tokens.pauses or word == BREAK:
+                clause = MAIN
+            if (word,) in self.phrases["condition"]:
+                clause = CONDITION
+            yield ClauseWord(word, "" if place in named else clause)
 
     def _has(self, kind: str, words: Sequence[str]) -> bool:
         return self._count(kind, words) > 0
@@ -137,6 +174,13 @@ def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
         kind: frozenset(words for item in field.items() for words in spellings(item))
         for kind, field in lists.items()
     }
+
+
+def _new_words(mentions: Mentions) -> Iterator[NewWord]:
+    for each in mentions.names:
+        if each.is_new and each.role != "act":
+            said = " ".join(mentions.tokens.words[each.start : each.end])
+            yield NewWord(each.name, each.role, said)
 
 
 def _is_negative(meaning: Meaning) -> bool:

@@ -62,6 +62,7 @@ class Mentions:
         degrees: the places and intervals of words for a degree of confidence.
         it: the object mentioned last before the utterance.
         last: the last rule before the utterance.
+        features: what its words say of doer, time, source and sign.
     """
 
     tokens: Tokens
@@ -69,6 +70,7 @@ class Mentions:
     degrees: tuple[tuple[int, int, Confidence], ...] = ()
     it: str | None = None
     last: Rule | None = None
+    features: frozenset[str] = frozenset()
 
     @cached_property
     def by_role(self) -> Mapping[str, Mapping[str, tuple[Mention, ...]]]:

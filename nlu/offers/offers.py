@@ -12,19 +12,21 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 
 from ...ontology.errors import UnknownNameError
 from ..generation.templates import AnswerTemplates
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
-from ..lexicon.unknown_words import KnownWords
+from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..semantics.coreference import Discourse
 from ..semantics.meaning import AskBack, Command, Confidence, Meaning, Statement, ToolCommand
 from .candidates import CandidateMeaning, candidates
 from .checks import Checks
 from .mentions import Mentions, find_mentions
-from .ranker import Ranker
+from .ranker import Ranker, left_over
 from .shapes import Shape, meaning_from_json
+from .slips import corrected_texts
 
 MAX_OFFERS = 3
 
@@ -56,7 +58,7 @@ class Offers:
         tool_acts: the acts done with a tool, each with the affordance that the tool must have.
         answers: the words of the question.
         realize: returns the sentence for a meaning.
-        meaning_of: returns the meaning of a sentence.
+        meaning_of: returns the meaning of a sentence at some point of a conversation.
     """
 
     model: OfferModel
@@ -66,7 +68,7 @@ class Offers:
     tool_acts: Mapping[str, str]
     answers: AnswerTemplates
     realize: Callable[[Meaning], str]
-    meaning_of: Callable[[str], Meaning]
+    meaning_of: Callable[[str, Discourse], Meaning]
 
     def question(self, tokens: Tokens, discourse: Discourse) -> AskBack | None:
         """Return the question which of some meanings was meant, None when none is to be offered."""
@@ -81,23 +83,39 @@ class Offers:
 
     def meanings(self, tokens: Tokens, discourse: Discourse) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
-        if not _is_text(tokens):
+        if not self._is_text(tokens):
             return ()
-        return self.of_mentions(find_mentions(tokens, self.known, self.degrees, discourse))
+        corrected = self.of_corrected(tokens, discourse)
+        if corrected:
+            return corrected
+        return self.of_mentions(self.mentions(tokens, discourse))
+
+    def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
+        """Return what an utterance names, with its features."""
+        found = find_mentions(tokens, self.known, self.degrees, discourse)
+        return replace(found, features=self.checks.signs(found))
+
+    def of_corrected(self, tokens: Tokens, discourse: Discourse) -> tuple[Meaning, ...]:
+        """Return the meanings that an utterance has with its misspelled words corrected."""
+        texts = corrected_texts(tokens, self.known)
+        meanings = dict.fromkeys(self.meaning_of(text, discourse) for text in texts)
+        found = (each for each in meanings if self._is_understood(each))
+        return tuple(islice(found, MAX_OFFERS))
 
     def of_mentions(self, mentions: Mentions) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
-        if self.checks.is_incomplete(mentions.tokens.words):
-            return ()
         found: list[Meaning] = []
         for probability, candidate in self.ranked(mentions):
             meaning = meaning_from_json(candidate.meaning)
             least = LEAST_OTHER if found else LEAST_FIRST.get(type(meaning), LEAST)
             if probability < least:
                 break
-            is_new = _content(meaning) not in map(_content, found)
-            if is_new and self.checks.allows(meaning, mentions) and self._is_understood(meaning):
-                found.append(meaning)
+            if not candidate.used or left_over(candidate, mentions).get("new"):
+                continue
+            checked = self.checks.checked(meaning, mentions)
+            is_new = checked and _content(checked) not in map(_content, found)
+            if checked and is_new and self._is_understood(checked):
+                found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
     def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
@@ -113,9 +131,16 @@ class Offers:
         denying = self.checks.phrases["negative"]
         return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
 
+    def _is_text(self, tokens: Tokens) -> bool:
+        """Whether an utterance consists of words, not of too many, and most of them known."""
+        words = tokens.words
+        if len(words) > MAX_TOKENS or not all(word.isalpha() or word == BREAK for word in words):
+            return False
+        return len({token.word for token in self.known.unknown(tokens)}) <= MAX_NEW_WORDS
+
     def _is_understood(self, meaning: Meaning) -> bool:
         try:
-            return self.meaning_of(self.realize(meaning)) == meaning
+            return self.meaning_of(self.realize(meaning), Discourse()) == meaning
         except UnknownNameError:
             return False
 
@@ -125,12 +150,6 @@ def _content(meaning: Meaning) -> Meaning:
     if not isinstance(meaning, Statement):
         return meaning
     return Statement(tuple(replace(rule, revises=False) for rule in meaning.rules))
-
-
-def _is_text(tokens: Tokens) -> bool:
-    """Whether an utterance consists of words, and not of too many."""
-    words = tokens.words
-    return len(words) <= MAX_TOKENS and all(word.isalpha() or word == BREAK for word in words)
 
 
 @lru_cache(maxsize=4)

@@ -67,6 +67,7 @@ def utterance_features(mentions: Mentions) -> Iterator[str]:
     yield ""
     yield from dict.fromkeys(labels)
     yield from dict.fromkeys(f"{one} {other}" for one, other in pairwise((_START, *labels, _END)))
+    yield from (f"!{each}" for each in sorted(mentions.features))
     if mentions.tokens.asks:
         yield "?"
     if mentions.last is not None:

@@ -30,7 +30,7 @@ def features_of(
     """Return the features of a sentence, with those of the new nouns in its meaning."""
     words = list(_words(reader, derivation, tokens.words, MAIN))
     found = reader.features(words, tokens.removed)
-    named = dict(_features_of_names(reader, tokens.words, meaning, new_words))
+    named = dict(features_of_names(reader, tokens.words, meaning, new_words))
     return replace(found, main={**found.main, **named}) if named else found
 
 
@@ -52,10 +52,10 @@ def _words(
         yield from _words(reader, part, words, clause)
 
 
-def _features_of_names(
+def features_of_names(
     reader: FeatureReader, words: Sequence[str], meaning: Meaning, new_words: Sequence[NewWord]
 ) -> Iterator[tuple[str, frozenset[str]]]:
-    """The features `part` and `thing` of what a meaning names."""
+    """Yield the features `part` and `thing` of what a meaning names."""
     new = {word.role: word for word in new_words}
     if isinstance(meaning, Statement):
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from hilt.agent.agent import Agent
 
-UNCLEAR = "not that a spoon would cut"
-SAID = "spoon"
+UNCLEAR = "a spoon iz nevr usd for cutting"
 
 
 def test_an_offer_is_not_believed(agent: Agent) -> None:

@@ -18,7 +18,7 @@ def offered(language: Language, text: str) -> tuple[Meaning | str, ...]:
 
 def test_an_offer_is_a_meaning_that_is_asked_about(language: Language) -> None:
     """Nothing is believed or done: the meaning is a question back with the choice."""
-    found = language.understand("pass me something cutting").meaning.as_json()
+    found = language.understand("pas me somthing usd for cutting").meaning.as_json()
 
     assert found == {
         "ask_back": True,
@@ -28,7 +28,7 @@ def test_an_offer_is_a_meaning_that_is_asked_about(language: Language) -> None:
 
 def test_a_denial_is_said_aloud(language: Language) -> None:
     """The sign is in capitals, so that nobody says yes to its opposite."""
-    understood = language.understand("not that a spoon would cut")
+    understood = language.understand("a spoon iz nevr usd for cutting")
 
     assert isinstance(understood.meaning, AskBack)
     assert "NEVER used for cutting" in understood.meaning.question
@@ -50,8 +50,24 @@ def test_nothing_is_offered_that_loses_a_word_that_matters(language: Language, t
     assert not getattr(language.understand(text).meaning, "choices", ())
 
 
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("pas me teh mug", "pass me the mug"),
+        ("to pas a knife grab it by teh blade", "to pass a knife, grab it by the blade"),
+        ("pick upp the mug", "pick up the mug"),
+    ],
+)
+def test_typing_slips_are_offered_corrected(language: Language, text: str, meant: str) -> None:
+    """Nothing is done before a yes."""
+    first = offered(language, text)[0]
+
+    assert not isinstance(first, str)
+    assert language.generate(first) == meant
+
+
 def test_every_offer_is_understood_as_itself(language: Language) -> None:
     """The sentence of an offer has its meaning."""
-    for choice in offered(language, "pass me something cutting"):
+    for choice in offered(language, "pas me somthing usd for cutting"):
         assert not isinstance(choice, str)
         assert language.understand(language.generate(choice)).meaning == choice

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Typing slips: the utterances meant by one with misspelled words, "pas me teh mug".
+
+Every unknown word that is one slip away from known ones is replaced by one of them: two letters
+swapped, one lost, added or changed. What this gives is only offered, never believed or done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+from ..lexicon.misspelling import slips
+from ..lexicon.tokenizer import Tokens
+from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
+
+MAX_WORDS = 4
+"""How many known words are tried for an unknown one."""
+
+MAX_TEXTS = 12
+"""How many corrected utterances are tried."""
+
+
+_KEYS = {
+    letter: (row, column)
+    for row, letters in enumerate(("qwertyuiop", "asdfghjkl", "zxcvbnm"))
+    for column, letter in enumerate(letters)
+}
+
+_NEAR = {
+    one: {
+        other
+        for other, (row, column) in _KEYS.items()
+        if abs(_KEYS[one][0] - row) <= 1 and abs(_KEYS[one][1] - column) <= 1
+    }
+    for one in _KEYS
+}
+
+
+def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
+    """Yield the utterance with its misspelled words corrected, the likeliest correction first.
+
+    A word that is near no known one stays as it is.
+    """
+    words, text = dict.fromkeys(token.word for token in known.unknown(tokens)), tokens.text
+    if not words or len(words) > MAX_NEW_WORDS or not all(map(str.isalpha, words)):
+        return
+    options = [_known_slips(word, known) or [word] for word in words]
+    numbered = product(*(list(enumerate(each)) for each in options))
+    ranked = sorted(numbered, key=lambda chosen: sum(number for number, _ in chosen))
+    for chosen in ranked[:MAX_TEXTS]:
+        meant = dict(zip(words, (word for _, word in chosen), strict=True))
+        if any(word != other for word, other in meant.items()):
+            yield _replaced(tokens, text, meant)
+
+
+def is_misspelled(tokens: Tokens, known: KnownWords) -> bool:
+    """Whether an utterance has several unknown words, which are all near known ones."""
+    words = {token.word for token in known.unknown(tokens)}
+    return len(words) > 1 and all(_known_slips(word, known) for word in words)
+
+
+def _known_slips(word: str, known: KnownWords) -> list[str]:
+    found = dict.fromkeys(other for other in slips(word) if len(other) > 1 and known.has(other))
+    return sorted(found, key=lambda other: _is_far(word, other))[:MAX_WORDS]
+
+
+def _is_far(word: str, other: str) -> bool:
+    """Whether another letter was typed that is no neighbour on the keyboard."""
+    if len(word) != len(other) or sorted(word) == sorted(other):
+        return False
+    return any(
+        one != two and two not in _NEAR.get(one, ()) for one, two in zip(word, other, strict=True)
+    )
+
+
+def _replaced(tokens: Tokens, text: str, meant: dict[str, str]) -> str:
+    """The text with some words replaced; what stands between them stays."""
+    for token in reversed(tokens.items):
+        if token.word in meant:
+            text = text[: token.start] + meant[token.word] + text[token.end :]
+    return text
