@@ -306,6 +306,10 @@ class Language:
         """Every single word that the lexicon has."""
         return frozenset(self.lexicon.words())
 
+    def insists_on(self, word: str, text: str) -> bool:
+        """Whether a text insists on a word that was taken for a slip: "no, lifting"."""
+        return self.builder.insists_on(word, tokenize(text, self.builder.contractions).words)
+
     def knows(self, word: str) -> bool:
         """Whether a single word is known."""
         return word in self.lexicon

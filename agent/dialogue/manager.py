@@ -87,6 +87,7 @@ class DialogueManager(Conversation):
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
         self._record_episode = record_episode
+        self._accepted: frozenset[str] = frozenset()  # words that were said to be new
         self._interrupted: tuple[DialogueTurn, Request] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
@@ -122,10 +123,14 @@ class DialogueManager(Conversation):
             StoreError: what was said could not be stored; then nothing was believed.
         """
         speaker = self.base.match_speaker(speaker)
-        reply = self._short_answer(text, speaker, heard=heard, keep=keep)
+        insisted = self._insists(text, speaker)
+        reply = (
+            insisted() if insisted else self._short_answer(text, speaker, heard=heard, keep=keep)
+        )
         if reply:
             return reply
-        understood = self._understood(text, speaker, accepted, heard)
+        self._accepted |= {*accepted}
+        understood = self._understood(text, speaker, self._accepted, heard)
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
             return self._answered(turn, f"only_{only}", "not_understood")
@@ -213,7 +218,7 @@ class DialogueManager(Conversation):
         """The names of objects that "it" stands for and that no statement has used before."""
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
         for name in dict.fromkeys(rule.object for rule in said.rules):
-            if name not in known and not self.language.lexicon.is_name(name):
+            if name not in known and not self.language.lexicon.name_categories(name):
                 yield NewWord(name, "object", name)
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
@@ -386,7 +391,6 @@ class DialogueManager(Conversation):
             self._offer(turn, said, choices)
             return reply
         text, speaker = turn.understood.text, turn.speaker
-        meant = self._corrected(turn, said)
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
             self._open = OpenQuestion(
                 speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
@@ -396,13 +400,8 @@ class DialogueManager(Conversation):
                 speaker,
                 choose=lambda named: self._with_referent(turn, named),
             )
-        elif meant:
-            again, word = meant
-            self._open = OpenQuestion(
-                speaker,
-                yes=lambda: self.hear(again, speaker=speaker, heard=turn.heard),
-                no=lambda: self.hear(text, speaker=speaker, heard=turn.heard, accepted=[word]),
-            )
+        else:
+            self._open = self._on_word(turn, said)
         return reply
 
     def _offer(
@@ -441,15 +440,27 @@ class DialogueManager(Conversation):
         text = self.language.generate(meaning.Statement((taught,)))
         return self.hear(text, speaker=turn.speaker, heard=turn.heard)
 
-    def _corrected(self, turn: DialogueTurn, said: meaning.AskBack) -> tuple[str, str] | None:
-        """The utterance with the suggested word in place of the unknown one, and the latter."""
-        words = turn.understood.words
+    def _on_word(self, turn: DialogueTurn, said: meaning.AskBack) -> OpenQuestion | None:
+        """Wait for the answer whether a word is a slip of the one suggested, or an object, too."""
+        words, speaker = turn.understood.words, turn.speaker
+        again = partial(self.hear, speaker=speaker, heard=turn.heard)
         unknown = [word for word in words if not self.language.knows(word)]
         match said.choices:
+            case (str(choice),) if choice in words:
+                return OpenQuestion(speaker, lambda: again(turn.understood.text, accepted=[choice]))
             case (str(choice),) if unknown:
-                return " ".join(choice if w == unknown[0] else w for w in words), unknown[0]
+                meant = " ".join(choice if word == unknown[0] else word for word in words)
+                new = partial(again, turn.understood.text, accepted=unknown[:1])
+                return OpenQuestion(speaker, lambda: again(meant), new, word=unknown[0])
             case _:
                 return None
+
+    def _insists(self, text: str, speaker: str) -> Callable[[], Reply] | None:
+        """What follows when a text insists on the word that Hilt asked about; None otherwise."""
+        asked = self._open
+        if asked is None or asked.asked != speaker or not asked.word:
+            return None
+        return asked.no if self.language.insists_on(asked.word, text) else None
 
     def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
         problem = said.message

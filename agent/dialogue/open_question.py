@@ -25,6 +25,7 @@ class OpenQuestion:
         choices: called after the number of a choice, by number from 1 on.
         choose: called with an answer that names something; it returns None where the answer does
             not fit, which must change nothing.
+        word: the word that may be a slip, if it is asked about one.
     """
 
     asked: str
@@ -32,6 +33,7 @@ class OpenQuestion:
     no: Callable[[], Reply] | None = None
     choices: tuple[Callable[[], Reply], ...] = ()
     choose: Callable[[Answer], Reply | None] | None = None
+    word: str = ""
 
     def reply_to(self, answer: Answer) -> Reply | None:
         """Return the reply to a short answer; None where it does not fit."""

@@ -86,12 +86,11 @@ class LearnedLexicon(Lexicon):
         """All names of things, acts and uses, in all their forms, by category."""
         return Lexicon((each for each in self.senses() if each.name), self._static).names
 
-    def is_name(self, words: str, categories: Iterable[str] | None = None) -> bool:
-        """Whether some words are a form of a name, if so one that has one of some categories."""
+    def name_categories(self, words: str) -> frozenset[str]:
+        """The categories of the names of which some words are a form."""
         names = self._forms.all(words)
-        if names and self._lexicon_of(words, names).is_name(words, categories):
-            return True
-        return self._static.is_name(words, categories)
+        own = self._lexicon_of(words, names).name_categories(words) if names else frozenset()
+        return own | self._static.name_categories(words)
 
     def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
         """Whether a word occurs in a name that has one of some categories."""

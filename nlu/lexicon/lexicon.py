@@ -190,10 +190,13 @@ class Lexicon:
                 found[str(sense.category)].add(sense.says)
         return {category: frozenset(words) for category, words in found.items()}
 
-    def is_name(self, words: str, categories: Iterable[str] | None = None) -> bool:
-        """Whether some words are a form of a name, if so one that has one of some categories."""
-        kinds = self.names if categories is None else categories
-        return any(words in self.names.get(each, ()) for each in kinds)
+    def name_categories(self, words: str) -> frozenset[str]:
+        """The categories of the names of which some words are a form."""
+        return frozenset(category for category, names in self.names.items() if words in names)
+
+    def is_name(self, words: str, categories: Iterable[str]) -> bool:
+        """Whether some words are a form of a name that has one of some categories."""
+        return not self.name_categories(words).isdisjoint(categories)
 
     def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
         """Whether a word occurs in a name that has one of some categories."""
@@ -210,6 +213,11 @@ class Lexicon:
             end += 1
         if self._base is not None:
             yield from self._base.nodes(tokens, start)
+
+    def own_entries(self, word: str) -> Sequence[Entry]:
+        """The entries of a single word in this lexicon, without those of its base."""
+        node = self._root.next(word)
+        return node.entries if node is not None else ()
 
     def node(self, places: Places) -> LexiconNode:
         """The node of some places, the same one for the same places."""

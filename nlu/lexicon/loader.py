@@ -7,7 +7,7 @@ lines are checked when they are read; the entries are made when their words are 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
@@ -20,7 +20,7 @@ from ..grammar.combinators import Combinator
 from ..grammar.constructions import Construction, Run, pieces_of
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
-from ..grammar.patterns import read_words, variants
+from ..grammar.patterns import Steps, match_pattern, read_pattern, read_words, variants
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
@@ -36,7 +36,8 @@ _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "discourse_markers", "endings", "nameable", "denying", "denied"),
+    *("constructions", "discourse_markers", "endings", "naming", "denying", "denied"),
+    "insisting",
 )
 
 
@@ -76,7 +77,8 @@ class LexiconBuilder:
         verbs: the verbs, in the order of the files.
         qualifiers: the words for each degree of confidence.
         discourse_markers: the phrases that add nothing.
-        nameable: words of constructions that may be taught as names.
+        naming: words after which any word may be a name, but a word of grammar.
+        insisting: how one insists on a word that was taken for a slip of another.
         denying: words that deny the object named after them.
         denied: words for any object, which `denying` words may precede.
         mass: names of what is not counted: "bread".
@@ -92,7 +94,8 @@ class LexiconBuilder:
         self.verbs: list[Verb] = []
         self.qualifiers: dict[str, tuple[str, ...]] = {}
         self.discourse_markers = DiscourseMarkers()
-        self.nameable: frozenset[str] = frozenset()
+        self.naming: frozenset[str] = frozenset()
+        self.insisting: tuple[Steps, ...] = ()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
         self.mass: frozenset[str] = frozenset()
@@ -106,13 +109,14 @@ class LexiconBuilder:
             self.contractions[short] = tuple(field.text().split())
         for short, field in _entries(parts, "endings"):
             self._endings[short] = field.text()
-        for key in ("closed", "nameable", "denying", "denied"):
+        for key in ("closed", "naming", "denying", "denied"):
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):
             self._templates[name] = self._template(name, field)
         for field in _items(parts, "verbs"):
             self._read_verb(field)
+        self.insisting += tuple(map(read_pattern, _items(parts, "insisting")))
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
         for kind, field in _entries(parts, "nouns"):
@@ -123,6 +127,12 @@ class LexiconBuilder:
             self._read_construction(field)
         for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
+
+    def insists_on(self, word: str, words: Sequence[str]) -> bool:
+        """Whether some words insist on one that was taken for a slip: "no, lifting"."""
+        said = ["WORD" if each == word else each for each in words]
+        ends = (end for steps in self.insisting for _, end in match_pattern(steps, said, 0))
+        return len(said) in ends
 
     def expand_endings(self, tokens: Tokens) -> Tokens:
         """Write out the ambiguous short forms of an utterance: "a shoe's" becomes "a shoe is"."""
@@ -187,6 +197,12 @@ class LexiconBuilder:
         senses, names = self.lexicon.senses(), self.act_names()
         preposition = next((each.says for each in senses if each.category == _WITH), "")
         return {act: f"{names[act]} {preposition}" for act in self.tool_acts()}
+
+    def is_of_grammar(self, word: str) -> bool:
+        """Whether a word is a function word: closed, or with an entry that names nothing."""
+        if word in self.closed or word in self.denied:
+            return True
+        return any(not entry.name for entry in self.lexicon.own_entries(word))
 
     @cached_property
     def qualifier_phrases(self) -> frozenset[tuple[str, ...]]:

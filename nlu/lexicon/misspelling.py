@@ -22,7 +22,8 @@ LONG = 8
 
 _SWAPPED_OR_DOUBLED = 6  # the same where letters are only swapped or doubled
 _HARDLY_DOUBLED_AT_THE_END = "bdgmnprt"
-_CLUSTER = re.compile("[aeiouy]+|[^aeiouy]+")
+_VOWELS = "aeiouy"
+_CLUSTER = re.compile(f"[{_VOWELS}]+|[^{_VOWELS}]+")
 _SUFFIXES = ("ing", "ed")
 
 IsWord = Callable[[str], bool]
@@ -78,11 +79,13 @@ def _swapped(word: str) -> Iterator[str]:
 
 
 def _doubled(word: str) -> Iterator[str]:
-    """With a double letter single, or a single one within the word double."""
+    """With a double consonant single, or a single one within the word double."""
     for place in range(1, len(word)):
+        if word[place] in _VOWELS:
+            continue
         if word[place] == word[place - 1]:
             yield word[:place] + word[place + 1 :]
-        elif place < len(word) - 1:
+        if place < len(word) - 1:
             yield word[:place] + word[place] + word[place:]
 
 

@@ -15,7 +15,7 @@ from itertools import pairwise
 from .inflection import Inflection
 from .learned_lexicon import LearnedLexicon
 from .lexicon import Entry, Sense
-from .loader import LexiconBuilder, Verb
+from .loader import NOUN_TEMPLATES, LexiconBuilder, Verb
 from .tokenizer import Token, Tokens
 from .vocabulary import NewWord
 
@@ -80,18 +80,25 @@ class KnownWords:
             return self.lexicon.is_in_name(word, NOUNS)
         return self.lexicon.is_name(word, _NAMED_BY[role])
 
+    def is_only_part(self, word: NewWord) -> bool:
+        """Whether a word for an object is one for a part in the vocabulary of the language."""
+        if word.role != "object" or ("part", word.word) in self.lexicon.learned:
+            return False
+        return self.lexicon.is_name(word.said, ("P",))
+
     def may_be_a_thing(self, word: str) -> bool:
         """Whether a word names, or may name, an object or a part."""
-        if word in self.builder.nameable or word in self.builder.denied or not self.has(word):
+        if word in self.builder.denied or not self.builder.is_of_grammar(word):
             return True
         return self.lexicon.is_name(word, ("N", "NS", "P"))
 
     def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
         """The entries of new words, and of names of two words, by their places."""
+        before = ("", *tokens.words)
         found = {
             place: self._guesses(token, 0.0 if token in unknown else _NAMEABLE_COST)
             for place, token in enumerate(tokens.items)
-            if token in unknown or self._may_be_taught(token.word)
+            if token in unknown or self._may_be_taught(token.word, before[place])
         }
         for place, (first, second) in enumerate(pairwise(tokens.words)):
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
@@ -102,13 +109,21 @@ class KnownWords:
 
     def _guesses(self, token: Token, cost: float) -> list[Entry]:
         """The entries of one word, each marked with its role and dictionary form."""
-        entries = (each.entry() for each in self._senses(token) if each.says == token.word)
+        senses = self._senses(token, self._open_roles(token.word))
+        entries = (each.entry() for each in senses if each.says == token.word)
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
-    def _senses(self, token: Token) -> Iterator[Sense]:
+    def _open_roles(self, word: str) -> frozenset[str]:
+        """The roles in which a word is not known: what is an object is no part, too."""
+        kinds = self.lexicon.name_categories(word)
+        taken = {"object": {"N", "NS"}, "part": NOUNS, "affordance": {"K", "KB"}}
+        taken["context"] = kinds - NOUNS
+        return frozenset(role for role, categories in taken.items() if not categories & kinds)
+
+    def _senses(self, token: Token, roles: frozenset[str]) -> Iterator[Sense]:
         word, builder = token.word, self.builder
         singulars = self.inflection.origins(word, "plural")
-        for role in ("object", "part"):
+        for role in sorted(roles & NOUN_TEMPLATES.keys()):
             yield from builder.noun(
                 role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0
             )
@@ -122,8 +137,10 @@ class KnownWords:
             )
             cost = _SINGULAR_COST if looks_inflected else 0.0
             act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
-            yield from builder.verb_forms(act, "context", _VERB_COST + cost)
-            yield from builder.verb_forms(use, "affordance", cost)
+            if "context" in roles:
+                yield from builder.verb_forms(act, "context", _VERB_COST + cost)
+            if "affordance" in roles:
+                yield from builder.verb_forms(use, "affordance", cost)
 
     def _bare_forms(self, word: str) -> Iterator[str]:
         yield word
@@ -154,8 +171,14 @@ class KnownWords:
             return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
         return self.lexicon.is_name(word, kinds)
 
-    def _may_be_taught(self, word: str) -> bool:
-        """Whether a known word may name something new: "soldering" in "soldering iron", too."""
-        if self.names(word):
-            return not self.lexicon.is_name(word)
-        return word in self.builder.nameable
+    def _may_be_taught(self, word: str, before: str) -> bool:
+        """Whether a known word may name something new: a hook, the tip, for sticking, to stick.
+
+        It may where a name is expected: after an article and the like, as a gerund, and as a plural
+        at the beginning.
+        """
+        if len(word) < MIN_LETTERS or self.builder.is_of_grammar(word):
+            return False
+        if before in self.builder.naming or self.inflection.origins(word, "ing"):
+            return True
+        return not before and bool(self.inflection.origins(word, "plural"))

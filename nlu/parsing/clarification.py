@@ -70,9 +70,13 @@ class Clarification:
     def of_new_words(self, words: Iterable[NewWord], accepted: Collection[str]) -> AskBack | None:
         """The question whether a new word is a misspelled name of its kind, None when none is.
 
-        Words in `accepted` are new although they are close to known ones.
+        Words in `accepted` are new although they are close to known ones. It is also asked whether
+        what the language has as a part, like "handle", is an object of its own.
         """
         for word in words:
+            if word.said not in accepted and self.known_words.is_only_part(word):
+                question = self.answers.say("also_an_object", word=word.word)
+                return AskBack(question, (word.said,))
             for part in word.said.split(" "):
                 if part in accepted or self.known_words.has(part):
                     continue

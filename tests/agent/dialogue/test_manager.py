@@ -609,3 +609,24 @@ def test_what_was_chosen_can_be_referred_to(taught: Agent):
     taught.hear("pass me something used for cutting")
 
     assert taught.hear("what is it used for?").said.startswith("A knife is used for cutting")
+
+
+@pytest.mark.parametrize(
+    "answer", ["no", "no, hamer", "no, I meant hamer", "yes, it is new", "it's a new word"]
+)
+def test_a_new_word_is_asked_about_once(agent: Agent, answer: str):
+    """Whatever the speaker insists with, the word is learned and never questioned again."""
+    assert agent.hear("A hamer is used for pounding").ending == "asked"
+
+    learned = agent.hear(answer)
+
+    assert [rule.object for rule in learned.rules] == ["hamer"]
+    assert agent.hear("a hamer is used for cutting").ending == "done"
+
+
+def test_a_part_may_become_an_object(agent: Agent):
+    """A handle is a part of something unless somebody says that it is sold by itself."""
+    assert agent.hear("A handle is used for holding").ending == "asked"
+    assert [rule.object for rule in agent.hear("yes").rules] == ["handle"]
+    assert agent.hear("A handle is used for lifting").ending == "done"
+    assert agent.hear("To pass a mug, grab it by the handle").rules[0].part == "handle"
