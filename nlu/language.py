@@ -157,6 +157,7 @@ class Language:
     def __repr__(self) -> str:
         return f"<Language {self.name}, {len(self.learned)} words learned>"
 
+    @paused_garbage_collection()
     def with_words(self, words: Iterable[NewWord]) -> Language:
         """Return this language with further words, known in all their forms."""
         added = tuple(words)

@@ -39,8 +39,9 @@ class LearnedLexicon(Lexicon):
         self._static, self._builder = base, builder
         self.learned: SharedIndex[Name, NewWord] = SharedIndex()
         self._forms: SharedIndex[str, Name] = SharedIndex()
-        self._lengths: SharedIndex[str, int] = SharedIndex()  # of names, by their first word
-        self._single: SharedIndex[str, str] = SharedIndex()  # role, by each word of a name
+        # Of names of several words: their lengths by the first word, their roles by each word.
+        self._lengths: SharedIndex[str, int] = SharedIndex()
+        self._within: SharedIndex[str, str] = SharedIndex()
         self._lexicon_of: Callable[[str, tuple[Name, ...]], Lexicon] = lru_cache(_CACHED_FORMS)(
             self._made
         )
@@ -60,19 +61,20 @@ class LearnedLexicon(Lexicon):
         lexicon._lexicon_of = self._lexicon_of
         lexicon.learned = self.learned.with_items(added.items())
         lexicon._forms = self._forms.with_items(forms)
-        split = [(form.split(" "), role) for form, (role, _) in forms]
+        split = [(form.split(" "), role) for form, (role, _) in forms if " " in form]
         lexicon._lengths = self._lengths.with_items((each[0], len(each)) for each, _ in split)
-        lexicon._single = self._single.with_items(
+        lexicon._within = self._within.with_items(
             (word, role) for each, role in split for word in each
         )
         return lexicon
 
     def __contains__(self, word: object) -> bool:
-        return word in self._single or word in self._static
+        return word in self._forms or word in self._within or word in self._static
 
     def words(self) -> Iterator[str]:
         """All single words that occur in entries."""
-        yield from self._single
+        yield from (form for form in self._forms if " " not in form)
+        yield from self._within
         yield from self._static.words()
 
     def senses(self) -> Iterator[Sense]:
@@ -95,7 +97,8 @@ class LearnedLexicon(Lexicon):
     def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
         """Whether a word occurs in a name that has one of some categories."""
         kinds = frozenset(categories)
-        if any(kinds & self._builder.categories(role) for role in self._single.all(word)):
+        roles = (*(role for role, _ in self._forms.all(word)), *self._within.all(word))
+        if any(kinds & self._builder.categories(role) for role in roles):
             return True
         return self._static.is_in_name(word, kinds)
 
@@ -106,7 +109,7 @@ class LearnedLexicon(Lexicon):
 
     def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""
-        for length in self._lengths.all(tokens[start]):
+        for length in (1, *self._lengths.all(tokens[start])):
             words = " ".join(tokens[start : start + length])
             names = self._forms.all(words)
             if names:

@@ -65,10 +65,11 @@ class SharedIndex(Mapping[Key, Item]):
         return sum(1 for _ in self)
 
     def _append(self, items: Iterable[tuple[Key, Item]]) -> None:
+        log = self._log
         for key, item in items:
-            if item not in self.all(key):
-                self._log.add(key, item)
-                self._size = self._log.size
+            if key not in log.items or item not in self.all(key):
+                log.add(key, item)
+                self._size = log.size
 
     def _copied(self) -> _Log[Key, Item]:
         log: _Log[Key, Item] = _Log()
