@@ -89,6 +89,11 @@ class Clarification:
     def licensed(self, reading: Reading) -> Meaning:
         """The meaning of a reading, as sure as its features allow, or whether it is meant."""
         licence = self.parser.licence
+        match reading.meaning:
+            case AskBack(choices=(choice,)) if not isinstance(choice, str):
+                return AskBack(self.answers.say("offer", choice=self._choice(choice)), (choice,))
+            case _:
+                pass
         answer = licence.outcome(reading.meaning, reading.features)
         if answer == ACCEPT:
             return licence.weakened(reading.meaning, reading.features)

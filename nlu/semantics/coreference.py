@@ -50,6 +50,7 @@ class Discourse:
         rule: the rule taught, corrected or applied last.
         last: the last rule, question or command, which a fragment completes.
         named: all objects that the last turn with any named, in order.
+        pair: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row.
         has_failed: whether the last turn was not understood, so that nothing can be referred to.
     """
 
@@ -57,12 +58,21 @@ class Discourse:
     rule: Rule | None = None
     last: Rule | Question | Command | ToolCommand | None = None
     named: tuple[Form, ...] = ()
+    pair: tuple[Form, ...] = ()
     has_failed: bool = False
 
     def about(self, name: str) -> Discourse:
         """Return this state after an object of this name was mentioned."""
-        thing = Form(name.replace(" ", "_"))
-        return replace(self, object=thing, named=(thing,))
+        return self.naming(Form(name.replace(" ", "_")))
+
+    def naming(self, *named: Form, last: Form | None = None) -> Discourse:
+        """Return this state after a turn that named these objects; `last` is that of "it"."""
+        pair = self.pair
+        if len(named) > 1:
+            pair = named
+        elif self.object is not None and not set(named) <= set(pair):
+            pair = (self.object, *named)
+        return replace(self, object=last or tuple(named)[-1], named=named, pair=pair)
 
     @property
     def accessible(self) -> Discourse:
@@ -108,9 +118,9 @@ def _ordinal(part: Form, discourse: Discourse) -> Form | None:
         return _noun(known) if known else Form("something")
     if part.name not in _ORDINALS or part.arguments:
         return None
-    if len(discourse.named) < 2:
+    if len(discourse.pair) < 2:
         raise RefusedError("no_referent", asks=True, word=f"the {part.name}")
-    return discourse.named[_ORDINALS[part.name]]
+    return discourse.pair[_ORDINALS[part.name]]
 
 
 def _resolve_they(form: Form, discourse: Discourse) -> Form:
@@ -322,15 +332,17 @@ def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> D
     if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
         return discourse
     discourse = discourse.accessible
-    mentioned = _mentioned_object(content)
+    mentioned = None if isinstance(meaning, Command) else _mentioned_object(content)
     named = tuple(dict.fromkeys(_named_objects(meaning)))
     if mentioned is not None:
         named = named if len(named) > 1 else (mentioned,)
     if named:
-        discourse = replace(discourse, named=named, object=mentioned or named[-1])
+        discourse = discourse.naming(*named, last=mentioned)
     match meaning:
         case Statement(rules=rules):
             return replace(discourse, rule=rules[-1], last=rules[-1])
+        case Question(object=None, affordance=None):
+            return discourse  # about Hilt or about what was just said
         case Question() | Command() | ToolCommand():
             return replace(discourse, last=meaning)
         case _:
@@ -343,6 +355,11 @@ def _named_objects(meaning: Meaning) -> Iterator[Form]:
         case Statement(rules=rules):
             for rule in rules:
                 yield from _object_form(rule.object, rule.props)
+        case Command(target=ObjectReference(used_for=str(use)) as target):
+            act = Form(use.replace(" ", "_"))
+            if target.material:
+                act = Form("of", (act, Form(target.material.replace(" ", "_"))))
+            yield _with_props(Form("usedFor", (Form("something"), act)), target.props)
         case Command(target=ObjectReference(object=name, props=props)):
             yield from _object_form(name, props)
         case ToolCommand(patient=name):
@@ -356,10 +373,13 @@ def _named_objects(meaning: Meaning) -> Iterator[Form]:
 def _object_form(name: str | None, props: tuple[str, ...]) -> Iterator[Form]:
     if name is None or name == ANY_OBJECT:
         return
-    form = Form(name.replace(" ", "_"))
+    yield _with_props(Form(name.replace(" ", "_")), props)
+
+
+def _with_props(form: Form, props: tuple[str, ...]) -> Form:
     for prop in props:
         form = Form("having", (form, Form(prop.replace(" ", "_"))))
-    yield form
+    return form
 
 
 def _mentioned_object(form: Form) -> Form | None:

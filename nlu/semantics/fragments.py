@@ -14,6 +14,7 @@ from .coreference import Discourse, RefusedError
 from .meaning import (
     ANY_OBJECT,
     ActionRule,
+    AskBack,
     Command,
     Confidence,
     FunctionalRule,
@@ -45,7 +46,7 @@ FRAGMENTS = {
 replaces it; without either, a fragment completes a command or question and corrects a rule."""
 
 _OF_OBJECTS = {"objects_for", "best_for"}
-_OF_USES = {"uses_of", "about", "how", "see", "why", "why_not"}
+_OF_USES = {"uses_of", "about", "how", "see"}
 
 
 @dataclass(frozen=True)
@@ -54,10 +55,12 @@ class Fragment:
 
     Attributes:
         mode: `also`, `instead`, or empty for neither.
+        default: the confidence of a rule without a degree.
         asks: whether it is a question.
     """
 
-    mode: str = ""
+    mode: str
+    default: Confidence
     asks: bool = False
     target: ObjectReference | None = None
     use: str | None = None
@@ -157,8 +160,8 @@ def _question_on(rule: Rule) -> Question:
     return Question("how", object=rule.object, context=rule.context, part=rule.part)
 
 
-def _as_question(fragment: Fragment, question: Question) -> Question:
-    """The last question about what a fragment names."""
+def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
+    """The last question about what a fragment names; a part may also answer it."""
     if fragment.confidence or fragment.recipient:
         raise _nothing()
     if fragment.target:
@@ -170,12 +173,17 @@ def _as_question(fragment: Fragment, question: Question) -> Question:
         ask = "is_used_for" if question.ask in _OF_OBJECTS else question.ask
         return replace(question, ask=ask, object=name, part=None)
     if fragment.use:
+        if question.ask not in _OF_USES and question.affordance is None:
+            raise _nothing()
         ask = "is_used_for" if question.ask in _OF_USES and question.object else question.ask
         question = replace(question, ask=ask, context=None, part=None)
         return replace(question, affordance=fragment.use, material=fragment.material)
-    if question.object is None or question.context is None:
+    if question.object is None or question.context is None or fragment.part is None:
         raise _nothing()
-    return replace(question, part=fragment.part)
+    if fragment.asks or fragment.mode:
+        return replace(question, part=fragment.part)
+    rule = ActionRule(question.object, question.context, fragment.part, fragment.default)
+    return AskBack(choices=(Statement((rule,)),))
 
 
 def _as_command(fragment: Fragment, command: Command) -> Command:
@@ -191,7 +199,7 @@ def _as_command(fragment: Fragment, command: Command) -> Command:
         return replace(command, recipient=fragment.recipient)
     if fragment.use and command.target.used_for:
         target = replace(command.target, used_for=fragment.use, material=fragment.material)
-        return replace(command, target=target)
+        return replace(command, target=replace(target, other=False))
     raise _nothing()
 
 

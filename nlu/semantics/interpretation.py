@@ -149,7 +149,7 @@ class Interpreter:
         said = form.arguments[0] if asks else form
         slot, mode = FRAGMENTS.get(said.name, ("part", "instead"))
         value, *degree = said.arguments
-        fragment = self._filled(Fragment(mode, asks), slot, value)
+        fragment = self._filled(Fragment(mode, self.intervals["high"], asks), slot, value)
         if degree:
             fragment = replace(fragment, confidence=self.intervals[degree[0].name])
         return complete(fragment, discourse)

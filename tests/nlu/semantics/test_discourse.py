@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is said in a conversation means what it means after the turns before it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from hilt.nlu import Language, Session
+
+DIALOGUES = yaml.safe_load(
+    (Path(__file__).parents[1] / "data" / "discourse.yaml").read_text(encoding="utf-8")
+)
+
+
+@pytest.mark.parametrize("dialogue", DIALOGUES, ids=lambda each: each["name"])
+def test_turns_mean_what_they_should(language: Language, dialogue: dict[str, Any]):
+    """Each turn of a dialogue has its meaning, or leads to a question where it has none."""
+    session = Session(language)
+    came: list[object] = []
+    wanted: list[object] = []
+    for turn in dialogue["turns"]:
+        understood, session = session.hear(turn["say"])
+        is_open = understood.kind in {"error", "ask_back"}
+        came.append(understood.meaning.as_json() if "meaning" in turn else is_open)
+        wanted.append(turn.get("meaning", True))
+
+    assert json.loads(json.dumps(came)) == wanted
+
+
+@pytest.mark.parametrize(
+    ("before", "fragment", "meaning"),
+    [
+        ("A knife is used for cutting", "and spoons too", {"object": "spoon"}),
+        ("A knife is used for cutting", "and sometimes for poking", {"affordance": "poking"}),
+        ("What is a knife used for?", "what about the spoon?", {"ask": "uses_of"}),
+        ("How do you pick up a knife?", "what about passing it?", {"context": "pass"}),
+        ("Is a knife used for cutting?", "and for stirring?", {"affordance": "stirring"}),
+        ("pass the mug", "to Kim", {"recipient": "kim"}),
+        ("pass me the mug", "by the handle", {"part": "handle"}),
+        ("pass me a mug", "the red one", {"target": {"object": "mug", "props": ["red"]}}),
+        ("pass me a mug", "another one", {"target": {"object": "mug", "other": True}}),
+    ],
+)
+def test_fragment_fills_a_slot(
+    language: Language, before: str, fragment: str, meaning: dict[str, object]
+):
+    """All else is as in the turn before."""
+    understood, _ = Session(language).after([before]).hear(fragment)
+
+    assert meaning.items() <= understood.meaning.as_json().items()
+
+
+@pytest.mark.parametrize(
+    "fragment", ["and a mug?", "by the handle", "never", "the other one", "no, by the handle"]
+)
+def test_fragment_alone_means_nothing(language: Language, fragment: str):
+    """There is nothing that it completes."""
+    assert language.understand(fragment).kind in {"error", "ask_back"}
+    failed = Session(language).after(["A knife is used for cutting", "florp the gromp"])
+    assert failed.hear(fragment)[0].kind in {"error", "ask_back"}
+
+
+@pytest.mark.parametrize("pause", [". ", ", "])
+def test_correction_in_one_breath_leaves_what_was_meant(language: Language, pause: str):
+    """The use that was taken back is neither believed nor denied."""
+    understood = language.understand(f"a spoon is used for cutting{pause}no, for stirring")
+
+    rule = {"rule": "functional", "object": "spoon", "affordance": "stirring"}
+    assert rule.items() <= understood.meaning.as_json().items()
