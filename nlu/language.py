@@ -263,9 +263,9 @@ class Language:
         found = self.controls.match(tokens.words, named)
         return Control(*found) if found else None
 
-    def answer(self, text: str, *, speaker: str, discourse: Discourse) -> Answer | None:
-        """Return the short answer that a text is to a question of Hilt, None when it is none."""
-        return self.utterance_parser.answer(text, UtteranceContext(speaker, "self", discourse))
+    def short_answers(self, text: str, *, speaker: str, discourse: Discourse) -> list[Answer]:
+        """Return the short answers that a text may be to a question of Hilt, likeliest first."""
+        return self.utterance_parser.answers(text, UtteranceContext(speaker, "self", discourse))
 
     @cached_property
     def utterance_parser(self) -> UtteranceParser:

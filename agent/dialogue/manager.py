@@ -22,13 +22,13 @@ from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
-from ...nlu.semantics.predicates import Form
 from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request
-from .conversation import Conversation, DialogueTurn
+from .clarification import ClarificationDialogue
+from .conversation import DialogueTurn
 from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
@@ -49,7 +49,7 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
 ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
 
 
-class DialogueManager(Conversation):
+class DialogueManager(ClarificationDialogue):
     """One conversation, with any number of speakers.
 
     Args:
@@ -123,11 +123,9 @@ class DialogueManager(Conversation):
             StoreError: what was said could not be stored; then nothing was believed.
         """
         speaker = self.base.match_speaker(speaker)
-        insisted = self._insists(text, speaker)
-        reply = (
-            insisted() if insisted else self._short_answer(text, speaker, heard=heard, keep=keep)
-        )
+        reply = self._short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
+            self._last_said = reply.said
             return reply
         self._accepted |= {*accepted}
         understood = self._understood(text, speaker, self._accepted, heard)
@@ -153,38 +151,6 @@ class DialogueManager(Conversation):
         reply = self._listeners[type(said)](turn, said)
         self._last_said = reply.said
         return reply
-
-    def _short_answer(self, text: str, speaker: str, *, heard: float, keep: bool) -> Reply | None:
-        """The reply to an answer to the open question; None where the text is none."""
-        open_question = self._open
-        if open_question is None or open_question.asked != speaker:
-            return None
-        answered = self._choice(text, open_question)
-        reply = open_question.reply_to(answered) if answered else None
-        if answered and answered.is_dismissal:
-            dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
-            reply = self._answered(DialogueTurn(dismissal, heard, keep), "dismissed", "done")
-        if reply and self._open is open_question:
-            self._open = None
-        return reply
-
-    def _choice(self, text: str, open_question: OpenQuestion) -> meaning.Answer | None:
-        """The short answer that a text is, a number of one of the choices included."""
-        choices = open_question.choices
-        number = self.language.chosen(text, len(choices)) if choices else None
-        if number:
-            return meaning.Answer(number=number)
-        return self.language.answer(text, speaker=open_question.asked, discourse=self._discourse)
-
-    def _understood(
-        self, text: str, speaker: str, accepted: Collection[str], heard: float
-    ) -> Understanding:
-        said = self._other.understand(text, speaker=speaker) if self._other else None
-        if said is not None:
-            return Understanding(text, speaker, "self", said, discourse=self._discourse)
-        return self.language.understand(
-            text, speaker=speaker, discourse=self._discourse, accepted=accepted, heard=heard
-        )
 
     # --- Statements and retractions -----------------------------------------------------------
 
@@ -223,6 +189,7 @@ class DialogueManager(Conversation):
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
         if said == meaning.Retraction() and (self._just_acted or not self._topic):
+            self._open = OpenQuestion(turn.speaker)
             return self._answered(turn, "forget_what", "failed")
         rules = rules_to_retract(self.base, said, turn.speaker, self._topic)
         own = [rule for rule in rules if rule.speaker == turn.speaker]
@@ -282,10 +249,9 @@ class DialogueManager(Conversation):
             use = use_of(said)
             key = "unknown_use" if words == (use,) else "unknown_thing"
             reply = self._answered(turn, key, "asked", words=words)
-            self._open = OpenQuestion(
-                turn.speaker,
-                choose=lambda named: self._taught_use(turn, named, use or ""),
-            )
+            asked = meaning.Question("objects_for", affordance=use)
+            choose = partial(self._learn_answer, turn, asked)
+            self._open = OpenQuestion(turn.speaker, choose=choose)
             return reply
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
         target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
@@ -364,7 +330,8 @@ class DialogueManager(Conversation):
         found, rules = answer(said, self._knowledge(turn))
         if found.ending == "failed":
             self._topic = ()
-            self._open = OpenQuestion(turn.speaker)
+            choose = partial(self._learn_answer, turn, said)
+            self._open = OpenQuestion(turn.speaker, choose=choose)
         self._set_topic(rules)
         return replace(self._spoken(turn, found), rules=rules)
 
@@ -383,90 +350,3 @@ class DialogueManager(Conversation):
         key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
         key = "dismissed" if key == "no" and pending is None else key
         return self._answered(turn, key, "done")
-
-    def _ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
-        reply = self._recorded(turn, said.question, "asked")
-        choices = [each for each in said.choices if not isinstance(each, str)]
-        if choices:
-            self._offer(turn, said, choices)
-            return reply
-        text, speaker = turn.understood.text, turn.speaker
-        if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
-            self._open = OpenQuestion(
-                speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
-            )
-        elif not said.choices:
-            self._open = OpenQuestion(
-                speaker,
-                choose=lambda named: self._with_referent(turn, named),
-            )
-        else:
-            self._open = self._on_word(turn, said)
-        return reply
-
-    def _offer(
-        self, turn: DialogueTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
-    ) -> None:
-        """Wait for the choice of a meaning."""
-        heard = tuple(partial(self._take, turn, each) for each in choices)
-        again = partial(self._ask_back, turn, said)
-        only = heard[0] if len(heard) == 1 else again
-        self._open = OpenQuestion(turn.speaker, only, choices=heard)
-
-    def _take(self, turn: DialogueTurn, choice: meaning.Meaning) -> Reply:
-        """Respond to a chosen meaning, of the sentence that has it or as one that says it."""
-        if turn.understood.reading is not None:
-            return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
-        text = self.language.generate(choice)
-        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
-
-    def _with_referent(self, turn: DialogueTurn, named: meaning.Answer) -> Reply | None:
-        """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""
-        name = named.name
-        if name in {None, meaning.ANY_OBJECT}:
-            return None
-        self._discourse = replace(self._discourse, object=Form(str(name).replace(" ", "_")))
-        text = turn.understood.text
-        again = self._understood(text, turn.speaker, (), turn.heard)
-        if again.kind in {"ask_back", "error"}:
-            return self._answered(turn, "say_again", "asked", object=str(name))
-        return self.hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
-
-    def _taught_use(self, turn: DialogueTurn, named: meaning.Answer, use: str) -> Reply | None:
-        """Learn what is used for something, from its name alone."""
-        if not use or named.name in {None, meaning.ANY_OBJECT}:
-            return None
-        taught = meaning.FunctionalRule(str(named.name), use, self.language.usual, named.props)
-        text = self.language.generate(meaning.Statement((taught,)))
-        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
-
-    def _on_word(self, turn: DialogueTurn, said: meaning.AskBack) -> OpenQuestion | None:
-        """Wait for the answer whether a word is a slip of the one suggested, or an object, too."""
-        words, speaker = turn.understood.words, turn.speaker
-        again = partial(self.hear, speaker=speaker, heard=turn.heard)
-        unknown = [word for word in words if not self.language.knows(word)]
-        match said.choices:
-            case (str(choice),) if choice in words:
-                return OpenQuestion(speaker, lambda: again(turn.understood.text, accepted=[choice]))
-            case (str(choice),) if unknown:
-                meant = " ".join(choice if word == unknown[0] else word for word in words)
-                new = partial(again, turn.understood.text, accepted=unknown[:1])
-                return OpenQuestion(speaker, lambda: again(meant), new, word=unknown[0])
-            case _:
-                return None
-
-    def _insists(self, text: str, speaker: str) -> Callable[[], Reply] | None:
-        """What follows when a text insists on the word that Hilt asked about; None otherwise."""
-        asked = self._open
-        if asked is None or asked.asked != speaker or not asked.word:
-            return None
-        return asked.no if self.language.insists_on(asked.word, text) else None
-
-    def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
-        problem = said.message
-        if self._last_said.startswith(problem):
-            problem = self._say(SpokenAnswer("still_not_understood"))
-        example = SpokenAnswer("try_saying", {"example": said.nearest[:1]})
-        step = self._say(example if said.nearest else SpokenAnswer("ask_for_help"))
-        spoken = problem if problem.endswith("?") else f"{problem} {step}"
-        return self._recorded(turn, spoken, "not_understood")

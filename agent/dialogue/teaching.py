@@ -15,7 +15,15 @@ from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_words import Word
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
-from ...nlu.semantics.meaning import ANY_OBJECT, Retraction, Statement
+from ...nlu.semantics import meaning
+from ...nlu.semantics.meaning import (
+    ANY_OBJECT,
+    Answer,
+    Confidence,
+    Question,
+    Retraction,
+    Statement,
+)
 from ..execution.outcome import SpokenAnswer
 from .translation import rule_from_meaning
 
@@ -108,6 +116,23 @@ def can_replace(one: Rule, other: Rule) -> bool:
     if (one.features, one.contexts, one.functor) != (other.features, other.contexts, other.functor):
         return False
     return one.kind == "action" or one.argument == other.argument
+
+
+def rule_from_answer(asked: Question, named: Answer, confidence: Confidence) -> meaning.Rule | None:
+    """Return the rule that a short answer to a question of Hilt teaches.
+
+    None where it names nothing that the question asks for.
+    """
+    name = None if named.name == ANY_OBJECT else named.name
+    if name is None or named.is_use != (asked.affordance is None and asked.context is None):
+        return None
+    if asked.affordance:
+        return meaning.FunctionalRule(
+            name, asked.affordance, confidence, named.props, material=asked.material
+        )
+    if asked.object and asked.context:
+        return meaning.ActionRule(asked.object, asked.context, name, confidence)
+    return meaning.FunctionalRule(asked.object, name, confidence) if asked.object else None
 
 
 def rules_to_retract(

@@ -124,8 +124,8 @@ class AnswerTemplates:
             text = (said.negative, said.seldom, said.functional)[at]
             slots["affordance"] = self.use_phrase(rule.affordance, rule.material)
         else:
-            likely = said.holding if rule.context == "grasp" else said.action
-            text = (said.forbidden, said.seldom_by, likely)[at]
+            text = (said.forbidden, said.seldom_by, said.action)[at]
+            text = said.holding if rule.context == "grasp" else text
             act = self.tool_acts.get(rule.context) or self.act(rule.context)
             slots |= {"act": act, "part": rule.part}
         return " ".join(self.fill(text, slots).split())

@@ -8,6 +8,7 @@ act, then an intention, then a meaning.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -103,14 +104,13 @@ class SentenceParser:
                 return form.name.replace("_", " ")
         return None
 
-    def answer(self, chart: Chart, context: UtteranceContext) -> Answer | None:
-        """Return the short answer that an utterance is, None when it is none."""
+    def answers(self, chart: Chart, context: UtteranceContext) -> list[Answer]:
+        """Return the short answers that an utterance may be, the likeliest first."""
+        found: list[Answer] = []
         for derivation in sorted(chart.derivations(self.grammar.answer), key=lambda d: d.cost):
-            try:
-                return short_answer(resolve(form_of(derivation.value), context.discourse))
-            except RefusedError:
-                continue
-        return None
+            with contextlib.suppress(RefusedError):
+                found.append(short_answer(resolve(form_of(derivation.value), context.discourse)))
+        return found
 
     def is_generic(self, chart: Chart) -> bool:
         """Whether an utterance only names any object of a kind: "knives", "a knife"."""

@@ -69,13 +69,13 @@ class UtteranceParser:
             return found
         return _understanding(tokens, context, self.clarification.of_recognition(found.text))
 
-    def answer(self, text: str, context: UtteranceContext) -> Answer | None:
-        """Return the short answer that a text is to a question of Hilt, None when it is none."""
+    def answers(self, text: str, context: UtteranceContext) -> list[Answer]:
+        """Return the short answers that a text may be to a question of Hilt, likeliest first."""
         tokens = tokenize(text, self.builder.contractions).without_breaks()
         if self.clarification.of_input(text, tokens):
-            return None
+            return []
         guesses = self.known_words.guesses(tokens, self.known_words.unknown(tokens))
-        return self.parser.answer(self.parser.chart(tokens, guesses), context)
+        return self.parser.answers(self.parser.chart(tokens, guesses), context)
 
 
 class _Attempt:

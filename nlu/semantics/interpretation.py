@@ -386,7 +386,7 @@ _CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
 
 
 def short_answer(form: Form) -> Answer:
-    """Return what an answer names or chooses: `chosen(knife)`, `noneOf`.
+    """Return what an answer names or chooses: `chosen(knife)`, `chosenUse(cutting)`, `noneOf`.
 
     Raises:
         RefusedError: what it names has no name.
@@ -394,7 +394,7 @@ def short_answer(form: Form) -> Answer:
     if form.name in _CHOICES:
         return Answer(choice=_CHOICES[form.name])
     name, props = _kind_and_properties(form.arguments[0])
-    return Answer(name, props)
+    return Answer(name, props, is_use=form.name == "chosenUse")
 
 
 def _kind(form: Form) -> str:

@@ -264,12 +264,14 @@ class Answer(_Record):
     Attributes:
         name: the object, part or use that it names; `ANY_OBJECT` when it names properties only.
         props: the properties that it names, sorted.
+        is_use: whether the name is that of a use.
         number: which of the choices that were offered, from 1.
         choice: `none`, `any` or `unknown` ("I don't know").
     """
 
     name: str | None = None
     props: tuple[str, ...] = ()
+    is_use: bool = False
     number: int | None = None
     choice: str | None = None
 
