@@ -148,7 +148,10 @@ class LexiconBuilder:
 
     def noun(self, kind: str, name: str, role: str = "", cost: float = 0.0) -> Iterator[Sense]:
         """The senses of a noun, part, property or person, by the name of its template."""
-        yield from self._senses(self._templates[kind], name, {"THIS": _constant(name)}, role, cost)
+        constant = _constant(name)
+        if constant in self._grammar.signature:
+            constant += "_"  # a speaker that plays music is not who speaks
+        yield from self._senses(self._templates[kind], name, {"THIS": constant}, role, cost)
 
     def vocabulary(self, vocabulary: Vocabulary) -> Iterator[Sense]:
         """The senses of all names of a vocabulary."""
@@ -233,7 +236,7 @@ class LexiconBuilder:
         self, template: Template, word: str, names: Mapping[str, str], role: str, cost: float
     ) -> Iterator[Sense]:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
-        name = named.replace("_", " ")
+        name = named.replace("_", " ").rstrip()
         for form, lines in template.forms.items():
             says = self._inflection.form(word, form)
             for line in lines:

@@ -118,7 +118,7 @@ def find_mentions(
 ) -> Mentions:
     """Return what an utterance names; `degrees` has the words for degrees of confidence."""
     found = dict.fromkeys((*_known(tokens, known.lexicon), *_new(tokens, known)))
-    it = discourse.object.name.replace("_", " ") if discourse.object else None
+    it = discourse.object.name.replace("_", " ").rstrip() if discourse.object else None
     return Mentions(
         tokens,
         tuple(sorted(_without_parts(found), key=lambda each: (each.start, each.end))),

@@ -101,7 +101,7 @@ class SentenceParser:
             while form.name == "having":
                 form = form.arguments[0]
             if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
-                return form.name.replace("_", " ")
+                return form.name.replace("_", " ").rstrip()
         return None
 
     def answers(self, chart: Chart, context: UtteranceContext) -> list[Answer]:

@@ -428,7 +428,7 @@ def _name(form: Form) -> str:
     """
     if form.arguments or form.name in _NAMELESS or form.name in SOMETHING:
         raise RefusedError("one_thing_at_a_time")
-    return form.name.replace("_", " ")
+    return form.name.replace("_", " ").rstrip()
 
 
 def _with_use(fragment: Fragment, form: Form) -> Fragment:

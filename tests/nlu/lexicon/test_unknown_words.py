@@ -193,3 +193,10 @@ def test_no_guessed_name_spans_a_pause(known_words: KnownWords) -> None:
 
     assert "zorp knife" in names("zorp knife")
     assert "zorp knife" not in names("zorp, knife")
+
+
+def test_a_thing_may_be_called_as_a_word_of_meanings_is(language: Language) -> None:
+    """A speaker that plays music is not the speaker of the sentence."""
+    meaning = language.understand("a speaker is used for zorping").meaning.as_json()
+
+    assert (meaning["object"], meaning["affordance"]) == ("speaker", "zorping")
