@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..grammar.categories import Category, Functor
 from ..grammar.combinators import Combinator
@@ -86,6 +86,11 @@ class SentenceParser:
                 best[reading.meaning] = reading
         return sorted(best.values(), key=lambda reading: reading.cost), refusal
 
+    def with_features(self, reading: Reading, tokens: Tokens) -> Reading:
+        """Return a reading of some tokens with the features of its clauses."""
+        found = (reading.derivation, tokens, reading.meaning, reading.new_words)
+        return replace(reading, features=features_of(self.features, *found))
+
     def topic(self, chart: Chart, context: UtteranceContext) -> Form | None:
         """Return the object that an utterance consists of, None when it is more than a name."""
         for derivation in chart.derivations(self.grammar.topic):
@@ -155,7 +160,6 @@ class SentenceParser:
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
         meaning = interpreter.meaning(intention.form, context.discourse)
-        features = features_of(self.features, derivation, tokens, meaning, words)
         return Reading(
             speech_act,
             intention.form,
@@ -164,7 +168,6 @@ class SentenceParser:
             derivation.cost + _WORD_COST * len(entries),
             derivation,
             words,
-            features,
         )
 
     def _intention(self, speech_act: Form, recognition: Confidence) -> Intention:

@@ -252,6 +252,7 @@ class _Attempt:
         if chosen is not None:
             answer = clarify.of_new_words(chosen.new_words, self._accepted)
             if answer is None:
+                chosen = tools.parser.with_features(chosen, tokens)
                 licensed = clarify.licensed(chosen)
                 return _understanding(tokens, context, licensed, chosen, len(accepted))
         elif accepted:
