@@ -10,7 +10,6 @@ from functools import partial
 
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
-from ...nlu.semantics.predicates import Form
 from ..execution.outcome import SpokenAnswer
 from .conversation import Conversation, DialogueTurn
 from .open_question import OpenQuestion
@@ -116,7 +115,7 @@ class ClarificationDialogue(Conversation):
         name = named.name
         if name in {None, meaning.ANY_OBJECT}:
             return None
-        self._discourse = replace(self._discourse, object=Form(str(name).replace(" ", "_")))
+        self._discourse = replace(self._discourse.about(str(name)), has_failed=False)
         text = turn.understood.text
         again = self._understood(text, turn.speaker, (), turn.heard)
         if again.kind in {"ask_back", "error"}:

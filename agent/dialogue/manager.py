@@ -328,6 +328,8 @@ class DialogueManager(ClarificationDialogue):
 
     def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
         found, rules = answer(said, self._knowledge(turn))
+        if not rules and (said.object or said.affordance):
+            self._topic = ()
         if found.ending == "failed":
             self._topic = ()
             choose = partial(self._learn_answer, turn, said)

@@ -102,7 +102,7 @@ def _confidence(question: Question, known: Knowledge) -> Answered:
         return spoken("no_longer_sure", done=True, rules=said), ()
     rules = _meant(question, known)
     if not rules:
-        return spoken("not_known"), ()
+        return spoken("not_told"), ()
     rule = rules[0]
     sure = max(rule.support.lower, 1 - rule.support.upper)
     key = ("hardly_sure", "fairly_sure", "quite_sure")[bisect(SURE, sure)]
@@ -350,7 +350,7 @@ def _meant(question: Question, known: Knowledge) -> list[Rule]:
     """The rules a question is about: those it names, else those last spoken of."""
     named = (question.object, question.affordance, question.context)
     if not any(named):
-        return list(known.topic) or _latest(known)
+        return list(known.topic) or ([] if known.said else _latest(known))
     rules = known.base.rules(
         object=question.object, affordance=question.affordance, context=question.context
     )
