@@ -23,7 +23,8 @@ from pathlib import Path
 import numpy as np
 import scipy.optimize
 import scipy.sparse
-from utterances import data_sets
+import yaml
+from utterances import DATA, Utterance, data_sets
 
 from hilt.nlu import Language, Session
 from hilt.nlu.lexicon.tokenizer import tokenize
@@ -84,15 +85,24 @@ def main() -> None:
 
 def read_examples(language: Language) -> Iterator[Example]:
     """Yield the utterances of all files with what they mean, in their order."""
+    for each in _utterances():
+        session = Session(language).after(each.before)
+        understood, _ = session.hear(each.text)
+        yield Example(
+            each.text,
+            mentions_of(session, each.text),
+            tuple(_right(each.wanted)),
+            understood.kind in {"error", "ask_back"},
+            _is_open(each.wanted),
+        )
+
+
+def _utterances() -> Iterator[Utterance]:
     for name, utterances in data_sets().items():
-        for each in utterances if name != "paradigm" else ():
-            session = Session(language).after(each.before)
-            understood, _ = session.hear(each.text)
-            is_refused = understood.kind in {"error", "ask_back"}
-            mentions = mentions_of(session, each.text)
-            yield Example(
-                each.text, mentions, tuple(_right(each.wanted)), is_refused, _is_open(each.wanted)
-            )
+        yield from utterances if name != "paradigm" else ()
+    for family in yaml.safe_load((DATA / "unsaid.yaml").read_text(encoding="utf-8")).values():
+        for text in family["unsaid"]:
+            yield Utterance(text, (), None, "unsaid")
 
 
 def mentions_of(session: Session, text: str) -> Mentions:

@@ -121,7 +121,11 @@ class DiscourseMarkers:
         place = 0
         while place < len(words):
             whole = _longest(words, place, kept_whole)
-            end = place if whole else self._end(words, place, edges)
+            end = (
+                place
+                if whole
+                else self._end(words, place, edges, has_pauses=not tokens.is_transcript)
+            )
             if end == place:
                 end += whole or 1
                 kept += enumerate(tokens.items[place:end], start=place)
@@ -130,13 +134,13 @@ class DiscourseMarkers:
             place = end
         return replace(_only(tokens, kept), removed=(*tokens.removed, *removed))
 
-    def _end(self, words: Phrase, start: int, edges: Collection[int]) -> int:
+    def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
         """One past the longest marker from a place on; the place itself where there is none."""
         steps = chain.from_iterable(self.clauses) if words[start] in self._beginnings else ()
         ends = [end for _, end in match_pattern(tuple(steps), words, start) if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
             phrase = words[start:end]
-            apart = start in edges and end in edges
+            apart = (start in edges and end in edges) or (not has_pauses and end - start > 2)
             if phrase in self.anywhere or (apart and phrase in self.apart):
                 ends.append(end)
         return max(ends, default=start)

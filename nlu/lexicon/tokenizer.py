@@ -69,6 +69,11 @@ class Tokens:
         pairs = zip(before, self.items, strict=False)
         return frozenset(each.word for last, each in pairs if each.capital and last != BREAK)
 
+    @property
+    def is_transcript(self) -> bool:
+        """Whether the text has neither capitals nor pauses, as a speech recogniser writes it."""
+        return self.text.islower() and all(c.isalnum() or c in " '’" for c in self.text)
+
     def span(self, start: int, end: int) -> str:
         """The text of the tokens `[start, end)` as it was written."""
         if start >= end:

@@ -9,7 +9,7 @@ an object.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from .inflection import Inflection
@@ -95,7 +95,10 @@ class KnownWords:
     def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
         """The entries of new words, and of names of two words, by their places."""
         found = {
-            place: self._guesses(token, 0.0 if token in unknown else _NAMEABLE_COST)
+            place: self._guesses(
+                replace(token, capital=token in unknown) if tokens.is_transcript else token,
+                0.0 if token in unknown else _NAMEABLE_COST,
+            )
             for place, token in enumerate(tokens.items)
             if token in unknown or self._may_be_taught(tokens.words, place)
         }

@@ -38,7 +38,7 @@ Phrase = tuple[str, ...]
 
 _WORD_LISTS = (
     *("negative", "implied_negation", "weak_negation", "condition", "exception"),
-    *("before_part", "unfinished", "doubtful"),
+    *("by", "before_part", "unfinished", "doubtful"),
 )
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
@@ -129,11 +129,14 @@ class Checks:
         words = mentions.tokens.words
         held = any(each.role == "act" and each.name == "grasp" for each in mentions.names)
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
-        places = [each for each in mentions.names if each.role == "part" and each.name in parts]
+        before = [
+            (each, words[max(0, each.start - 3) : each.start])
+            for each in mentions.names
+            if each.role == "part" and each.name in parts
+        ]
         return all(
-            self._has("before_part", words[max(0, each.start - 3) : each.start])
-            or (held and not each.is_new)
-            for each in places
+            (held or self._has("by", said)) and (not each.is_new or self._has("before_part", said))
+            for each, said in before
         )
 
     def _clauses(self, mentions: Mentions) -> Iterator[ClauseWord]:

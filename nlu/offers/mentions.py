@@ -170,15 +170,20 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
     for start, entries in guesses.items():
         for entry in entries:
             role = _NEW_ROLES.get(entry.role)
-            end = start + 1 + entry.says.count(" ")
-            if role and _fits(role, tokens.words, start, end):
+            if role and _fits(role, entry, tokens.words, start):
+                end = start + 1 + entry.says.count(" ")
                 yield Mention(role, entry.name, start, end, is_new=True)
 
 
-def _fits(role: str, words: tuple[str, ...], start: int, end: int) -> bool:
+def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
     """Whether an unknown word may have a role by its place and ending."""
-    is_verb = words[end - 1].endswith("ing") or (start > 0 and words[start - 1] in _BEFORE_VERBS)
-    return is_verb == (role in {"affordance", "act"})
+    is_gerund = entry.says.endswith("ing")
+    is_verb = is_gerund or (start > 0 and words[start - 1] in _BEFORE_VERBS)
+    if role not in {"affordance", "act"}:
+        return not is_verb
+    # "Mixing" is a form of "mix", and no verb of its own.
+    of_itself = {"act": entry.says, "affordance": f"{entry.says}ing"}[role]
+    return is_verb and not (is_gerund and entry.name == of_itself)
 
 
 def _without_parts(found: Iterable[Mention]) -> Iterator[Mention]:

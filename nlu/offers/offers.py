@@ -33,7 +33,7 @@ MAX_OFFERS = 3
 LEAST_FIRST: Mapping[type, float] = {Command: 0.5, ToolCommand: 0.5}
 """The least probability of the first offer of a kind; `LEAST` for all others."""
 
-LEAST = 0.3
+LEAST = 0.4
 LEAST_OTHER = 0.06
 """The least probability of a further offer."""
 

@@ -166,3 +166,17 @@ def test_a_misspelling_is_asked_about_even_if_it_fits_another_role(language: Lan
 
     assert isinstance(meaning, AskBack)
     assert meaning.choices == ("knife",)
+
+
+def test_text_without_capitals_names_people(language: Language) -> None:
+    """A speech recogniser writes "kim" for Kim."""
+    found = language.understand("give bob the knife").meaning.as_json()
+
+    assert found == {"goal": "pass", "target": {"object": "knife"}, "recipient": "bob"}
+
+
+def test_text_without_punctuation_has_asides(language: Language) -> None:
+    """No pauses set them off."""
+    found = language.understand("a mug in case you were wondering is used for containing").meaning
+
+    assert found == language.understand("a mug is used for containing").meaning

@@ -167,7 +167,7 @@ def test_words_outside_every_lexicon_are_unknown(
 
 def test_an_unknown_word_may_have_every_role(known_words: KnownWords) -> None:
     """An object, a part, an act or a use; the rest of the sentence decides."""
-    tokens = tokenize("to zorp it", {})
+    tokens = tokenize("to zorp it.", {})
 
     guessed = known_words.guesses(tokens, known_words.unknown(tokens))
 
