@@ -16,7 +16,7 @@ from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.vocabulary import NewWord
 from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, Features
-from ..semantics.meaning import ActionRule, Command, Meaning, Statement, ToolCommand
+from ..semantics.meaning import ActionRule, Command, FunctionalRule, Meaning, Statement, ToolCommand
 from .chart import Derivation
 
 
@@ -55,7 +55,7 @@ def _words(
 def features_of_names(
     reader: FeatureReader, words: Sequence[str], meaning: Meaning, new_words: Sequence[NewWord]
 ) -> Iterator[tuple[str, frozenset[str]]]:
-    """Yield the features `part` and `thing` of what a meaning names."""
+    """Yield the features `part`, `thing` and `use` of what a meaning names."""
     new = {word.role: word for word in new_words}
     if isinstance(meaning, Statement):
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
@@ -64,6 +64,9 @@ def features_of_names(
             yield "part", frozenset(found)
         if "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
+        uses = (rule.affordance for rule in meaning.rules if isinstance(rule, FunctionalRule))
+        if not reader.acts.isdisjoint(uses):
+            yield "use", frozenset({"act"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]
         before = _before(words, said.said, 3)

@@ -26,13 +26,14 @@ MAIN, CONDITION, ASIDE = "main", "condition", "aside"
 NAMED: Values = {
     "part": frozenset({"new", "own"}),
     "thing": frozenset({"new", "own", "abstract", "bare"}),
+    "use": frozenset({"act"}),
 }
-"""The features of what is named: a part that is new or that of a person, and a new thing."""
+"""The features of what is named: a part that is new or a person's, a new thing, a use."""
 
 
 _KEYS = (
     *("features", "conditions", "names", "nouns", "abstract_endings"),
-    *("part_words", "owners", "embedding", "determiners"),
+    *("part_words", "owners", "embedding", "determiners", "acts"),
 )
 
 
@@ -84,6 +85,7 @@ class FeatureReader:
         part_words: words that show that a noun names a part: "by the lug", "its lug".
         owners: words that show that a part is that of a person: "your".
         embedding: words that make a clause what somebody says or thinks.
+        acts: gerunds of what is done to an object, which are no uses of another one.
         determiners: words of which one precedes the name of a thing that is asked for.
         endings: those of abstract nouns.
     """
@@ -97,6 +99,7 @@ class FeatureReader:
     owners: frozenset[str]
     embedding: frozenset[str]
     determiners: frozenset[str]
+    acts: frozenset[str]
     endings: tuple[str, ...]
 
     def features(self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]) -> Features:
@@ -162,6 +165,7 @@ def load_features(path: Path) -> FeatureReader:
         owners=_words(parts["owners"]),
         embedding=_words(parts["embedding"]),
         determiners=_words(parts["determiners"]),
+        acts=_words(parts["acts"]),
         endings=parts["abstract_endings"].texts(),
     )
 

@@ -14,7 +14,7 @@ from hilt.ontology.errors import DataError
 EMPTY = (
     "conditions: []\nnames: []\nnouns: {part: [], abstract: []}\n"
     "part_words: []\nowners: []\nembedding: []\n"
-    "determiners: []\nabstract_endings: []\n"
+    "determiners: []\nacts: []\nabstract_endings: []\n"
 )
 
 
