@@ -23,6 +23,7 @@ from ..inference.induction import InducedRuleSource
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
+from ..nlu.semantics.meaning import Command, Control, Meaning, ToolCommand
 from ..ontology.actions import Actions
 from ..ontology.objects import ObjectType
 from ..sim.robot.interruption import Interruption
@@ -152,11 +153,11 @@ class Agent:
             heard: the confidence of the speech recogniser, in [0, 1].
             keep: whether a command is written to the history and kept as an episode.
         """
-        control = self.dialogue.language.control(text) if self.is_busy else None
-        if control and control.control in {"wait", "continue"}:
-            self.interrupt(control.control)
-            return self.dialogue.hear_aside(text, control, speaker=speaker, heard=heard, keep=keep)
-        if control or self.interruption.is_paused:
+        said = self.dialogue.language.understand(text).meaning if self.is_busy else None
+        if isinstance(said, Control) and said.control in {"wait", "continue"}:
+            self.interrupt(said.control)
+            return self.dialogue.hear_aside(text, said, speaker=speaker, heard=heard, keep=keep)
+        if self.interruption.is_paused or isinstance(said, Control) or _forbids(said):
             self.interrupt("stop")
         with self._hearing:
             self.interruption.clear()
@@ -297,6 +298,11 @@ class Agent:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _forbids(said: Meaning | None) -> bool:
+    """Whether something must not be done: "stop passing me the knife"."""
+    return isinstance(said, (Command, ToolCommand)) and said.negated
 
 
 def _grips(objects: Mapping[str, ObjectType]) -> dict[str, str]:

@@ -40,9 +40,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
     if chat.is_interactive:
         out.print(Text(f"I am Hilt. {_help()}", "dim"))
     said = (
-        read_lines(lambda: chat.prompt, chat.completable, chat.interrupt)
-        if chat.is_interactive
-        else source
+        read_lines(chat.prompt, chat.completable, chat.interrupt) if chat.is_interactive else source
     )
     for line in (line.removeprefix("\ufeff").strip() for line in said):
         if line in QUIT_WORDS:
@@ -70,14 +68,16 @@ class Chat:
     _worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
     _waiting: list[Future[None]] = field(default_factory=list[Future[None]])
     _is_interrupted: bool = False  # by a control whose answer is not there yet
+    _is_typing: bool = False  # whether the prompt is shown
 
-    @property
     def prompt(self) -> str:
-        """What stands before the line that is typed."""
+        """Return what stands before the line that is typed now."""
+        self._is_typing = True
         return f"{self.speaker}> "
 
     def handle_line(self, line: str) -> None:
         """Show the answer to an utterance, or the result of a slash command."""
+        self._is_typing = False
         name, _, rest = line.partition(" ")
         if not line.startswith("/"):
             self._converse(line)
@@ -94,6 +94,7 @@ class Chat:
 
     def interrupt(self) -> None:
         """Stop what is being done, and drop the lines that wait to be heard."""
+        self._is_typing = False
         self._drop_waiting()
         if self.agent.is_busy:
             self.agent.interrupt()
@@ -108,6 +109,8 @@ class Chat:
         self._waiting = [each for each in self._waiting if not each.done()]
         control = self.agent.dialogue.language.control(line) if self._waiting else None
         if control is None:
+            if self.agent.interruption.is_paused:
+                self.agent.interrupt()  # what is said in a pause ends the command
             self._do(lambda: self._hear(line))
             return
         if control.control not in {"wait", "continue"}:
@@ -135,7 +138,12 @@ class Chat:
         if done.done():
             done.result()
         else:
-            done.add_done_callback(lambda _: self.out.print(self.prompt, end=""))
+            done.add_done_callback(lambda _: self._prompt_again())
+
+    def _prompt_again(self) -> None:
+        """Show the prompt again below an answer that came while a line was typed."""
+        if self._is_typing:
+            self.out.print(self.prompt(), end="")
 
     def _hear(self, line: str) -> None:
         try:

@@ -70,6 +70,16 @@ def test_stop_ends_the_motion_and_the_next_command_works(
 
 
 @sim
+def test_what_is_forbidden_is_stopped(robot: Agent):
+    """Also when it is being done."""
+    command, _ = while_doing(
+        robot, "pass me the knife", IN_LIFT, lambda: robot.hear("stop passing me the knife")
+    )
+
+    assert command.is_interrupted
+
+
+@sim
 def test_arm_reacts_within_fifty_milliseconds(robot: Agent):
     """Of simulated time, from the request until the arm brakes."""
     world, asked, braked = robot.body.world, list[float](), list[float]()
