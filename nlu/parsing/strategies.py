@@ -301,7 +301,8 @@ def _failed(found: Understanding) -> Understanding:
 
 
 def _with_object(thing: Form | None, context: UtteranceContext) -> UtteranceContext:
-    return replace(context, discourse=replace(context.discourse, object=thing))
+    named = (thing,) if thing else ()
+    return replace(context, discourse=replace(context.discourse, object=thing, named=named))
 
 
 def _understanding(

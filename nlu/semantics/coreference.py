@@ -32,6 +32,7 @@ IT, THEY, ONE = Form("it"), Form("they"), Form("one")
 PRONOUNS = frozenset({IT, THEY})
 SOMETHING = frozenset({"something", "anything"})
 
+_ONE_OF_SEVERAL = Form("oneOfSeveral")
 _ORDINALS = {"former": 0, "latter": -1}
 _OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
 _HILT = Form("self")
@@ -102,12 +103,15 @@ def resolve(form: Form, discourse: Discourse) -> Form:
     form = form.mapped(_with_each_material)
     if THEY in form:
         return _resolve_they(form, discourse)
+    if len(discourse.named) > 1 and discourse.object != THEY:
+        discourse = replace(discourse, object=_ONE_OF_SEVERAL)
     rest = _simplified(_resolve_rules(form, discourse))
-    if not any(part == IT for part in rest):
-        return rest
-    if discourse.object is None:
+    if IT in rest and discourse.object is None:
         raise RefusedError("no_referent", asks=True, word=IT.name)
-    return _simplified(_replace_it(rest, discourse.object))
+    rest = _simplified(_replace_it(rest, discourse.object)) if discourse.object else rest
+    if _ONE_OF_SEVERAL in rest:
+        raise RefusedError("which_thing", asks=True)
+    return rest
 
 
 def _ordinal(part: Form, discourse: Discourse) -> Form | None:

@@ -63,6 +63,14 @@ def test_fragment_alone_means_nothing(language: Language, fragment: str):
     assert failed.hear(fragment)[0].kind in {"error", "ask_back"}
 
 
+@pytest.mark.parametrize("said", ["it is also used for poking", "pass it to me"])
+def test_it_is_not_one_of_several(language: Language, said: str):
+    """After two objects in one turn Hilt asks which one is meant."""
+    session = Session(language).after(["A knife and a spoon are used for cutting"])
+
+    assert session.hear(said)[0].kind == "ask_back"
+
+
 @pytest.mark.parametrize("pause", [". ", ", "])
 def test_correction_in_one_breath_leaves_what_was_meant(language: Language, pause: str):
     """The use that was taken back is neither believed nor denied."""
