@@ -75,6 +75,7 @@ class Conversation:
         self._retracted: tuple[Rule, ...] = ()  # and no other rule was spoken of since
         self._just_acted = False  # and no rule was spoken of since
         self._last_said = ""
+        self._control_done: SpokenAnswer | None = None  # since the last command
 
     def _knowledge(self, turn: DialogueTurn) -> Knowledge:
         return Knowledge(
@@ -86,6 +87,7 @@ class Conversation:
             self._topic,
             self._holding,
             self._last_said,
+            self._control_done,
             self._retracted,
         )
 

@@ -29,6 +29,7 @@ class Knowledge:
         topic: the rules that were mentioned last; none after a command that needed none.
         holding: the name of the object in the hand.
         said: the answer before this one.
+        control: what a control did after the last command.
         retracted: the rules that were just retracted; none once others were mentioned.
     """
 
@@ -40,6 +41,7 @@ class Knowledge:
     topic: tuple[Rule, ...] = ()
     holding: Callable[[], str | None] = lambda: None
     said: str = ""
+    control: SpokenAnswer | None = None
     retracted: tuple[Rule, ...] = ()
 
     @property

@@ -280,7 +280,7 @@ class DialogueManager(ClarificationDialogue):
         reply = replace(self._reply(turn, spoken), ending=result.answer.ending, result=result)
         self._record(reply, turn)
         self._record_episode(request, reply, turn.keep)
-        self.last_done = reply
+        self.last_done, self._control_done = reply, None
         self._interrupted = (turn, request) if reply.is_interrupted else None
         self._just_stopped = result.answer if reply.is_interrupted else None
         self._topic = ()
@@ -315,7 +315,9 @@ class DialogueManager(ClarificationDialogue):
             return self._continue(turn, pending)
         if self.last_done is None:  # there is no need of a body yet
             return self._answered(turn, "nothing_held", "failed")
-        return self._spoken(turn, self._goals().empty_hand(said.control, said.object))
+        emptied = self._goals().empty_hand(said.control, said.object)
+        self._control_done = emptied if emptied.ending == "done" else self._control_done
+        return self._spoken(turn, emptied)
 
     def _continue(self, turn: DialogueTurn, pending: OpenQuestion | None) -> Reply:
         if pending and pending.yes and pending.asked == turn.speaker:
@@ -335,7 +337,10 @@ class DialogueManager(ClarificationDialogue):
             choose = partial(self._learn_answer, turn, said)
             self._open = OpenQuestion(turn.speaker, choose=choose)
         self._set_topic(rules)
-        return replace(self._spoken(turn, found), rules=rules)
+        spoken = self._say(found)
+        if spoken == self._last_said:
+            spoken = self._say(SpokenAnswer("as_said", {"said": spoken}))
+        return replace(self._recorded(turn, spoken, found.ending), rules=rules)
 
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
         pending = self._open

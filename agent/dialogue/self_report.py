@@ -23,6 +23,16 @@ def _fixed(key: str, _: Question, __: Knowledge) -> Answered:
     return spoken(key, done=True), ()
 
 
+def _identity(question: Question, known: Knowledge) -> Answered:
+    """Who Hilt is, or who somebody is, of whom it knows what they told and whether to trust it."""
+    if question.speaker is None:
+        return spoken("identity", done=True), ()
+    speaker = known.base.match_speaker(question.speaker)
+    if speaker == known.listener:
+        return spoken("identity_of", done=True, speaker=speaker), ()
+    return _told(question, known)
+
+
 def _holding(question: Question, known: Knowledge) -> Answered:
     held = known.holding()
     if question.object and question.object != held:
@@ -34,6 +44,8 @@ def _holding(question: Question, known: Knowledge) -> Answered:
 
 def _last_done(_: Question, known: Knowledge) -> Answered:
     last, decision = known.last, known.decision
+    if known.control:
+        return known.control, ()
     if last is None or last.result is None:
         return spoken("nothing_done"), ()
     best = decision.object.best if decision else None
@@ -119,7 +131,7 @@ SELF_REPORTS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
     "exceptions": _exceptions,
     "hearing": partial(_fixed, "hearing"),
     "holding": _holding,
-    "identity": partial(_fixed, "identity"),
+    "identity": _identity,
     "known": _known,
     "last_done": _last_done,
     "last_told": _last_told,

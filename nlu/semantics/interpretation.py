@@ -55,6 +55,7 @@ _QUESTIONS = {
     "whyNotPart": "why_not",
     "exceptions": "exceptions",
     "howSure": "confidence",
+    "identityOf": "identity",
     "inHand": "holding",
     "lastDone": "last_done",
     "lastTold": "last_told",
@@ -294,7 +295,7 @@ class Interpreter:
                 return _question_on_use(_QUESTIONS[form.name], use)
             case ("whyPart" | "whyNotPart", (part, *_)):
                 return Question(_QUESTIONS[form.name], part=_part_name(part))
-            case ("trust" | "told" | "lastTold", (person, *_)):
+            case ("trust" | "told" | "lastTold" | "identityOf", (person, *_)):
                 return Question(_QUESTIONS[form.name], speaker=_name(person))
             case "isTrue" | "howSure", (rule, *_):
                 return self._question_on_rule(_QUESTIONS[form.name], rule)
