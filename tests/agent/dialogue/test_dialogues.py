@@ -55,4 +55,5 @@ def test_robot_says_what_it_holds_and_did():
         assert agent.hear("what are you holding?").said == "I'm holding the mug."
         assert agent.hear("what did you just do?").said.startswith("I picked up the mug")
         agent.hear("put it down")
+        agent.hear("okay")
         assert agent.hear("what did you just do?").said == "I put the mug down."

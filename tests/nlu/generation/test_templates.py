@@ -82,7 +82,12 @@ def test_the_phrase_of_a_rule_is_parsed_to_it(language: Language, rule: Rule) ->
             {"goal": "pound", "patient": "nail", "tool": "hammer"},
             "I pounded the nail with the hammer.",
         ),
-        ("nothing_about", {"object": "knife"}, "I don't know anything about knives yet."),
+        ("why_not_seen", {"object": "knife"}, "Not the knife, because I don't see one."),
+        (
+            "known_many",
+            {"number": "4", "objects": ("knife", "mug")},
+            "I was taught 4 rules, for example about knives and mugs. Ask me about one of them.",
+        ),
     ],
 )
 def test_answers_are_filled_in(
