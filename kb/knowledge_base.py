@@ -182,7 +182,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         """The rows of a named query, whose parameters are given as texts; `limits` as for `query`.
 
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables
-        ('affordance', 'object', 'lower', 'upper', 'speaker', 'rule')
+        ('affordance', 'object', 'lower', 'upper', 'speaker', 'rule', 'material')
 
         Raises:
             UnknownNameError: there is no such query or parameter.
