@@ -59,7 +59,7 @@ class Checks:
         """Return a meaning as sure as the utterance says it, None if it would lose something."""
         words = mentions.tokens.words
         keeps_all = (
-            self._is_complete(meaning, words)
+            self._is_complete(meaning, mentions)
             and self._keeps_sign(meaning, words)
             and self._keeps_degree(meaning, mentions)
             and self._keeps_condition(meaning, mentions)
@@ -90,24 +90,28 @@ class Checks:
                 found |= {f"{clause} {feature}={value}" for value in values}
         return frozenset(found | ({"cut"} if words[-1:] in self.phrases["unfinished"] else set()))
 
-    def _is_complete(self, meaning: Meaning, words: Sequence[str]) -> bool:
+    def _is_complete(self, meaning: Meaning, mentions: Mentions) -> bool:
         """Whether an utterance is no half sentence and has no word twice in a row."""
+        words, pauses = mentions.tokens.words, mentions.tokens.pauses
         is_cut = not isinstance(meaning, Question) and (words[-1],) in self.phrases["unfinished"]
-        return not is_cut and all(one != other for one, other in pairwise(words))
+        doubled = (n for n, (one, two) in enumerate(pairwise(words), start=1) if one == two)
+        return not is_cut and all(place in pauses for place in doubled)
 
     def _keeps_sign(self, meaning: Meaning, words: Sequence[str]) -> bool:
         if self._has("implied_negation", words) or self._has("weak_negation", words):
             return False
         count = self._count("negative", words)
-        return count == 0 if not _is_negative(meaning) else count == 1
+        if _is_negative(meaning):
+            return count == 1 or (count == 2 and _corrects(meaning))
+        return count == 0 or (count == 1 and _corrects(meaning))
 
     def _keeps_degree(self, meaning: Meaning, mentions: Mentions) -> bool:
         said = {interval for _, _, interval in mentions.degrees}
-        if not said:
-            return True
-        if len(said) > 1 or not isinstance(meaning, Statement):
-            return False
-        return all(rule.confidence in said for rule in meaning.rules)
+        if isinstance(meaning, Statement):
+            return not said or (
+                len(said) == 1 and all(rule.confidence in said for rule in meaning.rules)
+            )
+        return all(_is_negative(meaning) and upper < _UNLIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         words = mentions.tokens.words
@@ -202,7 +206,11 @@ def _is_negative(meaning: Meaning) -> bool:
 
 
 def _denies(rule: Rule) -> bool:
-    return rule.revises or rule.confidence[1] < _UNLIKELY
+    return rule.confidence[1] < _UNLIKELY
+
+
+def _corrects(meaning: Meaning) -> bool:
+    return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
 
 
 def _acts_and_uses(meaning: Meaning) -> frozenset[str]:
