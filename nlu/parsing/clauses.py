@@ -86,6 +86,8 @@ def _part(reader: FeatureReader, words: Sequence[str], part: str, new: NewWord |
         return "own"
     if new is None or new.word != part or reader.is_part(said, part):
         return ""
+    if reader.is_abstract(said, part):
+        return "new"
     is_said = not reader.part_words.isdisjoint(before) or _after(words, said) in reader.part_words
     return "" if is_said else "new"
 
