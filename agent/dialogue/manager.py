@@ -188,16 +188,21 @@ class DialogueManager(ClarificationDialogue):
                 yield NewWord(name, "object", name)
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
-        if said == meaning.Retraction() and (self._just_acted or not self._topic):
-            self._open = OpenQuestion(turn.speaker)
-            return self._answered(turn, "forget_what", "failed")
         rules = rules_to_retract(self.base, said, turn.speaker, self._topic)
         own = [rule for rule in rules if rule.speaker == turn.speaker]
         if rules and not own:
             return self._answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
             return self._answered(turn, "nothing_to_forget", "failed")
+        if said == meaning.Retraction() and (self._just_acted or not self._topic):
+            return self._ask_to_forget(turn, own)
         return self._retract(turn, own)
+
+    def _ask_to_forget(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
+        """Ask whether a rule is meant that was not spoken of just now."""
+        self._open = OpenQuestion(turn.speaker, lambda: self._retract(turn, rules))
+        described = self._knowledge(turn).describe(rules[-1])
+        return self._answered(turn, "forget_what", "asked", rule=described)
 
     def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
         phrases = tuple(map(self._knowledge(turn).describe, rules))

@@ -28,7 +28,7 @@ MOST_OF_NEVER = 0.1
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
 _LISTED = frozenset({"list", "clauses", "things", "kinds", "quotes", "names"})
-_SLOT_FORMS = frozenset({"a", "the", "many", "to", "done", "name", "use"}) | _LISTED
+_SLOT_FORMS = frozenset({"a", "the", "be", "it", "many", "to", "done", "name", "use"}) | _LISTED
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,10 @@ class Phrases:
         any_object: what stands for every object.
         any_with: the same with properties before it.
         joined: the word before the last of several.
+        be: the verb after one thing.
+        be_many: the verb after one thing in the plural: "scissors are".
+        it: the pronoun for one thing.
+        it_many: the pronoun for one thing in the plural.
     """
 
     functional: str
@@ -72,6 +76,10 @@ class Phrases:
     any_object: str
     any_with: str
     joined: str
+    be: str
+    be_many: str
+    it: str
+    it_many: str
 
 
 @dataclass(frozen=True)
@@ -186,9 +194,12 @@ class AnswerTemplates:
         return SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
 
     def _form(self, value: Slot, form: str | None) -> str:
+        said, plural = self.phrases, self.inflection.is_plural_only
         forms: Mapping[str, Callable[[str], str]] = {
             "a": self.inflection.with_article,
             "the": lambda word: f"the {word}",
+            "be": lambda word: said.be_many if plural(word) else said.be,
+            "it": lambda word: said.it_many if plural(word) else said.it,
             "many": lambda word: self.inflection.form(word, "plural"),
             "to": self.act,
             "done": lambda word: self.inflection.form(self.act(word), "participle"),

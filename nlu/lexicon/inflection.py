@@ -87,8 +87,15 @@ class Inflection:
         """The words of which `word` may be this form, the likeliest first."""
         return self.tables[form].origins(word)
 
+    def is_plural_only(self, words: str) -> bool:
+        """Whether a noun phrase names what is one thing in the plural, like "red scissors"."""
+        irregular = self.tables["plural"].irregular
+        return any(irregular.get(word) == word for word in words.split(" "))
+
     def with_article(self, words: str) -> str:
-        """A noun phrase with its indefinite article: "a mug", "an egg"."""
+        """A noun phrase with its indefinite article, if it has one: "a mug", "an egg"."""
+        if self.is_plural_only(words):
+            return words
         return f"{self.tables['article'].choice(words)} {words}"
 
 

@@ -32,6 +32,11 @@ FRAGMENTS = {
     "alsoBy": ("part", "also"),
     "alsoIn": ("context", "also"),
     "alsoTo": ("recipient", "also"),
+    "alsoHeld": ("held", "same"),
+    "sameOf": ("target", "same"),
+    "sameFor": ("use", "same"),
+    "sameIn": ("context", "same"),
+    "tooOf": ("target", "too"),
     "correctObject": ("target", "instead"),
     "correctUse": ("use", "instead"),
     "correctPart": ("part", "instead"),
@@ -42,8 +47,11 @@ FRAGMENTS = {
     "fillPart": ("part", ""),
     "fillRecipient": ("recipient", ""),
 }
-"""The slot that each predicate of a fragment fills, and whether it adds to the last meaning or
-replaces it; without either, a fragment completes a command or question and corrects a rule."""
+"""The slot that each predicate of a fragment fills, and its mode.
+
+It adds to the last meaning (`also`), says the same as the last rule or command (`same`), adds to an
+answer (`too`) or replaces a value (`instead`); without a mode, a fragment completes a command or
+question and corrects a rule."""
 
 _OF_OBJECTS = {"objects_for", "best_for"}
 _OF_USES = {"uses_of", "about", "how", "see"}
@@ -54,7 +62,7 @@ class Fragment:
     """The values that a fragment names: for one slot, and perhaps a degree of confidence.
 
     Attributes:
-        mode: `also`, `instead`, or empty for neither.
+        mode: `also`, `same`, `too`, `instead`, or empty for none of them.
         default: the confidence of a rule without a degree.
         asks: whether it is a question.
     """
@@ -70,6 +78,11 @@ class Fragment:
     context: str | None = None
     recipient: str | None = None
     confidence: Confidence | None = None
+
+    @property
+    def adds(self) -> bool:
+        """Whether it leaves what was said before as it is."""
+        return self.mode in {"also", "same", "too"}
 
 
 def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
@@ -100,7 +113,9 @@ def _completed(
 ) -> Rule | Question | Command | ToolCommand | None:
     """What a fragment completes: the last meaning, or the rule spoken of last."""
     rule, last = discourse.rule, discourse.last
-    if rule is None or fragment.mode == "also" or fragment.asks:
+    if fragment.mode == "same" and not fragment.asks:
+        return last if isinstance(last, (Command, ToolCommand)) or rule is None else rule
+    if rule is None or fragment.adds or fragment.asks:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
         return rule
@@ -122,7 +137,7 @@ def _as_rule(fragment: Fragment, rule: Rule) -> Meaning:
     changed = _changed(fragment, rule)
     if fragment.asks:
         return _question_on(changed)
-    return Statement((replace(changed, revises=fragment.mode != "also"),))
+    return Statement((replace(changed, revises=not fragment.adds),))
 
 
 def _changed(fragment: Fragment, rule: Rule) -> Rule:
@@ -132,7 +147,7 @@ def _changed(fragment: Fragment, rule: Rule) -> Rule:
     if fragment.target:
         name, props = _kind(fragment.target)
         rule = replace(rule, object=name, props=props)
-        if fragment.context is None:
+        if fragment.context is None and fragment.part is None:
             return rule
     match rule:
         case FunctionalRule() if fragment.use:
@@ -144,7 +159,7 @@ def _changed(fragment: Fragment, rule: Rule) -> Rule:
             return replace(rule, part=fragment.part)
         case ActionRule() if fragment.context:
             return replace(rule, context=fragment.context)
-        case ActionRule() if fragment.use and fragment.mode == "also":
+        case ActionRule() if fragment.use and fragment.adds:
             raise RefusedError("not_a_rule")
         case _ if fragment.confidence and not (fragment.use or fragment.part or fragment.context):
             return rule
@@ -166,7 +181,11 @@ def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
         raise _nothing()
     if fragment.target:
         name, props = _kind(fragment.target)
-        if props:
+        if fragment.mode == "too" and not fragment.asks and question.affordance:
+            use, material = question.affordance, question.material
+            rule = FunctionalRule(name, use, fragment.default, props, material=material)
+            return AskBack(choices=(Statement((rule,)),))
+        if props or fragment.part:
             raise RefusedError("one_thing_at_a_time")
         if fragment.context:
             return Question("how", object=name, context=fragment.context)
@@ -192,7 +211,7 @@ def _as_command(fragment: Fragment, command: Command) -> Command:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
         target = _meant(fragment.target, command.target)
-        return replace(command, target=target, part=None, negated=False)
+        return replace(command, target=target, part=fragment.part, negated=False)
     if fragment.part:
         return replace(command, part=fragment.part)
     if fragment.recipient and command.goal == "pass":

@@ -148,9 +148,14 @@ class Interpreter:
         """What a fragment completes: the last rule, question or command."""
         asks = form.name == "asked"
         said = form.arguments[0] if asks else form
+        is_too = said.name == "too"
+        said = said.arguments[0] if is_too else said
         slot, mode = FRAGMENTS.get(said.name, ("part", "instead"))
+        mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
         fragment = self._filled(Fragment(mode, self.intervals["high"], asks), slot, value)
+        if slot == "held":
+            fragment = self._filled(fragment, "part", degree.pop())
         if degree:
             fragment = replace(fragment, confidence=self.intervals[degree[0].name])
         return complete(fragment, discourse)
@@ -158,7 +163,7 @@ class Interpreter:
     def _filled(self, fragment: Fragment, slot: str, value: Form) -> Fragment:
         """A fragment with the value of its slot."""
         match slot:
-            case "target":
+            case "target" | "held":
                 return replace(fragment, target=self._reference(value))
             case "use":
                 return _with_use(fragment, value)
@@ -301,6 +306,8 @@ class Interpreter:
                 return self._question_on_rule(_QUESTIONS[form.name], rule)
             case "source", (Form(name="implies" | "and") as rule, *_):
                 return self._question_on_rule("source", rule)
+            case "source", (Form(name="holding" | "graspObject") as act, *_):
+                return self._question_on_act("source", act)
             case "source", (thing, *_):
                 return Question("source", object=_kind(thing))
             case "which", (Form(name="usedFor" | "implies", arguments=(thing, use, *_)), *_):

@@ -142,12 +142,13 @@ def test_trust_that_is_withdrawn_counts_at_once(agent: Agent):
 
 @pytest.mark.parametrize("command", ["pick up the shoe", "pass me the knife"])
 @pytest.mark.parametrize("text", ["never mind", "forget that"])
-def test_forgetting_after_a_deed_takes_back_no_rule(taught: Agent, command: str, text: str):
+def test_forgetting_after_a_deed_asks_first(taught: Agent, command: str, text: str):
     """It was the deed that was spoken of, not what it rests on."""
     taught.hear(command)
 
-    assert taught.hear(text).said.endswith("Which rule should I forget?")
+    assert taught.hear(text).said.startswith("Should I forget this: ")
     assert len(taught.base.rules()) == 3
+    assert taught.hear("yes").said.startswith("Okay, I no longer believe this: ")
 
 
 def test_reason_of_a_deed_can_be_taken_back(taught: Agent):
