@@ -2,12 +2,14 @@
 """Which spellings of the English word files the utterances of the repository use, and how often.
 
 The count is over the derivations of all utterances that come out right: those of the test data,
-sentences that Hilt generates, and those of documents and tests. For each file it prints how many
-spellings there are, how many of them nothing uses, and how many once. With `--write` it deletes
-what is used less than `--least` times: spellings, choices within a spelling, and lines of `is`.
-Words without choices of at most two words are kept: they are closed class. Run it as
+sentences that Hilt generates, and those of documents and tests, each of which counts twice. For
+each file it prints how many spellings there are, how many of them nothing uses, and how many once.
+With `--write` it deletes what is used less than `--least` times: spellings with their lines of `is`,
+and choices within a spelling. A spelling that is used very often keeps all its choices: it is a word
+class, of which nobody uses all members. Words without choices of at most two words are kept, too:
+they are closed class. Run it as
 
-    python benchmarks/lexicon_usage.py [--least N] [--unused] [--write]
+    python benchmarks/lexicon_usage.py [--least SPELLING CHOICE WHOLE] [--unused] [--write]
 """
 
 from __future__ import annotations
@@ -40,6 +42,15 @@ FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml", "clauses.yaml")
 KEPT = frozenset({*NEAR, "paradigm", "generated", "documented"})
 """What must stay: one use of a spelling in these sets is enough."""
 
+_CLOSED = (
+    "is are", "was were", "has have", "does do", "i we", "me us", "my our", "you one people folks",
+    "that which", "this these", "it them", "a an", "if when whenever", "can could", "will would",
+    "someone somebody", "anyone anybody", "everyone everybody", "nobody no", "he she", "him her",
+    "thing tool object", "part end side", "hold grab grasp grip", "may might", "should must",
+)  # fmt: skip
+_CLASSES = {word: group.split()[0] for group in _CLOSED for word in group.split()}
+_UNCOUNTED = frozenset({"request_tags", "doubts", "stand_ins"})
+"""Discourse markers that refuse something; what they are needed for is not seen in a count."""
 _PIECE = re.compile(r"[()\[\]|]|[^\s()\[\]|]+")
 
 Place: TypeAlias = tuple[int, ...]
@@ -116,19 +127,27 @@ def matches(
 
 
 def pruned(pattern: Pattern, used: Counter[Place], least: int, path: Place = (0,)) -> Pattern:
-    """A pattern without the choices that are used less than so many times."""
+    """A pattern without the choices that are used less than so many times.
+
+    Choices that differ only within a closed class, like "is" and "are", are used together. Of a
+    bracket that may not be left out the choice that is used most is always kept.
+    """
     kept: list[str | Bracket] = []
     for number, piece in enumerate(pattern):
         here = (*path[:-1], path[-1] + number)
         if isinstance(piece, str):
             kept.append(piece)
             continue
+        together: Counter[str] = Counter()
+        for n, choice in enumerate(piece.choices):
+            together[_class_of(choice)] += used[(*here, n)]
+        enough = least if piece.optional else min(least, max(together.values()))
         choices = [
             pruned(choice, used, least, (*here, n, 0))
             for n, choice in enumerate(piece.choices)
-            if used[(*here, n)] >= least
+            if together[_class_of(choice)] >= enough
         ]
-        choices = list(dict.fromkeys(choices))
+        choices = list(dict.fromkeys(filter(None, choices)))
         if len(choices) == 1 and not piece.optional:
             kept += choices[0]
         elif len(choices) == 1 and len(choices[0]) == 1 and isinstance(choices[0][0], Bracket):
@@ -136,6 +155,19 @@ def pruned(pattern: Pattern, used: Counter[Place], least: int, path: Place = (0,
         elif choices:
             kept.append(Bracket(tuple(choices), piece.optional))
     return tuple(kept)
+
+
+def _class_of(choice: Pattern) -> str:
+    """A choice with each word of a closed class, and each verb, in one form for all."""
+    return " ".join(_CLASSES.get(word, word.removesuffix("s")) for word in shown(choice).split())
+
+
+class Least(NamedTuple):
+    """How many uses keep a spelling, a choice within it, and all its choices."""
+
+    spelling: int
+    choice: int
+    whole: int
 
 
 class Spelling(NamedTuple):
@@ -358,7 +390,7 @@ class Recorder:
         markers.mark_boundaries = boundaries
 
 
-def written(path: Path, usage: Usage, least: int) -> str:
+def written(path: Path, usage: Usage, least: Least) -> str:
     """The text of a file without what is used less than so many times."""
     text = path.read_text(encoding="utf-8")
     edits: list[tuple[int, int, str]] = []
@@ -367,16 +399,22 @@ def written(path: Path, usage: Usage, least: int) -> str:
             for item in value.value:
                 edits += _edit_item(text, path.name, item, usage, least)
         elif key.value == "discourse_markers":
-            for _, phrases in value.value:
-                for node in phrases.value:
-                    edits += _edit_marker(text, path.name, node, usage, least)
+            for kind, phrases in value.value:
+                if kind.value in _UNCOUNTED:
+                    continue
+                kept = [_kept(text, path.name, node, usage, least) for node in phrases.value]
+                if any(kept):
+                    for node, left in zip(phrases.value, kept, strict=True):
+                        edits += _edit_marker(text, node, left)
+                else:
+                    edits.append((phrases.start_mark.index, _end_of(phrases), "[]"))
     for start, end, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[end:]
     return re.sub(r"\n{3,}", "\n\n", text)
 
 
 def _edit_item(
-    text: str, file: str, item: Any, usage: Usage, least: int
+    text: str, file: str, item: Any, usage: Usage, least: Least
 ) -> Iterator[tuple[int, int, str]]:
     parts = {key.value: value for key, value in item.value}
     says = _as_list(parts["says"])
@@ -384,14 +422,10 @@ def _edit_item(
     kept = list(dict.fromkeys(kept))
     lines = _as_list(parts["is"]) if "is" in parts else []
     closed = any(_is_closed(node.value) for node in says)
-    used = [node for node in lines if closed or usage.line_uses[_key(file, node)] >= least]
+    used = [node for node in lines if closed or usage.line_uses[_key(file, node)] >= least.spelling]
     if not kept or (lines and not used):
         start = text.rfind("\n", 0, item.start_mark.index) + 1
-        stop = text.find("\n", item.end_mark.index - 1) + 1
-        if item.start_mark.line == item.end_mark.line or text[item.end_mark.index - 1] != "\n":
-            yield start, stop, ""
-        else:
-            yield start, text.rfind("\n", 0, item.end_mark.index) + 1, ""
+        yield start, text.find("\n", _end_of(item)) + 1, ""
         return
     if kept != [text[node.start_mark.index : node.end_mark.index] for node in says]:
         yield _list_edit(parts["says"], kept)
@@ -401,10 +435,9 @@ def _edit_item(
 
 
 def _list_edit(node: Any, items: Sequence[str]) -> tuple[int, int, str]:
-    end = node.end_mark.index
     if not node.flow_style:
-        joined = f"[{', '.join(items)}]\n"
-        return node.start_mark.index, end, joined
+        return node.start_mark.index, _end_of(node), f"[{', '.join(items)}]"
+    end = node.end_mark.index
     lines, width = [""], 0
     for number, item in enumerate(items):
         comma = ", " if number else ""
@@ -418,27 +451,34 @@ def _list_edit(node: Any, items: Sequence[str]) -> tuple[int, int, str]:
     return node.start_mark.index, end, "[" + "\n".join(lines) + "]"
 
 
-def _edit_marker(
-    text: str, file: str, node: Any, usage: Usage, least: int
-) -> Iterator[tuple[int, int, str]]:
-    kept = _kept(text, file, node, usage, least)
+def _edit_marker(text: str, node: Any, kept: str | None) -> Iterator[tuple[int, int, str]]:
     if kept is None:
         start = text.rfind("\n", 0, node.start_mark.index) + 1
         yield start, text.find("\n", node.end_mark.index) + 1, ""
-    elif kept != text[node.start_mark.index : node.end_mark.index]:
+    else:
         yield node.start_mark.index, node.end_mark.index, kept
 
 
-def _kept(text: str, file: str, node: Any, usage: Usage, least: int) -> str | None:
+def _end_of(node: Any) -> int:
+    """Where a value ends, without the comments after it."""
+    within = node.value[-1] if isinstance(node.value, list) and not node.flow_style else None
+    within = within[1] if isinstance(within, tuple) else within
+    return node.end_mark.index if within is None else _end_of(within)
+
+
+def _kept(text: str, file: str, node: Any, usage: Usage, least: Least) -> str | None:
     """The text of a spelling that is left, None for nothing."""
     raw = text[node.start_mark.index : node.end_mark.index]
     if _is_closed(node.value):
         return raw
     key = _key(file, node)
-    if usage.uses[(*key, ())] < least:
+    times = usage.uses[(*key, ())]
+    if times < least.spelling:
         return None
+    if times >= least.whole:
+        return raw
     counts = Counter({use[3]: n for use, n in usage.uses.items() if use[:3] == key})
-    pattern = pruned(parsed(node.value), counts, least)
+    pattern = pruned(parsed(node.value), counts, least.choice)
     left = shown(pattern)
     return raw if left == shown(parsed(node.value)) or not left else f'"{left}"'
 
@@ -458,7 +498,14 @@ def _as_list(node: Any) -> list[Any]:
 def main() -> None:
     """Count, print the table, and write the pruned files if asked to."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--least", type=int, default=2, help="how many uses keep a spelling")
+    parser.add_argument(
+        "--least",
+        type=int,
+        nargs=3,
+        default=(1, 1, 8),
+        metavar=("SPELLING", "CHOICE", "WHOLE"),
+        help="how many uses keep a spelling, a choice within it, and all its choices",
+    )
     parser.add_argument("--unused", action="store_true", help="list what is used less")
     parser.add_argument("--write", action="store_true", help="delete what is used less")
     options = parser.parse_args()
@@ -482,13 +529,13 @@ def main() -> None:
         size = path.stat().st_size / 1000
         print(f"{name:20} {size:6.1f} {len(keys):10} {times.count(0):7} {times.count(1):6}")
         for key, count in zip(keys, times, strict=True) if options.unused else ():
-            if count < options.least:
+            if count < options.least[0]:
                 print(f"  {count} line {key[1]}: {usage.spellings[key].field.text()[:120]}")
     if options.write:
         for name in FILES:
             path = LANGUAGES_FOLDER / "english" / name
             if path.exists():
-                path.write_text(written(path, usage, options.least), encoding="utf-8")
+                path.write_text(written(path, usage, Least(*options.least)), encoding="utf-8")
 
 
 if __name__ == "__main__":
