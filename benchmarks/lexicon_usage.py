@@ -38,7 +38,9 @@ from hilt.nlu.parsing import strategies
 from hilt.nlu.parsing.derivation import subderivations
 from hilt.ontology.yaml_reader import Field
 
-FILES = ("lexicon.yaml", "constructions.yaml", "requests.yaml", "clauses.yaml")
+LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
+"""The files that may be pruned; what is in all others is structure."""
+FILES = (*LISTS, "clauses.yaml", "conversation.yaml")
 KEPT = frozenset({*NEAR, "paradigm", "generated", "documented"})
 """What must stay: one use of a spelling in these sets is enough."""
 
@@ -522,8 +524,6 @@ def main() -> None:
     print(f"{'file':20} {'kB':>6} {'spellings':>10} {'unused':>7} {'once':>6}")
     for name in FILES:
         path = LANGUAGES_FOLDER / "english" / name
-        if not path.exists():
-            continue
         keys = [key for key in usage.spellings if key[0] == name]
         times = [usage.uses[(*key, ())] for key in keys]
         size = path.stat().st_size / 1000
@@ -532,10 +532,9 @@ def main() -> None:
             if count < options.least[0]:
                 print(f"  {count} line {key[1]}: {usage.spellings[key].field.text()[:120]}")
     if options.write:
-        for name in FILES:
+        for name in LISTS:
             path = LANGUAGES_FOLDER / "english" / name
-            if path.exists():
-                path.write_text(written(path, usage, Least(*options.least)), encoding="utf-8")
+            path.write_text(written(path, usage, Least(*options.least)), encoding="utf-8")
 
 
 if __name__ == "__main__":
