@@ -5,7 +5,7 @@
 >>> language.understand("To pass a knife grab it by the blade").semantics
 'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same twelve files. A
+A second language is a second folder beside `ontology/english`, with the same files. A
 `Session` understands the utterances of a conversation one after the other, without believing or
 doing anything.
 """
@@ -69,6 +69,7 @@ MAX_CONTROL_WORDS = 12
 _WORD_FILES = (
     "lexicon.yaml",
     "clauses.yaml",
+    "attitudes.yaml",
     "constructions.yaml",
     "requests.yaml",
     "conversation.yaml",

@@ -42,6 +42,9 @@ OTHERWISE = {
     "The mug needs cutting": "a command to cut it",
     "A mallet will do for pounding if there's no hammer about.": "only sometimes, then",
     "I don't know about you, but I think a shoe ought to be picked up by the upper.": "a belief",
+    "I'd say a hammer is always the thing to pound with.": "a belief",
+    "Not every knife is used for cutting.": "only sometimes, then",
+    "Not all spoons are used for stirring.": "only sometimes, then",
 }
 
 

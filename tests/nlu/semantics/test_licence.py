@@ -65,6 +65,28 @@ def test_a_bound_never_makes_a_rule_surer(
     assert narrow[1] >= interval[1]
 
 
+FEATURES = st.sampled_from(
+    [features(), *(features(attitude=each) for each in ("think", "hedged", "certain"))]
+    + [features(quantifier=each) for each in ("most", "partial")]
+    + [features(modality="weak")]
+)
+
+
+@given(INTERVALS, FEATURES, FEATURES)
+def test_a_further_feature_never_makes_a_rule_surer(
+    language: Language, interval: tuple[float, float], one: Features, other: Features
+) -> None:
+    """That is, "I think most shoes .." is no surer than "I think shoes .."."""
+    licence = language.parser.licence
+    rule = Statement((FunctionalRule("shoe", "pounding", interval),))
+    both = Features({**one.main, **other.main}, aside=one.main)
+
+    (alone,) = licence.weakened(rule, one).rules
+    (joined,) = licence.weakened(rule, both).rules
+    assert joined.confidence[0] <= alone.confidence[0] <= interval[0]
+    assert joined.confidence[1] >= alone.confidence[1] >= interval[1]
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
