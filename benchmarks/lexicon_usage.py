@@ -2,12 +2,13 @@
 """Which spellings of the English word files the utterances of the repository use, and how often.
 
 The count is over the derivations of all utterances that come out right: those of the test data,
-sentences that Hilt generates, and those of documents and tests, each of which counts twice. For
-each file it prints how many spellings there are, how many of them nothing uses, and how many once.
-With `--write` it deletes what is used less than `--least` times: spellings with their lines of `is`,
-and choices within a spelling. A spelling that is used very often keeps all its choices: it is a word
-class, of which nobody uses all members. Words without choices of at most two words are kept, too:
-they are closed class. Run it as
+sentences that Hilt generates, and those of documents and tests, each of which counts twice. It
+prints for each file how many spellings there are, how many nothing uses, and how many one use.
+
+With `--write` it deletes what is used less than `--least` times: spellings with their lines of
+`is`, and choices within a spelling. A spelling that is used very often keeps all its choices: it is
+a word class, of which nobody uses all members. Words without choices of at most two words are kept,
+too: they are closed class. Run it as
 
     python benchmarks/lexicon_usage.py [--least SPELLING CHOICE WHOLE] [--unused] [--write]
 """
@@ -41,7 +42,7 @@ from hilt.ontology.yaml_reader import Field
 LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 """The files that may be pruned; what is in all others is structure."""
 FILES = (*LISTS, "clauses.yaml", "conversation.yaml")
-KEPT = frozenset({*NEAR, "paradigm", "generated", "documented"})
+KEPT = frozenset({*NEAR, "materials", "said", "paradigm", "generated", "documented"})
 """What must stay: one use of a spelling in these sets is enough."""
 
 _CLOSED = (
@@ -362,8 +363,8 @@ class Recorder:
                 recorder._used.append((found, parts))
             return found
 
-        def end(self: Any, words: Any, start: int, edges: Any) -> int:
-            found = end_of(self, words, start, edges)
+        def end(self: Any, words: Any, start: int, *given: Any, **options: Any) -> int:
+            found = end_of(self, words, start, *given, **options)
             for kind in ("anywhere", "apart", "clauses") if found > start else ():
                 recorder._removed.append((kind, words[start:found]))
             return found
@@ -504,7 +505,7 @@ def main() -> None:
         "--least",
         type=int,
         nargs=3,
-        default=(1, 1, 8),
+        default=(1, 1, 20),
         metavar=("SPELLING", "CHOICE", "WHOLE"),
         help="how many uses keep a spelling, a choice within it, and all its choices",
     )

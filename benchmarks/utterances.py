@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests" / "nlu" / "data"
 
 NEAR = ("paper", "paraphrases", "commands", "conversation")
-GROUPED = (*NEAR, "wide", "aside", "far")
+GROUPED = (*NEAR, "materials", "wide", "aside", "far")
 SENTENCES = 3000
 """How many sentences of the generated grammar are drawn."""
 
@@ -62,6 +62,11 @@ def data_sets() -> dict[str, list[Utterance]]:
     found |= {path.stem: list(_lines(path)) for path in sorted(DATA.glob("*.jsonl"))}
     refusals = yaml.safe_load((DATA / "refusals.yaml").read_text(encoding="utf-8"))
     found["refusals"] = [Utterance(text, (), None, "refusals") for text in refusals]
+    families = yaml.safe_load((DATA / "unsaid.yaml").read_text(encoding="utf-8")).values()
+    for name, wanted in (("unsaid", None), ("said", {"understood": True})):
+        given = [each for family in families for each in family.get(name) or ()]
+        texts = [each if isinstance(each, str) else each[0] for each in given]
+        found[name] = [Utterance(text, (), wanted, name) for text in texts]
     found["paradigm"] = list(paradigm())
     return found
 
@@ -86,21 +91,36 @@ def generated(language: Language) -> Iterator[Utterance]:
 
 def documented() -> Iterator[Utterance]:
     """Whatever reads like an utterance in documents, examples and the code of the tests."""
-    texts: dict[str, None] = {}
+    examples = (ROOT / "ontology" / "english" / "examples.yaml").read_text(encoding="utf-8")
+    conversations = [[text] for text in yaml.safe_load(examples)["examples"]]
     for path in [*sorted(ROOT.glob("docs/**/*.md")), ROOT / "README.md"]:
-        for found in _QUOTED.finditer(path.read_text(encoding="utf-8")):
-            texts[found[1] or found[2]] = None
+        quoted = _QUOTED.finditer(path.read_text(encoding="utf-8"))
+        conversations += [[found[1] or found[2]] for found in quoted]
     for folder in ("tests", "agent", "examples", "benchmarks"):
         for path in sorted((ROOT / folder).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                    texts[node.value] = None
-    examples = (ROOT / "ontology" / "english" / "examples.yaml").read_text(encoding="utf-8")
-    texts |= dict.fromkeys(yaml.safe_load(examples)["examples"])
-    for text in texts:
-        if _SPOKEN.match(text) and 2 <= len(text.split()) <= 25:
-            for before in ((), _BEFORE):
-                yield Utterance(text, before, {"understood": True}, "documented")
+            conversations += _written(path)
+    said: set[tuple[str, ...]] = set()
+    for texts in conversations:
+        spoken = [text for text in texts if _SPOKEN.match(text) and 2 <= len(text.split()) <= 25]
+        for place, text in enumerate(spoken):
+            for before in {tuple(spoken[max(0, place - 3) : place]), _BEFORE}:
+                if (*before, text) not in said:
+                    said.add((*before, text))
+                    yield Utterance(text, before, {"understood": True}, "documented")
+
+
+def _written(path: Path) -> Iterator[list[str]]:
+    """The texts of each function of a module, in order, and all others each on its own."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        texts = [
+            each.value
+            for each in ast.walk(node)
+            if isinstance(each, ast.Constant) and isinstance(each.value, str)
+        ]
+        if isinstance(node, ast.FunctionDef):
+            yield texts
+        else:
+            yield from ([text] for text in texts)
 
 
 def _expanded(text: str, rules: dict[str, str], rng: random.Random) -> str:
