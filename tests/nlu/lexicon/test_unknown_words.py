@@ -176,8 +176,8 @@ def test_an_unknown_word_may_have_every_role(known_words: KnownWords) -> None:
 
 
 def test_a_word_of_a_construction_may_be_taught(known_words: KnownWords) -> None:
-    """The word "store" adds nothing in some turns, and is an act in a lesson all the same."""
-    tokens = tokenize("to store it", {})
+    """The word "carry" adds nothing in some turns, and is an act in a lesson all the same."""
+    tokens = tokenize("to carry it", {})
 
     assert known_words.unknown(tokens) == []
     assert 1 in known_words.guesses(tokens, [])
