@@ -14,7 +14,7 @@ from typing import NamedTuple
 import yaml
 
 from hilt.nlu import Language, Session, Understanding
-from hilt.nlu.jsgf import grammar_of
+from hilt.nlu.jsgf import sentences
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests" / "nlu" / "data"
@@ -24,7 +24,6 @@ GROUPED = (*NEAR, "materials", "wide", "aside", "far")
 SENTENCES = 3000
 """How many sentences of the generated grammar are drawn."""
 
-_RULE = re.compile(r"^(?:public )?<(\w+)> = (.*);$", re.MULTILINE)
 _QUOTED = re.compile(r'"([^"\n]{6,120})"|`([^`\n]{6,120})`')
 _SPOKEN = re.compile(r"^[A-Za-z][A-Za-z ,.'?!-]+$")
 _BEFORE = ("To pass a knife, grab it by the blade",)
@@ -82,10 +81,7 @@ def paradigm() -> Iterator[Utterance]:
 
 def generated(language: Language) -> Iterator[Utterance]:
     """Sentences that the grammar for speech recognisers has, with every shape of meaning."""
-    rules = dict(_RULE.findall(grammar_of(language)))
-    rng = random.Random(0)  # noqa: S311 - no secret
-    for _ in range(SENTENCES):
-        text = _expanded("<utterance>", rules, rng)
+    for text in sentences(language, SENTENCES, random.Random(0)):  # noqa: S311 - no secret
         yield Utterance(text, _BEFORE, {"understood": True}, "generated")
 
 
@@ -121,15 +117,6 @@ def _written(path: Path) -> Iterator[list[str]]:
             yield texts
         else:
             yield from ([text] for text in texts)
-
-
-def _expanded(text: str, rules: dict[str, str], rng: random.Random) -> str:
-    text = re.sub(r"\[([^\]]*)\]", lambda found: rng.choice(["", found[1]]), text)
-    return re.sub(
-        r"<(\w+)>",
-        lambda found: _expanded(rng.choice(rules[found[1]].split(" | ")), rules, rng),
-        text,
-    )
 
 
 def _grouped(name: str) -> Iterator[Utterance]:

@@ -7,31 +7,34 @@ every text that a recogniser finds with it is understood. Hilt understands many 
 
 from __future__ import annotations
 
+import random
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 
-from .generation.templates import SLOT
+from .generation.templates import SLOT, AnswerTemplates
 from .language import Language
 
 HEADER = "#JSGF V1.0 UTF-8;\ngrammar hilt;\n"
 
 _SILENT = re.compile(r"[.,?!]")
+_OPTIONAL = re.compile(r"\[([^\]]*)\]")
+_NAME = re.compile(r"<(\w+)>")
 
-# Names come from the entries of the lexicon: the rule, and the categories of its entries.
-_NAMES: Mapping[str, frozenset[str]] = {
-    "object": frozenset({"N"}),
-    "objects": frozenset({"NS"}),
-    "part": frozenset({"P"}),
-    "affordance": frozenset({"K"}),
-    "property": frozenset({"AP"}),
-    "person": frozenset({"RN"}),
+# The category of the names of each kind.
+_CATEGORIES: Mapping[str, str] = {
+    "object": "N",
+    "part": "P",
+    "affordance": "K",
+    "property": "AP",
+    "person": "RN",
 }
 
 # What stands in a slot of `sentences.yaml`, by its name, or by name and form.
 _FILLED: Mapping[str, str] = {
-    "thing": "<article> [<property>] <object>",
+    "thing": "<thing>",
     "object": "<object>",
-    "object:a": "<article> <object>",
+    "object:a": "<an_object>",
     "object:many": "<objects>",
     "patient": "<object>",
     "affordance": "<affordance>",
@@ -53,65 +56,108 @@ _FILLED: Mapping[str, str] = {
 # The acts of a command, by the first word of its shape; of all other shapes any act.
 _ACTS: Mapping[str, str] = {"give": "<giving>", "patient": "<tool_act>"}
 
+KINDS = {"command": 5, "rule": 2, "question": 2, "reply": 1}
+"""The kinds of utterances, and how often people say each of them."""
+
+_LEFT_OUT = 0.7  # how often people leave out what may be left out
+
 
 def grammar_of(language: Language) -> str:
     """Return the grammar of a language with the words that it knows now."""
-    sections = language.realizer.sentences
-    kinds = ("rule", "command", "question", "reply")
-    lines = [HEADER, f"public <utterance> = {_either(f'<{kind}>' for kind in kinds)};"]
-    rules = [sections["rules"][key] for key in ("functional", "action")]
-    replies = (*sections["replies"].values(), sections["rules"]["last_taken_back"])
+    rules = _rules(language)
+    lines = [HEADER, f"public <utterance> = {_either(rules['utterance'])};"]
     lines += [
-        _rule("rule", map(_filled, rules)),
-        _rule("command", _commands(sections["commands"])),
-        _rule("question", map(_filled, sections["questions"].values())),
-        _rule(
-            "reply",
-            map(_filled, replies),
-        ),
-        _rule("target", _targets(sections["targets"])),
-        _rule(
-            "often", sorted(word for each in language.builder.qualifiers.values() for word in each)
-        ),
-        _rule("act", sorted({*language.answers.acts.values()} - {*_tools(language)})),
-        _rule("giving", [language.answers.act(language.realizer.giving)]),
-        _rule("tool_act", sorted(_tools(language))),
-        _rule("article", sorted({"a", "an", "the"} & language.known_words)),
+        f"<{name}> = {_either(choices)};"
+        for name, choices in rules.items()
+        if choices and name != "utterance"
     ]
-    lines += [_rule(name, _names(language, kinds)) for name, kinds in _NAMES.items()]
-    return "\n".join(line for line in lines if line) + "\n"
+    return "\n".join(lines) + "\n"
 
 
-def _commands(templates: Mapping[str, str]) -> Iterator[str]:
+def sentences(language: Language, count: int, rng: random.Random) -> Iterator[str]:
+    """Sentences of the grammar by chance, as people speak.
+
+    Commands are the commonest, few adjectives and adverbs are said, and of the words of a kind the
+    first ones most often: the one at place n with a probability that goes with 1/n (Zipf).
+    """
+    rules = _rules(language)
+    for _ in range(count):
+        (kind,) = rng.choices([*KINDS], [*KINDS.values()])
+        yield " ".join(_expanded(rng.choice(rules[kind]), rules, rng).split())
+
+
+def _expanded(text: str, rules: Mapping[str, Sequence[str]], rng: random.Random) -> str:
+    text = _OPTIONAL.sub(lambda found: "" if rng.random() < _LEFT_OUT else found[1], text)
+
+    def chosen(found: re.Match[str]) -> str:
+        choices = rules[found[1]]
+        weights = [1 / place for place in range(1, len(choices) + 1)]
+        return _expanded(rng.choices(choices, weights)[0], rules, rng)
+
+    return _NAME.sub(chosen, text)
+
+
+def _rules(language: Language) -> dict[str, list[str]]:
+    """The choices of each rule of the grammar."""
+    sections, answers = language.realizer.sentences, language.answers
+    an, many = language.inflection.with_article, language.inflection.form
+    form = partial(_filled, answers=answers)
+    names = {name: _names(language, category) for name, category in _CATEGORIES.items()}
+    objects = [name for name in names["object"] if not _is_special(language, name)]
+    tools = [answers.act(name) for name in language.builder.tool_acts()]
+    stated = [sections["rules"][key] for key in ("functional", "action")]
+    replies = [*sections["replies"].values(), sections["rules"]["last_taken_back"]]
+    return {
+        "utterance": [f"<{kind}>" for kind in KINDS],
+        "rule": list(map(form, stated)),
+        "command": list(_commands(sections["commands"], form)),
+        "question": list(map(form, sections["questions"].values())),
+        "reply": list(map(form, replies)),
+        "target": list(_targets(sections["targets"], form)),
+        "thing": ["<an_object>", "<a_property> <object>", "the [<property>] <object>"],
+        "often": [word for word in answers.adverbs.values() if word],
+        "act": [act for act in dict.fromkeys(answers.acts.values()) if act not in tools],
+        "giving": [answers.act(language.realizer.giving)],
+        "tool_act": tools,
+        "object": objects,
+        "an_object": list(map(an, objects)),
+        "objects": [many(name, "plural") for name in objects],
+        "a_property": list(map(an, names["property"])),
+        **{name: names[name] for name in ("part", "affordance", "property", "person")},
+    }
+
+
+def _is_special(language: Language, name: str) -> bool:
+    """Whether a name has no singular ("scissors") or no plural ("bread")."""
+    return language.inflection.is_plural_only(name) or name in language.answers.mass
+
+
+def _commands(templates: Mapping[str, str], form: Callable[[str], str]) -> Iterator[str]:
     for shape, text in templates.items():
-        yield _filled(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
+        yield form(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
 
 
-def _targets(templates: Mapping[str, str]) -> Iterator[str]:
+def _targets(templates: Mapping[str, str], form: Callable[[str], str]) -> Iterator[str]:
     for shape, text in templates.items():
         # Something that has no property at all would be anything.
-        filled = _filled(text)
-        yield filled.replace("[<property>]", "<property>") if shape == "props" else filled
+        yield form(text).replace("[<property>]", "<property>") if shape == "props" else form(text)
 
 
-def _tools(language: Language) -> Iterator[str]:
-    return (language.answers.act(name) for name in language.builder.tool_acts())
+def _filled(template: str, answers: AnswerTemplates) -> str:
+    # All things are singular here, so the words that agree with them are, too.
+    agreeing = {"be": answers.phrases.be, "it": answers.phrases.it}
 
-
-def _filled(template: str) -> str:
     def slot(found: re.Match[str]) -> str:
-        return _FILLED.get(f"{found[1]}:{found[2]}") or _FILLED[found[1]]
+        agrees = agreeing.get(found[2] or "")
+        return agrees or _FILLED.get(f"{found[1]}:{found[2]}") or _FILLED[found[1]]
 
     return " ".join(_SILENT.sub(" ", SLOT.sub(slot, template)).split())
 
 
-def _names(language: Language, kinds: frozenset[str]) -> list[str]:
-    return sorted(word for kind in kinds for word in language.lexicon.names.get(kind, ()))
-
-
-def _rule(name: str, choices: Iterable[str]) -> str:
-    listed = _either(choices)
-    return f"<{name}> = {listed};" if listed else ""
+def _names(language: Language, category: str) -> list[str]:
+    """The names of a category, not inflected, in the order of the lexicon."""
+    senses = (each for each in language.lexicon.senses() if str(each.category) == category)
+    return list(dict.fromkeys(each.says for each in senses if each.says == each.name))
 
 
 def _either(choices: Iterable[str]) -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -116,13 +117,21 @@ def grammar(
     jsgf: Annotated[
         bool, typer.Option("--jsgf", help="In the JSpeech Grammar Format (the only one).")
     ] = True,
+    count: Annotated[
+        int, typer.Option("--sentences", min=0, help="Print so many of its sentences instead.")
+    ] = 0,
+    seed: Annotated[int, typer.Option("--seed", help="The seed of the sentences.")] = 0,
     lexicon: UserLexicon = None,
 ) -> None:
     """Print a grammar for a speech recogniser: whatever it allows is understood."""
-    from ...nlu.jsgf import grammar_of
+    from ...nlu.jsgf import grammar_of, sentences
 
-    if jsgf:
-        typer.echo(grammar_of(_session(lexicon).language), nl=False)
+    language = _session(lexicon).language
+    if count:
+        for text in sentences(language, count, random.Random(seed)):  # noqa: S311 - no secret
+            typer.echo(text)
+    elif jsgf:
+        typer.echo(grammar_of(language), nl=False)
 
 
 def _session(lexicon: Path | None) -> Session:
