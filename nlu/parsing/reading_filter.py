@@ -116,8 +116,11 @@ class ReadingFilter:
 
 
 def _is_negative(meaning: Meaning) -> bool:
+    """Whether what is negated is so in a meaning: "no knives please" asks for none."""
+    if isinstance(meaning, (Command, ToolCommand)):
+        return meaning.negated
     rules = meaning.rules if isinstance(meaning, Statement) else ()
-    return all(rule.confidence[1] < _LIKELY for rule in rules)
+    return all(rule.confidence[1] < _LIKELY and not rule.revises for rule in rules)
 
 
 def _is_of_several_rules(meaning: Meaning) -> bool:
