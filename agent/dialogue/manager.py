@@ -24,6 +24,7 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
 from .. import protocols
+from ..execution.answers import use_slot
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request
@@ -250,20 +251,26 @@ class DialogueManager(ClarificationDialogue):
         if said.negated:
             return self._spoken(turn, declined(said))
         if turn.understood.unknown:
-            words = turn.understood.unknown
-            use = use_of(said)
-            key = "unknown_use" if words == (use,) else "unknown_thing"
-            reply = self._answered(turn, key, "asked", words=words)
-            asked = meaning.Question("objects_for", affordance=use)
-            choose = partial(self._learn_answer, turn, asked)
-            self._open = OpenQuestion(turn.speaker, choose=choose)
-            return reply
+            return self._ask_what_that_is(turn, use_of(said))
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
         target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
         self._excluded = self._excluded | self._last_chosen() if target.other else frozenset()
         return self._carry_out(
             turn, replace(request, contexts=self.contexts, excluded=self._excluded)
         )
+
+    def _ask_what_that_is(self, turn: DialogueTurn, asked: meaning.Question) -> Reply:
+        """Ask what a thing is that nobody has spoken of, or what has such a use."""
+        words, reading = turn.understood.unknown, turn.understood.reading
+        new_uses = [word.word for word in reading.new_words] if reading else []
+        if asked.affordance and asked.affordance in new_uses:
+            named = use_slot(asked.affordance, asked.material)
+            reply = self._answered(turn, "unknown_use", "asked", affordance=named)
+        else:
+            reply = self._answered(turn, "unknown_thing", "asked", words=words)
+        choose = partial(self._learn_answer, turn, asked)
+        self._open = OpenQuestion(turn.speaker, choose=choose)
+        return reply
 
     def _last_chosen(self) -> frozenset[str]:
         """The name of the object that the last command was carried out with, if any."""
@@ -342,6 +349,9 @@ class DialogueManager(ClarificationDialogue):
             choose = partial(self._learn_answer, turn, said)
             self._open = OpenQuestion(turn.speaker, choose=choose)
         self._set_topic(rules)
+        named = {rule.object for rule in rules if rule.object}
+        if said.object is None and len(named) == 1:  # the answer named it
+            self._discourse = self._discourse.about(*named)
         spoken = self._say(found)
         if spoken == self._last_said:
             spoken = self._say(SpokenAnswer("as_said", {"said": spoken}))

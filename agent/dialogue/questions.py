@@ -196,8 +196,17 @@ def why(question: Question, known: Knowledge) -> Answered:
         # What the command itself names needs no rule.
         last = known.last
         return spoken("because_told", done=True, speakers=(last.speaker,), texts=(last.text,)), ()
+    return _because_of_decision(known, known.last), ()
+
+
+def _because_of_decision(known: Knowledge, last: Reply) -> SpokenAnswer:
+    """Why the last command was carried out, or was not, where no rule says it."""
     reason = _reason(known.decision, None)
-    return (spoken("because", done=True, reason=reason) if reason else spoken("not_known")), ()
+    if reason:
+        return spoken("because", done=True, reason=reason)
+    if last.is_done:
+        return spoken("not_known")
+    return spoken("because_not_done", done=True, said=last.said)
 
 
 def why_not(question: Question, known: Knowledge) -> Answered:

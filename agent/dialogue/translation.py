@@ -96,10 +96,11 @@ def choosing(request: Request, named: meaning.Answer, result: GoalResult) -> Req
     return request.choosing(name, named.props, result)
 
 
-def use_of(said: meaning.Command | meaning.ToolCommand) -> str | None:
-    """Return the use that a command asks for; None when it names the thing."""
+def use_of(said: meaning.Command | meaning.ToolCommand) -> meaning.Question:
+    """Return the question what has the use that a command asks for, if it asks for one."""
     target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
-    return target.used_for or target.not_used_for
+    use = target.used_for or target.not_used_for
+    return meaning.Question("objects_for", affordance=use, material=target.material)
 
 
 def declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:

@@ -36,7 +36,7 @@ _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
-    *("constructions", "discourse_markers", "endings", "naming", "denying", "denied"),
+    *("constructions", "discourse_markers", "endings", "naming", "joining", "denying", "denied"),
     "insisting",
 )
 
@@ -78,6 +78,7 @@ class LexiconBuilder:
         qualifiers: the words for each degree of confidence.
         discourse_markers: the phrases that add nothing.
         naming: words after which any word may be a name, but a word of grammar.
+        joining: words of lists, after which a plural may be a name.
         insisting: how one insists on a word that was taken for a slip of another.
         denying: words that deny the object named after them.
         denied: words for any object, which `denying` words may precede.
@@ -95,6 +96,7 @@ class LexiconBuilder:
         self.qualifiers: dict[str, tuple[str, ...]] = {}
         self.discourse_markers = DiscourseMarkers()
         self.naming: frozenset[str] = frozenset()
+        self.joining: frozenset[str] = frozenset()
         self.insisting: tuple[Steps, ...] = ()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
@@ -109,7 +111,7 @@ class LexiconBuilder:
             self.contractions[short] = tuple(field.text().split())
         for short, field in _entries(parts, "endings"):
             self._endings[short] = field.text()
-        for key in ("closed", "naming", "denying", "denied"):
+        for key in ("closed", "naming", "joining", "denying", "denied"):
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):

@@ -100,7 +100,7 @@ class KnownWords:
                 0.0 if token in unknown else _NAMEABLE_COST,
             )
             for place, token in enumerate(tokens.items)
-            if token in unknown or self._may_be_taught(tokens.words, place)
+            if token in unknown or self._may_be_taught(tokens, place)
         }
         for place, (first, second) in enumerate(pairwise(tokens.words)):
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
@@ -173,16 +173,18 @@ class KnownWords:
             return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
         return self.lexicon.is_name(word, kinds)
 
-    def _may_be_taught(self, words: Sequence[str], place: int) -> bool:
+    def _may_be_taught(self, tokens: Tokens, place: int) -> bool:
         """Whether a known word may name something new: a hook, the tip, for sticking, to stick.
 
         It may where a name is expected: after an article and the like, as a gerund, and as a plural
-        at the beginning. "No hook" alone may be "no way".
+        at the beginning or in a list. "No hook" alone may be "no way".
         """
+        words = tokens.words
         word, before = words[place], words[place - 1] if place else ""
         if len(word) < MIN_LETTERS or self.builder.is_of_grammar(word):
             return False
         is_denied = before in self.builder.denying and place < len(words) - 1
         if is_denied or before in self.builder.naming or self.inflection.origins(word, "ing"):
             return True
-        return not before and bool(self.inflection.origins(word, "plural"))
+        is_listed = not before or place in tokens.pauses or before in self.builder.joining
+        return is_listed and bool(self.inflection.origins(word, "plural"))

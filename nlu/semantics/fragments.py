@@ -37,6 +37,8 @@ FRAGMENTS = {
     "sameFor": ("use", "same"),
     "sameIn": ("context", "same"),
     "tooOf": ("target", "too"),
+    "keep": ("", "keep"),
+    "again": ("", "again"),
     "correctObject": ("target", "instead"),
     "correctUse": ("use", "instead"),
     "correctPart": ("part", "instead"),
@@ -49,9 +51,10 @@ FRAGMENTS = {
 }
 """The slot that each predicate of a fragment fills, and its mode.
 
-It adds to the last meaning (`also`), says the same as the last rule or command (`same`), adds to an
-answer (`too`) or replaces a value (`instead`); without a mode, a fragment completes a command or
-question and corrects a rule."""
+It adds to the last meaning (`also`), says the same as the last rule or command (`same`), adds to
+an answer (`too`), makes a rule of the last command (`keep`), wants it once more (`again`) or
+replaces a value (`instead`); without a mode, a fragment completes a command or question and
+corrects a rule."""
 
 _OF_OBJECTS = {"objects_for", "best_for"}
 _OF_USES = {"uses_of", "about", "how", "see"}
@@ -62,7 +65,7 @@ class Fragment:
     """The values that a fragment names: for one slot, and perhaps a degree of confidence.
 
     Attributes:
-        mode: `also`, `same`, `too`, `instead`, or empty for none of them.
+        mode: that of its predicate; empty for none.
         default: the confidence of a rule without a degree.
         asks: whether it is a question.
     """
@@ -91,6 +94,10 @@ def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
     Raises:
         RefusedError: there is nothing that it completes.
     """
+    if fragment.mode == "keep":
+        return _kept(discourse.accessible, fragment.default)
+    if fragment.mode == "again":
+        return _once_more(discourse.accessible)
     match _completed(fragment, discourse.accessible):
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
@@ -125,6 +132,26 @@ def _completed(
     return last
 
 
+def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
+    """The last rule once more, or the question whether the last command is to be one."""
+    match discourse.last:
+        case Command(target=ObjectReference(object=str(name), props=props)) as last if (
+            last.part and name != ANY_OBJECT and not last.negated
+        ):
+            rule = ActionRule(name, last.goal, last.part, usual, props)
+            return AskBack(choices=(Statement((rule,)),))
+        case FunctionalRule() | ActionRule() as rule:
+            return Statement((replace(rule, revises=False),))
+        case _:
+            raise RefusedError("nothing_to_keep")
+
+
+def _once_more(discourse: Discourse) -> Command | ToolCommand:
+    if isinstance(discourse.last, (Command, ToolCommand)):
+        return discourse.last
+    raise RefusedError("nothing_to_continue")
+
+
 def _applies(rule: Rule, command: Command) -> bool:
     return command.part is None and command.target.object in {None, rule.object}
 
@@ -137,7 +164,8 @@ def _as_rule(fragment: Fragment, rule: Rule) -> Meaning:
     changed = _changed(fragment, rule)
     if fragment.asks:
         return _question_on(changed)
-    return Statement((replace(changed, revises=not fragment.adds),))
+    is_same = replace(changed, confidence=rule.confidence) == rule
+    return Statement((replace(changed, revises=is_same or not fragment.adds),))
 
 
 def _changed(fragment: Fragment, rule: Rule) -> Rule:

@@ -153,7 +153,8 @@ class Interpreter:
         slot, mode = FRAGMENTS.get(said.name, ("part", "instead"))
         mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
-        fragment = self._filled(Fragment(mode, self.intervals["high"], asks), slot, value)
+        fragment = Fragment(mode, self.intervals["high"], asks)
+        fragment = self._filled(fragment, slot, value) if slot else fragment
         if slot == "held":
             fragment = self._filled(fragment, "part", degree.pop())
         if degree:
