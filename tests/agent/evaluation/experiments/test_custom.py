@@ -89,7 +89,7 @@ def test_example_has_five_new_objects(capsys):
         ("  - [spoon]", "  - [spoon, spoon]", "10:5", "listed twice"),
         ("  - [spoon]", "  - [mug]", "10:6", 'found "mug"'),
         ("random: 2", "random: 0", "12:14", "found 0"),
-        ("scenes:", "scene:", "9:3", 'did you mean "scenes"'),
+        ("scenes:", "scene:", "8:1", 'did you mean "scenes"'),
     ],
 )
 def test_mistake_is_told_with_its_place(small, old, new, where, problem):
