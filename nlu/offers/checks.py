@@ -33,6 +33,7 @@ from ..semantics.meaning import (
     ToolCommand,
 )
 from .mentions import Mentions
+from .segments import Span, rest_of
 
 Phrase = tuple[str, ...]
 
@@ -40,6 +41,10 @@ _WORD_LISTS = (
     *("negative", "implied_negation", "weak_negation", "condition", "exception"),
     *("by", "before_part", "unfinished", "doubtful"),
 )
+_OPERATORS = (
+    *("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful"),
+)
+_DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
@@ -76,6 +81,24 @@ class Checks:
         if self.licence.outcome(meaning, features) != ACCEPT:
             return None
         return self.licence.weakened(meaning, features)
+
+    def adds_nothing(self, span: Span, mentions: Mentions) -> bool:
+        """Whether what stands around a span names nothing and has no word that changes it."""
+        start, end = span
+        named = [(m.start, m.end) for m in mentions.names if not m.is_new and m.role in _DOMAIN]
+        named += [(first, last) for first, last, _ in mentions.degrees]
+        return all(start <= first and last <= end for first, last in named) and not any(
+            self._has(kind, words)
+            for words in rest_of(mentions.tokens, span)
+            for kind in _OPERATORS
+        )
+
+    def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
+        """Whether a meaning stays what it is beside some words that are said by the way."""
+        if not isinstance(meaning, (Statement, Command, ToolCommand, Question)):
+            return False
+        aside = self.reader.features((), around)
+        return self.licence.outcome(meaning, aside) == ACCEPT
 
     def clause_features(self, mentions: Mentions) -> Features:
         """The features of the clauses of an utterance that names this."""

@@ -25,6 +25,7 @@ from .candidates import CandidateMeaning, candidates
 from .checks import Checks
 from .mentions import Mentions, find_mentions
 from .ranker import Ranker, left_over
+from .segments import rest_of, segments
 from .shapes import Shape, meaning_from_json
 from .slips import corrected_texts
 
@@ -39,6 +40,9 @@ LEAST_OTHER = 0.06
 
 MAX_TRIED = 6
 """How many of the likeliest candidates are checked."""
+
+MAX_SEGMENTS = 30
+"""How many segments are parsed."""
 
 
 @dataclass(frozen=True)
@@ -83,12 +87,14 @@ class Offers:
 
     def meanings(self, tokens: Tokens, discourse: Discourse) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
-        if not self._is_text(tokens):
-            return ()
+        mentions = self.mentions(tokens, discourse)
+        said = self.of_segments(mentions, discourse)
+        if said or not self._is_text(tokens):
+            return said
         corrected = self.of_corrected(tokens, discourse)
         if corrected:
             return corrected
-        return self.of_mentions(self.mentions(tokens, discourse))
+        return self.of_mentions(mentions)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -101,6 +107,19 @@ class Offers:
         meanings = dict.fromkeys(self.meaning_of(text, discourse) for text in texts)
         found = (each for each in meanings if self._is_understood(each))
         return tuple(islice(found, MAX_OFFERS))
+
+    def of_segments(self, mentions: Mentions, discourse: Discourse) -> tuple[Meaning, ...]:
+        """Return the meaning of the first segment beside which nothing else is meant."""
+        tokens = mentions.tokens
+        if len(tokens.items) > MAX_TOKENS:
+            return ()
+        spans = (each for each in segments(tokens) if self.checks.adds_nothing(each, mentions))
+        for span in islice(spans, MAX_SEGMENTS):
+            meaning = self.meaning_of(tokens.span(*span), discourse)
+            around = rest_of(tokens, span)
+            if self.checks.is_licensed_beside(meaning, around) and self._is_understood(meaning):
+                return (meaning,)
+        return ()
 
     def of_mentions(self, mentions: Mentions) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""

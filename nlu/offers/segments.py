@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Segments: spans of an utterance that may be all that it means.
+
+"Old trick of my trade: you cut with a knife" is understood after its colon. What stands around a
+segment is only said by the way if it names nothing and has no word on which the meaning may depend.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+from ..lexicon.tokenizer import BREAK, Tokens
+
+LEAST_WORDS = 3
+"""The least length of a segment [words]."""
+
+Span = tuple[int, int]
+
+
+def segments(tokens: Tokens) -> Iterator[Span]:
+    """Yield the spans to try, from pause to pause, the longest first."""
+    whole = (0, len(tokens.items))
+    spans = combinations(sorted({*whole, *tokens.pauses, *_breaks(tokens)}), 2)
+    long_enough = (s for s in spans if s[1] - s[0] >= LEAST_WORDS and s != whole)
+    yield from sorted(long_enough, key=lambda span: span[0] - span[1])
+
+
+def rest_of(tokens: Tokens, span: Span) -> Sequence[tuple[str, ...]]:
+    """Return the words before and after a span."""
+    return tuple(filter(None, (tokens.words[: span[0]], tokens.words[span[1] :])))
+
+
+def _breaks(tokens: Tokens) -> Iterator[int]:
+    """The places before and after each break."""
+    for place, word in enumerate(tokens.words):
+        if word == BREAK:
+            yield from (place, place + 1)
