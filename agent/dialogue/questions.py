@@ -211,10 +211,10 @@ def _because_of_decision(known: Knowledge, last: Reply) -> SpokenAnswer:
 
 def why_not(question: Question, known: Knowledge) -> Answered:
     """Return the reasons against another object, or another part."""
+    if question.part and not question.object and (known.last or _grasps(known.topic)):
+        return _why_not_part(question.part, known)
     if known.last is None:
         return spoken("nothing_done"), ()
-    if question.part and not question.object:
-        return _why_not_part(question.part, known)
     return _why_not_thing(question.object or "thing", known.last, known)
 
 
@@ -241,11 +241,18 @@ def _why_not_part(part: str, known: Knowledge) -> Answered:
     decision = known.decision
     if decision is not None and decision.chosen_part == part:
         return spoken("is_so_part", done=True, part=part), ()
-    chosen = tuple(rule for rule in decision.rules if rule.part) if decision else ()
-    rules = _denials(decision and decision.part, part) or chosen
+    spoken_of = _grasps(known.topic)
+    denied = tuple(rule for rule in spoken_of if rule.part == part and not rule.asserts)
+    others = tuple(rule for rule in spoken_of if rule.part != part and rule.asserts)
+    rules = denied or _denials(decision and decision.part, part) or others
     if rules:
         return spoken("why_not_part", done=True, part=part, **_sources(rules, known)), rules
     return spoken("why_not_part_told", done=True, part=part), ()
+
+
+def _grasps(rules: Iterable[Rule]) -> tuple[Rule, ...]:
+    """The rules about how a thing is held that were told in words."""
+    return tuple(rule for rule in rules if rule.part and rule.utterance)
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
@@ -263,6 +270,9 @@ def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
     decision = known.decision
     if not question.object and not question.part:
         return [rule for rule in known.topic if rule.utterance]
+    spoken_of = [rule for rule in _grasps(known.topic) if rule.part == question.part]
+    if spoken_of and not question.object:
+        return spoken_of
     if decision is None or _not_so(question, decision):
         return ()
     rules = [rule for rule in decision.rules if rule.utterance]

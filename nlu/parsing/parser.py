@@ -21,6 +21,7 @@ from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, RefusedError, resolve
 from ..semantics.features import FeatureReader
+from ..semantics.fragments import FRAGMENTS
 from ..semantics.interpretation import Interpreter, short_answer
 from ..semantics.licence import Licence
 from ..semantics.meaning import Answer, Confidence, Meaning
@@ -151,8 +152,8 @@ class SentenceParser:
         form = resolve(form, context.discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
-        if act == "FRAGMENT" and tokens.asks:
-            form = Form("asked", (form,))
+        if tokens.asks and (act == "FRAGMENT" or form.name in FRAGMENTS):
+            act, form = "FRAGMENT", Form("asked", (form,))
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and"}:
             form = Form("isTrue", (form,))
