@@ -8,7 +8,7 @@ a part of what it is said of, or something that can be handled at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ..grammar.categories import AtomicCategory
@@ -59,10 +59,15 @@ def features_of_names(
     new = {word.role: word for word in new_words}
     if isinstance(meaning, Statement):
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
-        found = {_part(reader, words, part, new.get("part")) for part in parts} - {""}
+        found = {_part(reader, words, part, new) for part in parts} - {""}
         if found:
             yield "part", frozenset(found)
-        if "object" in new and "affordance" in new:
+        objects = {rule.object for rule in meaning.rules}
+        if any(
+            reader.is_abstract(word.said, word.word) and word.word in objects for word in new_words
+        ):
+            yield "thing", frozenset({"abstract"})
+        elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
         uses = (rule.affordance for rule in meaning.rules if isinstance(rule, FunctionalRule))
         if not reader.acts.isdisjoint(uses):
@@ -78,17 +83,24 @@ def features_of_names(
             yield "thing", frozenset({"bare"})
 
 
-def _part(reader: FeatureReader, words: Sequence[str], part: str, new: NewWord | None) -> str:
-    """Whether a part is `own`, a person's, or `new` and not said to be one; else empty."""
-    said = new.said if new is not None and new.word == part else part
+def _part(
+    reader: FeatureReader, words: Sequence[str], part: str, new: Mapping[str, NewWord]
+) -> str:
+    """Whether a part is `own`, a person's, or `new` and not said to be one; else empty.
+
+    What an unknown object is held by is taken for a part: nobody can know its parts.
+    """
+    word = new.get("part")
+    said = word.said if word is not None and word.word == part else part
     before = _before(words, said, 3)
     if before and before[-1] in reader.owners:
         return "own"
-    if new is None or new.word != part or reader.is_part(said, part):
+    if word is None or word.word != part or reader.is_part(said, part):
         return ""
-    if reader.is_abstract(said, part):
+    if reader.is_abstract(said, part) or reader.is_elsewhere(said, part):
         return "new"
-    is_said = not reader.part_words.isdisjoint(before) or _after(words, said) in reader.part_words
+    marks = reader.part_words | (reader.holding_words if "object" in new else frozenset())
+    is_said = not marks.isdisjoint(before) or _after(words, said) in marks
     return "" if is_said else "new"
 
 

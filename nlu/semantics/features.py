@@ -33,7 +33,7 @@ NAMED: Values = {
 
 _KEYS = (
     *("features", "conditions", "names", "nouns", "abstract_endings"),
-    *("part_words", "owners", "embedding", "determiners", "acts"),
+    *("part_words", "holding_words", "owners", "embedding", "determiners", "acts"),
 )
 
 
@@ -81,8 +81,9 @@ class FeatureReader:
         values: all values of each feature.
         conditions: the names of the categories of conditions.
         names: the names of the categories of people and things.
-        nouns: the nouns of each kind: parts of things, and what cannot be handled.
-        part_words: words that show that a noun names a part: "by the lug", "its lug".
+        nouns: the nouns of each kind: parts, what is no part, and what cannot be handled.
+        part_words: words that show that a noun names a part: "its lug", "the lug of the jug".
+        holding_words: words before that by which something is held: "by".
         owners: words that show that a part is that of a person: "your".
         embedding: words that make a clause what somebody says or thinks.
         acts: gerunds of what is done to an object, which are no uses of another one.
@@ -96,6 +97,7 @@ class FeatureReader:
     names: frozenset[str]
     nouns: Values
     part_words: frozenset[str]
+    holding_words: frozenset[str]
     owners: frozenset[str]
     embedding: frozenset[str]
     determiners: frozenset[str]
@@ -117,8 +119,13 @@ class FeatureReader:
         return replace(features, aside=_joined([features.aside, *found]))
 
     def is_part(self, *words: str) -> bool:
-        """Whether one of some nouns is commonly a part of a thing."""
-        return not self.nouns["part"].isdisjoint(words)
+        """Whether one of some nouns is commonly a part of a thing: "lid", "left handle"."""
+        heads = {word.rpartition(" ")[2] for word in words}
+        return not self.nouns["part"].isdisjoint(heads)
+
+    def is_elsewhere(self, *words: str) -> bool:
+        """Whether one of some nouns names what is no part of an object: places, people, clothes."""
+        return not self.nouns["elsewhere"].isdisjoint(words)
 
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
@@ -154,7 +161,7 @@ def load_features(path: Path) -> FeatureReader:
     by_first: dict[str, list[tuple[tuple[str, ...], Values]]] = {}
     for phrase, each in sorted(found.items(), key=lambda pair: -len(pair[0])):
         by_first.setdefault(phrase[0], []).append((phrase, each))
-    nouns = parts["nouns"].entries(required=("part", "abstract"), optional=())
+    nouns = parts["nouns"].entries(required=("part", "elsewhere", "abstract"), optional=())
     return FeatureReader(
         by_first,
         {**values, **NAMED},
@@ -162,6 +169,7 @@ def load_features(path: Path) -> FeatureReader:
         frozenset(parts["names"].texts()),
         {kind: _words(field) for kind, field in nouns.items()},
         part_words=_words(parts["part_words"]),
+        holding_words=_words(parts["holding_words"]),
         owners=_words(parts["owners"]),
         embedding=_words(parts["embedding"]),
         determiners=_words(parts["determiners"]),
