@@ -85,10 +85,11 @@ def turn(reply: Reply) -> RenderableType:
 
 
 def understanding(found: Understanding) -> RenderableType:
-    """How an utterance was understood: its derivation, predicate forms, and meaning."""
+    """How an utterance was understood: its derivation, predicate forms, features, and meaning."""
+    features = found.reading.features.as_json() if found.reading else {}
     facts = (
         (name, value if isinstance(value, str) else json.dumps(value))
-        for name, value in found.as_json().items()
+        for name, value in {**found.as_json(), "features": features}.items()
         if name not in {"text", "speaker", "addressee"}
     )
     return Group(Text(str(found.derivation or "")), _table(("", ""), facts, show_header=False))

@@ -115,5 +115,4 @@ class Understanding:
             "meaning": self.meaning.as_json(),
             "new_words": [word.as_json() for word in self.new_words],
             "readings": self.readings,
-            "features": self.reading.features.as_json() if self.reading else {},
         }

@@ -38,10 +38,10 @@ def test_features_are_read_off_the_words(
     language: Language, text: str, features: dict[str, object]
 ) -> None:
     """Whatever entry of the lexicon took a word, its feature is there."""
-    found = language.understand(text).as_json()["features"]
+    reading = language.understand(text).reading
 
-    assert isinstance(found, dict)
-    assert features.items() <= found.items()
+    assert reading is not None
+    assert features.items() <= reading.features.as_json().items()
 
 
 def test_two_values_of_one_feature_are_refused(tmp_path: Path) -> None:
