@@ -26,7 +26,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import yaml
 from rich.progress import track
-from utterances import NEAR, Utterance, data_sets, documented, generated
+from utterances import NEAR, Utterance, data_sets, dialogues, documented, generated
 
 from hilt.nlu import Language, Reading, Session
 from hilt.nlu.grammar.grammar import Unary
@@ -42,7 +42,9 @@ from hilt.ontology.yaml_reader import Field
 LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 """The files that may be pruned; what is in all others is structure."""
 FILES = (*LISTS, "clauses.yaml", "conversation.yaml")
-KEPT = frozenset({*NEAR, "materials", "said", "paradigm", "generated", "documented"})
+KEPT = frozenset(
+    {*NEAR, "materials", "attitudes", "said", "paradigm", "generated", "dialogues", "documented"}
+)
 """What must stay: one use of a spelling in these sets is enough."""
 
 _CLOSED = (
@@ -515,7 +517,7 @@ def main() -> None:
     recorder = Recorder()
     session = Session(recorder.language)
     corpus = list(itertools.chain.from_iterable(data_sets().values()))
-    corpus += [*generated(recorder.language), *documented()]
+    corpus += [*generated(recorder.language), *dialogues(), *documented()]
     outcomes: dict[str, Counter[str]] = defaultdict(Counter)
     for each in track(corpus, "utterances", disable=not sys.stderr.isatty()):
         outcomes[each.source][recorder.count(each, session)] += 1

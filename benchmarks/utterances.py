@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests" / "nlu" / "data"
 
 NEAR = ("paper", "paraphrases", "commands", "conversation")
-GROUPED = (*NEAR, "materials", "wide", "aside", "far")
+GROUPED = (*NEAR, "materials", "attitudes", "wide", "aside", "far")
 SENTENCES = 3000
 """How many sentences of the generated grammar are drawn."""
 
@@ -83,6 +83,17 @@ def generated(language: Language) -> Iterator[Utterance]:
     """Sentences that the grammar for speech recognisers has, with every shape of meaning."""
     for text in sentences(language, SENTENCES, random.Random(0)):  # noqa: S311 - no secret
         yield Utterance(text, _BEFORE, {"understood": True}, "generated")
+
+
+def dialogues() -> Iterator[Utterance]:
+    """Every turn of the dialogues of the tests after the turns before it."""
+    discourse = yaml.safe_load((DATA / "discourse.yaml").read_text(encoding="utf-8"))
+    answered = ROOT / "tests" / "agent" / "data" / "dialogues.yaml"
+    conversations = yaml.safe_load(answered.read_text(encoding="utf-8")).values()
+    for turns in [*(each["turns"] for each in discourse), *conversations]:
+        said = [turn["say"] for turn in turns]
+        for place, text in enumerate(said):
+            yield Utterance(text, tuple(said[:place]), {"understood": True}, "dialogues")
 
 
 def documented() -> Iterator[Utterance]:

@@ -114,19 +114,13 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         optional=(),
     )
     atoms = entries["categories"].entries()
-    parts = {
-        name: field.entries(required=("type",), optional=("means",))
-        for name, field in atoms.items()
-    }
-    types = {name: read_type(part["type"]) for name, part in parts.items()}
+    types = {name: _type_of_atom(field) for name, field in atoms.items()}
     signature: dict[str, list[Type]] = {name: [Basic("d")] for name in degrees}
     for name, field in entries["predicates"].entries().items():
         signature[name] = [read_type(item) for item in field.items()]
     grammar = Grammar(
         types=MappingProxyType(types),
-        descriptions=MappingProxyType(
-            {name: part["means"].text() if "means" in part else "" for name, part in parts.items()}
-        ),
+        descriptions=MappingProxyType({name: _means(field) for name, field in atoms.items()}),
         signature=MappingProxyType(signature),
         unary=(),
         roots=_roots(entries["roots"], types),
@@ -137,6 +131,22 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])
     return replace(grammar, unary=unary)
+
+
+def _type_of_atom(field: Field) -> Type:
+    """The type of a category; one that is only described stands for a thing."""
+    return Basic("e") if isinstance(field.value, str) else read_type(_parts(field)["type"])
+
+
+def _means(field: Field) -> str:
+    if isinstance(field.value, str):
+        return field.text()
+    parts = _parts(field)
+    return parts["means"].text() if "means" in parts else ""
+
+
+def _parts(field: Field) -> dict[str, Field]:
+    return field.entries(required=("type",), optional=("means",))
 
 
 def _roots(field: Field, types: Mapping[str, Type]) -> Mapping[Category, str]:
