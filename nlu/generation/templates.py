@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Spoken answers: templates from `answers.yaml`, filled with names in the form that fits.
 
-The file lists every answer with its slots; a slot may ask for a form, as in
+The file lists every answer; a slot in it may ask for a form, as in
 `{object:a}` for "a red mug". The forms come from the inflection of the language, and how an act is
 called from its verbs.
 """
@@ -231,7 +231,7 @@ def load_answers(
     """Load the answers of a language.
 
     Raises:
-        DataError: the file is not as expected, or a text uses a slot that it does not list.
+        DataError: the file is not as expected, or a slot asks for a form that there is not.
     """
     entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
     names = tuple(Phrases.__dataclass_fields__)
@@ -249,18 +249,12 @@ def load_answers(
 
 
 def _answer(field: Field) -> AnswerTemplate:
-    parts = field.entries(required=("slots", "say"), optional=())
-    slots, say = parts["slots"].texts(), parts["say"].text()
-    for name, form in SLOT.findall(say):
-        if name not in slots:
-            raise parts["say"].fail(f'uses "{name}", but the slots are {", ".join(slots)}.')
+    found = SLOT.findall(field.text())
+    for _, form in found:
         if form and form not in _SLOT_FORMS:
             known = ", ".join(sorted(_SLOT_FORMS))
-            raise parts["say"].fail(f'there is no form "{form}"; expected one of {known}.')
-    unused = {*slots} - {name for name, _ in SLOT.findall(say)}
-    if unused:
-        raise parts["slots"].fail(f"{', '.join(sorted(unused))} is not used in the text.")
-    return AnswerTemplate(slots, say)
+            raise field.fail(f'there is no form "{form}"; expected one of {known}.')
+    return AnswerTemplate(tuple(dict.fromkeys(name for name, _ in found)), field.text())
 
 
 def _items(value: Slot) -> Sequence[object]:
