@@ -309,10 +309,10 @@ class Recorder:
             before = len(self.lexicon._senses)
             read_word(self, field)
             parts = field.entries(required=("says",), optional=("is", "like"))
-            lines = list(parts["is"].items()) if "is" in parts else []
+            lines = list(parts["is"].listed()) if "is" in parts else []
             senses = iter(self.lexicon._senses[before:])
-            per = (len(self.lexicon._senses) - before) // len(parts["says"].items())
-            for says in parts["says"].items():
+            per = (len(self.lexicon._senses) - before) // len(parts["says"].listed())
+            for says in parts["says"].listed():
                 for number, sense in enumerate(itertools.islice(senses, per)):
                     line = lines[number] if number < len(lines) else None
                     entry = sense.entry()
@@ -324,9 +324,9 @@ class Recorder:
             from hilt.nlu.grammar.notation import read_entry
 
             parts = field.entries(required=("says", "is"), optional=())
-            for line in parts["is"].items():
+            for line in parts["is"].listed():
                 category, term, _ = read_entry(line)
-                for says in parts["says"].items():
+                for says in parts["says"].listed():
                     for variant in variants(says):
                         made = Construction(pieces_of(variant, says), category, term)
                         head = made.head

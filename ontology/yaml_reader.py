@@ -96,6 +96,10 @@ class Field:
             raise self.fail(f"expected a list, found {self.shown()}.")
         return self.value
 
+    def listed(self) -> tuple[Field, ...]:
+        """Return the items of a list, or this value alone if it is none."""
+        return self.value if isinstance(self.value, tuple) else (self,)
+
     def texts(self, *, choices: Collection[str] = ()) -> tuple[str, ...]:
         """Return this value as a list of texts."""
         return tuple(item.text(choices=choices) for item in self.items())

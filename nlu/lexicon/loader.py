@@ -290,12 +290,15 @@ class LexiconBuilder:
 
     def _read_verb(self, field: Field) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))
-        for item in parts["templates"].items():
+        templates = parts["templates"].listed()
+        for item in templates:
             self._template_named(item.text(), item)
         means = parts["means"].text() if "means" in parts else None
-        verb = Verb(parts["verb"].text(), parts["templates"].texts(), means)
-        self.verbs.append(verb)
-        self.lexicon.add_all(self.verb_forms(verb))
+        names = tuple(item.text() for item in templates)
+        for item in parts["verb"].listed():
+            verb = Verb(item.text(), names, means)
+            self.verbs.append(verb)
+            self.lexicon.add_all(self.verb_forms(verb))
 
     def _read_qualifier(self, degree: str, field: Field) -> None:
         if degree not in self._grammar.signature:
@@ -309,12 +312,12 @@ class LexiconBuilder:
         parts = field.entries(required=("says",), optional=("is", "like"))
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
-        given = parts["is"].items() if "is" in parts else ()
+        given = parts["is"].listed() if "is" in parts else ()
         lines = [EntryTemplate(*self._grammar.entry(line)) for line in given]
-        for name in parts["like"].items() if "like" in parts else ():
+        for name in parts["like"].listed() if "like" in parts else ():
             lines += self._template_named(name.text(), name).forms["base"]
         entries = [self._entry(line.category, line.term, line.cost, "") for line in lines]
-        for says in parts["says"].items():
+        for says in parts["says"].listed():
             text = read_words(says)
             for entry in entries:
                 self._add(self.lexicon, entry._replace(says=text))
@@ -322,9 +325,11 @@ class LexiconBuilder:
     def _read_construction(self, field: Field) -> None:
         parts = field.entries(required=("says", "is"), optional=())
         spelt = dict.fromkeys(
-            pieces_of(variant, says) for says in parts["says"].items() for variant in variants(says)
+            pieces_of(variant, says)
+            for says in parts["says"].listed()
+            for variant in variants(says)
         )
-        for line in parts["is"].items():
+        for line in parts["is"].listed():
             category, term, cost = read_entry(line)
             found = [Construction(pieces, category, term) for pieces in spelt]
             for gaps in dict.fromkeys(construction.gaps for construction in found):
