@@ -176,8 +176,8 @@ class KnownWords:
     def _may_be_taught(self, tokens: Tokens, place: int) -> bool:
         """Whether a known word may name something new: a hook, the tip, for sticking, to stick.
 
-        It may where a name is expected: after an article and the like, as a gerund, and as a plural
-        at the beginning or in a list. "No hook" alone may be "no way".
+        It may where a name is expected: after an article and the like, as a gerund, as a plural at
+        the beginning or in a list, and a part after a property. "No hook" alone may be "no way".
         """
         words = tokens.words
         word, before = words[place], words[place - 1] if place else ""
@@ -185,6 +185,8 @@ class KnownWords:
             return False
         is_denied = before in self.builder.denying and place < len(words) - 1
         if is_denied or before in self.builder.naming or self.inflection.origins(word, "ing"):
+            return True
+        if self.lexicon.is_name(word, ("P",)) and self.lexicon.is_name(before, ("AP",)):
             return True
         is_listed = not before or place in tokens.pauses or before in self.builder.joining
         return is_listed and bool(self.inflection.origins(word, "plural"))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
@@ -67,14 +68,16 @@ class Clarification:
         """The question whether a text that was not recognised well is what was said."""
         return AskBack(self.answers.say("heard_badly", text=text), (text,))
 
-    def of_new_words(self, words: Iterable[NewWord], accepted: Collection[str]) -> AskBack | None:
+    def of_new_words(
+        self, readings: Iterable[Reading], tokens: Tokens, accepted: Collection[str]
+    ) -> AskBack | None:
         """The question whether a new word is a misspelled name of its kind, None when none is.
 
         Words in `accepted` are new although they are close to known ones. It is also asked whether
         what the language has as a part, like "handle", is an object of its own.
         """
-        for word in words:
-            if word.said not in accepted and self.known_words.is_only_part(word):
+        for reading, word in ((each, word) for each in readings for word in each.new_words):
+            if word.said not in accepted and self._may_be_part(word, reading, tokens):
                 question = self.answers.say("also_an_object", word=word.word)
                 return AskBack(question, (word.said,))
             for part in word.said.split(" "):
@@ -85,6 +88,17 @@ class Clarification:
                 if close is not None:
                     return self._did_you_mean(part, close)
         return None
+
+    def _may_be_part(self, word: NewWord, reading: Reading, tokens: Tokens) -> bool:
+        """Whether a word for an object may be meant as a part of one.
+
+        Of a word that names things, too, only a rule may: "the bowl" is that of the spoon.
+        """
+        if not self.known_words.is_only_part(word):
+            return False
+        is_definite = any(pair == ("the", word.said) for pair in pairwise(tokens.words))
+        is_of_one = is_definite and isinstance(reading.meaning, Statement)
+        return is_of_one or self.parser.features.is_part(word.said, word.word)
 
     def licensed(self, reading: Reading) -> Meaning:
         """The meaning of a reading, as sure as its features allow, or whether it is meant."""

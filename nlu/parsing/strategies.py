@@ -250,16 +250,16 @@ class _Attempt:
         chosen = decide(accepted)
         answer: Meaning | None
         if chosen is not None:
-            answer = clarify.of_new_words(chosen.new_words, self._accepted)
+            answer = clarify.of_new_words([chosen], tokens, self._accepted)
             if answer is None:
                 chosen = tools.parser.with_features(chosen, tokens)
                 licensed = clarify.licensed(chosen)
                 return _understanding(tokens, context, licensed, chosen, len(accepted))
         elif accepted:
-            words = (word for reading in accepted for word in reading.new_words)
-            answer = clarify.of_new_words(words, self._accepted) or clarify.of_ambiguity(accepted)
+            answer = clarify.of_new_words(accepted, tokens, self._accepted)
+            answer = answer or clarify.of_ambiguity(accepted)
         elif readings:
-            answer = clarify.of_new_words(readings[0].new_words, self._accepted)
+            answer = clarify.of_new_words(readings[:1], tokens, self._accepted)
         else:
             answer = clarify.of_misspelling(unknown, self._accepted)
         if answer is None and unknown:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.nlu import ActionRule, AskBack, Language, Misunderstanding, Statement
+from hilt.nlu import ActionRule, AskBack, Command, Language, Misunderstanding, Statement
 
 SENTENCE = "To pass a knife grab the knife by the blade"
 IMPLIES = "implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)"
@@ -202,3 +202,17 @@ def test_a_degree_is_not_carried_over_to_another_rule(language: Language) -> Non
 
     assert isinstance(meaning, Statement)
     assert [rule.confidence for rule in meaning.rules] == [(0.95, 1.0), (0.0, 0.25)]
+
+
+@pytest.mark.parametrize("text", ["Pick up the big bowl.", "A bowl is used for mixing."])
+def test_a_part_that_names_things_too_is_one_where_no_part_fits(
+    language: Language, text: str
+) -> None:
+    """Bowls are things, unlike handles, which are always those of something."""
+    assert isinstance(language.understand(text).meaning, (Command, Statement))
+    assert isinstance(language.understand(text.replace("bowl", "handle")).meaning, AskBack)
+
+
+def test_the_part_of_what_was_spoken_of_is_no_thing_of_its_own(language: Language) -> None:
+    """What is said of "the bowl" may be said of that of the spoon."""
+    assert isinstance(language.understand("The bowl is used for mixing.").meaning, AskBack)
