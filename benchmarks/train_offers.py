@@ -42,7 +42,7 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 3, 3
 """How many examples have a shape or a feature that is used."""
 
-KEPT = 2600
+KEPT = 2150
 """How many weights are kept, the greatest."""
 
 PENALTY = 0.5

@@ -7,7 +7,7 @@ lines are checked when they are read; the entries are made when their words are 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
@@ -17,7 +17,7 @@ from types import MappingProxyType
 from ...ontology.yaml_reader import Field, read_yaml
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import Combinator
-from ..grammar.constructions import Construction, Run, pieces_of
+from ..grammar.constructions import Construction, Piece, Run, pieces_of
 from ..grammar.grammar import Grammar, Unary
 from ..grammar.notation import read_entry, read_type
 from ..grammar.patterns import Steps, match_pattern, read_pattern, read_words, variants
@@ -37,7 +37,7 @@ _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
     *("constructions", "discourse_markers", "endings", "naming", "joining", "denying", "denied"),
-    "insisting",
+    *("insisting", "classes"),
 )
 
 
@@ -127,6 +127,8 @@ class LexiconBuilder:
             self._read_word(field)
         for field in _items(parts, "constructions"):
             self._read_construction(field)
+        for name, field in _entries(parts, "classes"):
+            self._read_class(name, field)
         for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
@@ -324,21 +326,36 @@ class LexiconBuilder:
 
     def _read_construction(self, field: Field) -> None:
         parts = field.entries(required=("says", "is"), optional=())
-        spelt = dict.fromkeys(
-            pieces_of(variant, says)
-            for says in parts["says"].listed()
-            for variant in variants(says)
-        )
+        spelt = self._spelt(parts["says"])
         for line in parts["is"].listed():
-            category, term, cost = read_entry(line)
-            found = [Construction(pieces, category, term) for pieces in spelt]
-            for gaps in dict.fromkeys(construction.gaps for construction in found):
-                self._grammar.verify(category, term, line, self._grammar.types_of(gaps, line))
-            for construction in found:
-                self._add_head(construction, cost)
+            self._add_constructions(spelt, *read_entry(line), line)
+
+    def _read_class(self, name: str, field: Field) -> None:
+        """Add the spellings of a word class, which mean nothing of their own."""
+        self._add_constructions(self._spelt(field), AtomicCategory(name), _NOTHING, 0.0, field)
+
+    def _spelt(self, says: Field) -> Iterable[tuple[Piece, ...]]:
+        """Add the words of constructions behind their first, and return the constructions."""
+        found = (pieces_of(each, one) for one in says.listed() for each in variants(one))
+        spelt = dict.fromkeys(found)
         runs = ([piece for piece in pieces if isinstance(piece, Run)] for pieces in spelt)
         for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):
             self._add(self._constructions, self._entry(run.category, _NOTHING, 0.0, run.text))
+        return spelt
+
+    def _add_constructions(
+        self,
+        spelt: Iterable[tuple[Piece, ...]],
+        category: Category,
+        term: Term,
+        cost: float,
+        line: Field,
+    ) -> None:
+        found = [Construction(pieces, category, term) for pieces in spelt]
+        for gaps in dict.fromkeys(construction.gaps for construction in found):
+            self._grammar.verify(category, term, line, self._grammar.types_of(gaps, line))
+        for construction in found:
+            self._add_head(construction, cost)
 
     def _add_head(self, construction: Construction, cost: float) -> None:
         head, category = construction.head, construction.category

@@ -66,6 +66,7 @@ def test_a_root_category_has_type_t(tmp_path: Path) -> None:
         ("words: [{says: [zap], is: ['C/NP : λx.x']}]", "C/NP : λx.x does not fit its category"),
         ("words: [{says: [zap], is: ['C/XX : λx.x']}]", 'the category "XX" is not declared'),
         ("words: [{says: ['(zap'], is: ['C : okay']}]", 'expected ")"'),
+        ("classes: {XX: zap}", 'the category "XX" is not declared'),
         ("words: [{says: [zap]}]", 'expected the key "is" or "like"'),
         ("verbs: [{verb: zap, templates: [zapping]}]", 'there is no template "zapping"'),
         ("nouns: {vegetable: [leek]}", 'there is no template "vegetable"'),
