@@ -128,7 +128,7 @@ def _completed(
         return rule
     if fragment.mode == "instead" and (fragment.part or fragment.use):
         # A correction is about the rule that was applied, unless the command named the part itself.
-        is_kind = isinstance(rule, ActionRule if fragment.part else FunctionalRule)
+        is_kind = type(rule) is (ActionRule if fragment.part else FunctionalRule)
         is_applied = is_kind and isinstance(last, Command) and _applies(rule, last)
         return last if isinstance(last, Command) and not is_applied else rule
     return last
