@@ -45,6 +45,9 @@ LEAST_SHAPES, LEAST_FEATURES = 3, 3
 KEPT = 2150
 """How many weights are kept, the greatest."""
 
+LEAST_WEIGHT = 0.25
+"""Smaller weights are left out after the second fit."""
+
 PENALTY = 0.5
 """The weight of the squared weights in the loss."""
 
@@ -252,7 +255,7 @@ def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
     part = whole.only(order)
     found: dict[str, dict[str, float]] = defaultdict(dict)
     for (feature, trait), weight in zip(part.names, _fit(data, part, 40), strict=True):
-        if abs(weight) >= 0.05:
+        if abs(weight) >= LEAST_WEIGHT:
             found[feature][trait] = round(float(weight), 1)
     return OfferModel(shapes, Ranker(found))
 
