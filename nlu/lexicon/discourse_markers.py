@@ -132,7 +132,7 @@ class DiscourseMarkers:
             else:
                 removed.append(words[place:end])
             place = end
-        return replace(_only(tokens, kept), removed=(*tokens.removed, *removed))
+        return replace(_begun_once(_only(tokens, kept)), removed=(*tokens.removed, *removed))
 
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
         """One past the longest marker from a place on; the place itself where there is none."""

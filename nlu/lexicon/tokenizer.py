@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tokenizer: a text as lower-case words, with contractions and possessives split.
 
-Quotation marks are dropped; commas, colons and dashes become pauses. A full stop,
+Quotation marks, a smile and the number of a list are dropped; commas, colons, dashes and a pair of
+round brackets become pauses. A full stop,
 question mark or semicolon within a text becomes the token `;` between two sentences. Everything
 else that is no word stays a token, which no lexicon has, so such a text is refused.
 """
@@ -20,6 +21,12 @@ BREAK = ";"
 
 _APOSTROPHES = str.maketrans(dict.fromkeys("‘’‚‛ʼ`´′＇", "'"))
 _PAUSES = frozenset(",:–—")
+_LAYOUT = re.compile(
+    r"^\s*(?P<number>\(?\d{1,2}[.)](?=\s+\S)|[-*•](?=\s))"
+    r"|(?<!\S)(?P<smile>:-?\))(?!\S)"
+    r"|(?<=\s)(?P<dash>-+)(?=\s)"
+    r"|\((?P<aside>[^()]*)\)"
+)
 _TOKEN = re.compile(
     r"(?P<word>[^\W\d_]+(?:'[^\W\d_]+)*)"
     r"|(?P<silent>[,:\"“”„«»'\-–—‐‑]+)"
@@ -108,7 +115,7 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
     items: list[Token] = []
     pauses: list[int] = []
     last = ""
-    for found in _TOKEN.finditer(text):
+    for found in _TOKEN.finditer(_LAYOUT.sub(_without_layout, text)):
         if found["silent"]:
             if any(mark in _PAUSES for mark in found.group()):
                 pauses.append(len(items))
@@ -123,6 +130,13 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
     while items and items[-1].word == BREAK:
         items.pop()
     return Tokens(text, tuple(items), "?" in last, tuple(pauses))
+
+
+def _without_layout(found: re.Match[str]) -> str:
+    """What stands for layout in as many characters: nothing, or pauses."""
+    if found["aside"] is not None:
+        return f",{found['aside']},"
+    return ("," if found["dash"] else " ") * len(found.group())
 
 
 def _words(found: re.Match[str], contractions: Mapping[str, tuple[str, ...]]) -> Iterator[Token]:

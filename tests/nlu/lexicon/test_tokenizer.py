@@ -23,6 +23,9 @@ SHORT = {"don't": ("do", "not")}
         ("One. Two? Three...", ["one", ";", "two", ";", "three"]),
         ("pass me 2 mugs", ["pass", "me", "2", "mugs"]),
         ("pass|cat", ["pass", "|cat"]),
+        ("1. Grab it :)", ["grab", "it"]),
+        ("1.", ["1"]),
+        ("12 mugs (or a lid", ["12", "mugs", "(or", "a", "lid"]),
         ("", []),
         ("?!...", []),
     ],
@@ -49,10 +52,10 @@ def test_a_span_is_the_original_text() -> None:
 
 @given(st.text(max_size=200))
 def test_only_punctuation_is_dropped(text: str) -> None:
-    """Every letter and digit of a text is in some token."""
+    """Every letter of a text is in some token."""
     tokens = tokenize(text, {})
 
-    kept = sum(character.isalnum() for token in tokens.words for character in token)
+    kept = sum(character.isalpha() for token in tokens.words for character in token)
     assert kept >= sum(
-        character.isalnum() for character in tokens.text if len(character.lower()) == 1
+        character.isalpha() for character in tokens.text if len(character.lower()) == 1
     )
