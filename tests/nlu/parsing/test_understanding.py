@@ -33,7 +33,6 @@ def test_the_json_has_every_stage(language: Language) -> None:
         },
         "new_words": [],
         "readings": 1,
-        "features": {"act": ["fetch"]},
     }
 
 
