@@ -45,7 +45,7 @@ from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
-from .semantics.coreference import Discourse
+from .semantics.coreference import Discourse, after_offer
 from .semantics.features import load_features
 from .semantics.interpretation import Interpreter
 from .semantics.licence import load_licence
@@ -203,13 +203,18 @@ class Language:
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         found = self.utterance_parser.understand(text, context, accepted)
-        question = self._offered(text, context.discourse, found.meaning)
-        return replace(found, meaning=question) if question else found
+        question = self._offered(text, context.discourse.accessible, found.meaning)
+        found = replace(found, meaning=question) if question else found
+        if not isinstance(found.meaning, AskBack):
+            return found
+        return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
 
     def _offered(self, text: str, discourse: Discourse, said: Meaning) -> AskBack | None:
         """The question which meaning an utterance has that was not understood."""
         tokens = tokenize(text, self.builder.contractions)
         match said:
+            case Misunderstanding(where=where, expected=()) if where == text.strip():
+                return None  # it was understood as a whole
             case Misunderstanding() | AskBack(choices=()):
                 return self.offers.question(tokens, discourse)
             case AskBack(choices=(str(),)) if is_misspelled(tokens, self.offers.known):

@@ -24,7 +24,7 @@ from ..lexicon.unknown_words import (
     is_word,
 )
 from ..lexicon.vocabulary import NewWord
-from ..semantics.coreference import RefusedError
+from ..semantics.coreference import RefusedError, UnlearnableError
 from ..semantics.licence import ACCEPT
 from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
 from .chart import Chart
@@ -135,6 +135,10 @@ class Clarification:
             message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
         rest = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self._nearest_examples(rest))
+
+    def of_unlearnable(self, tokens: Tokens, refusal: UnlearnableError) -> Misunderstanding:
+        """The answer that a whole sentence was understood, but is nothing that Hilt learns."""
+        return Misunderstanding(self.answers.say(refusal.key), where=tokens.text)
 
     def of_ambiguity(self, readings: Sequence[Reading]) -> AskBack:
         """The question which one of several meanings was meant."""

@@ -18,7 +18,7 @@ from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.coreference import update_discourse
+from ..semantics.coreference import UnlearnableError, update_discourse
 from ..semantics.meaning import (
     Acknowledgement,
     Answer,
@@ -258,6 +258,8 @@ class _Attempt:
         elif accepted:
             answer = clarify.of_new_words(accepted, tokens, self._accepted)
             answer = answer or clarify.of_ambiguity(accepted)
+        elif isinstance(refusal, UnlearnableError):
+            answer = clarify.of_unlearnable(tokens, refusal)
         elif readings:
             answer = clarify.of_new_words(readings[:1], tokens, self._accepted)
         else:

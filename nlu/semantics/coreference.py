@@ -10,7 +10,7 @@ is rejected.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from .meaning import (
@@ -18,6 +18,7 @@ from .meaning import (
     Acknowledgement,
     AskBack,
     Command,
+    FunctionalRule,
     Meaning,
     Misunderstanding,
     ObjectReference,
@@ -29,6 +30,7 @@ from .meaning import (
 from .predicates import Form
 
 IT, THEY, ONE = Form("it"), Form("they"), Form("one")
+LAST_USE = Form("lastUse")
 PRONOUNS = frozenset({IT, THEY})
 SOMETHING = frozenset({"something", "anything"})
 
@@ -92,6 +94,10 @@ class RefusedError(ValueError):
         super().__init__(key)
 
 
+class UnlearnableError(RefusedError):
+    """What was said is clear as a whole, but is nothing that Hilt learns."""
+
+
 def resolve(form: Form, discourse: Discourse) -> Form:
     """Return the form with every pronoun replaced by its referent.
 
@@ -115,7 +121,9 @@ def resolve(form: Form, discourse: Discourse) -> Form:
 
 
 def _ordinal(part: Form, discourse: Discourse) -> Form | None:
-    """The referent of "the former" or "the latter", and the kind of "one"."""
+    """The referent of "the former" or "the latter", the kind of "one", and the last use."""
+    if part == LAST_USE:
+        return _last_use(discourse)
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
@@ -125,6 +133,19 @@ def _ordinal(part: Form, discourse: Discourse) -> Form | None:
     if len(discourse.pair) < 2:
         raise RefusedError("no_referent", asks=True, word=f"the {part.name}")
     return discourse.pair[_ORDINALS[part.name]]
+
+
+def _last_use(discourse: Discourse) -> Form:
+    """The use that the last rule or question is about."""
+    last = discourse.last
+    if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
+        raise RefusedError("no_referent", asks=True, word="the use")
+    return _use_form(last.affordance, last.material)
+
+
+def _use_form(use: str, material: str | None) -> Form:
+    act = Form(use.replace(" ", "_"))
+    return Form("of", (act, Form(material.replace(" ", "_")))) if material else act
 
 
 def _resolve_they(form: Form, discourse: Discourse) -> Form:
@@ -353,6 +374,15 @@ def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> D
             return discourse
 
 
+def after_offer(choices: Iterable[Meaning | str], discourse: Discourse) -> Discourse:
+    """Return the discourse state after meanings were offered: "it" is what they all name."""
+    offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
+    named = offered[0] if offered else ()
+    if not named or any(each != named for each in offered):
+        return discourse
+    return discourse.accessible.naming(*dict.fromkeys(named))
+
+
 def _named_objects(meaning: Meaning) -> Iterator[Form]:
     """The objects that a meaning is about, in order."""
     match meaning:
@@ -360,9 +390,7 @@ def _named_objects(meaning: Meaning) -> Iterator[Form]:
             for rule in rules:
                 yield from _object_form(rule.object, rule.props)
         case Command(target=ObjectReference(used_for=str(use)) as target):
-            act = Form(use.replace(" ", "_"))
-            if target.material:
-                act = Form("of", (act, Form(target.material.replace(" ", "_"))))
+            act = _use_form(use, target.material)
             yield _with_props(Form("usedFor", (Form("something"), act)), target.props)
         case Command(target=ObjectReference(object=name, props=props)):
             yield from _object_form(name, props)

@@ -29,10 +29,12 @@ from .meaning import (
 FRAGMENTS = {
     "alsoOf": ("target", "also"),
     "alsoFor": ("use", "also"),
+    "alsoOn": ("material", "also"),
     "alsoBy": ("part", "also"),
     "alsoIn": ("context", "also"),
     "alsoTo": ("recipient", "also"),
     "alsoHeld": ("held", "same"),
+    "alsoActBy": ("act", "also"),
     "sameOf": ("target", "same"),
     "sameFor": ("use", "same"),
     "sameIn": ("context", "same"),
@@ -48,6 +50,7 @@ FRAGMENTS = {
     "fillUse": ("use", ""),
     "fillPart": ("part", ""),
     "fillRecipient": ("recipient", ""),
+    "fillTool": ("tool", ""),
 }
 """The slot that each predicate of a fragment fills, and its mode.
 
@@ -80,6 +83,7 @@ class Fragment:
     part_of: str | None = None
     context: str | None = None
     recipient: str | None = None
+    tool: ObjectReference | None = None
     confidence: Confidence | None = None
 
     @property
@@ -105,10 +109,9 @@ def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
             return _as_question(fragment, question)
         case Command() as command if not fragment.asks:
             return _as_command(fragment, command)
-        case ToolCommand() as command if (
-            not fragment.asks and fragment.target
-        ):  # what it is done to
-            return replace(command, patient=_kind(fragment.target)[0])
+        case ToolCommand() as command if not fragment.asks and (fragment.target or fragment.tool):
+            patient = _kind(fragment.target)[0] if fragment.target else command.patient
+            return replace(command, patient=patient, tool=fragment.tool or command.tool)
         case Command() | ToolCommand():
             raise RefusedError("as_question", asks=True)
         case None:
@@ -120,6 +123,8 @@ def _completed(
 ) -> Rule | Question | Command | ToolCommand | None:
     """What a fragment completes: the last meaning, or the rule spoken of last."""
     rule, last = discourse.rule, discourse.last
+    if fragment.context and fragment.part:  # how the object of the last rule is held
+        return rule if rule == last and isinstance(rule, ActionRule) else None
     if fragment.mode == "same" and not fragment.asks:
         return last if isinstance(last, (Command, ToolCommand)) or rule is None else rule
     if rule is None or fragment.adds or fragment.asks:
@@ -186,7 +191,7 @@ def _changed(fragment: Fragment, rule: Rule) -> Rule:
             if fragment.part_of not in {None, rule.object}:
                 second = str(fragment.part_of)
                 raise RefusedError("two_objects", first=rule.object, second=second)
-            return replace(rule, part=fragment.part)
+            return replace(rule, part=fragment.part, context=fragment.context or rule.context)
         case ActionRule() if fragment.context:
             return replace(rule, context=fragment.context)
         case ActionRule() if fragment.use and fragment.adds:
@@ -209,6 +214,8 @@ def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
     """The last question about what a fragment names; a part may also answer it."""
     if fragment.confidence or fragment.recipient:
         raise _nothing()
+    if fragment.material and not fragment.use:
+        fragment = _with_use_of(question, fragment)
     if fragment.target:
         name, props = _kind(fragment.target)
         if fragment.mode == "too" and not fragment.asks and question.affordance:
@@ -233,6 +240,13 @@ def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
         return replace(question, part=fragment.part)
     rule = ActionRule(question.object, question.context, fragment.part, fragment.default)
     return AskBack(choices=(Statement((rule,)),))
+
+
+def _with_use_of(question: Question, fragment: Fragment) -> Fragment:
+    """A fragment that names a material, with the use that was asked about on another one."""
+    if question.ask not in _OF_OBJECTS or question.material is None:
+        raise _nothing()
+    return replace(fragment, use=question.affordance)
 
 
 def _as_command(fragment: Fragment, command: Command) -> Command:

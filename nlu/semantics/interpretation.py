@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from ..lexicon.shared_index import SharedIndex
 from ..lexicon.vocabulary import NewWord
-from .coreference import SOMETHING, Discourse, RefusedError
+from .coreference import SOMETHING, Discourse, RefusedError, UnlearnableError
 from .fragments import FRAGMENTS, Fragment, complete
 from .meaning import (
     ANY_OBJECT,
@@ -41,6 +41,9 @@ _BARE_QUESTIONS = frozenset(
     {"capabilities", "hearing", "identity", "known", "repeated", "wellbeing"}
 )
 """The questions that name nothing."""
+
+_UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past", "noNorms": "no_norms"}
+"""The answer to what is understood, but not learned."""
 
 _QUESTIONS = {
     "usesOf": "uses_of",
@@ -101,6 +104,8 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in FRAGMENTS:
                 return self._fragment(content, discourse)
+            case "wantBelieve" if content.name in _UNLEARNABLE:
+                raise UnlearnableError(_UNLEARNABLE[content.name])
             case "wantBelieve":
                 is_topic = content.name == "topic"
                 return Topic(_kind(content.arguments[0])) if is_topic else self._statement(content)
@@ -154,8 +159,13 @@ class Interpreter:
         mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
         fragment = Fragment(mode, self.intervals["high"], asks)
-        fragment = self._filled(fragment, slot, value) if slot else fragment
-        if slot == "held":
+        if slot == "material":
+            fragment = replace(fragment, material=_kind(value))
+        elif slot == "tool":
+            fragment = replace(fragment, tool=self._reference(value))
+        elif slot:
+            fragment = self._filled(fragment, slot, value)
+        if slot in {"held", "act"}:
             fragment = self._filled(fragment, "part", degree.pop())
         if degree:
             fragment = replace(fragment, confidence=self.intervals[degree[0].name])
@@ -171,7 +181,7 @@ class Interpreter:
             case "part":
                 part, owner = _part_and_owner(value)
                 return replace(fragment, part=part, part_of=owner)
-            case "context":
+            case "context" | "act":
                 if not self._is_act_on_object(value.name):
                     raise RefusedError("no_act")
                 target = self._reference(value.arguments[1])
