@@ -93,7 +93,7 @@ class _Attempt:
         tokens = self._markers.mark_boundaries(tokens)
         request = self._markers.request_before_tag(tokens)
         found = self._understand(request, context) if request else None
-        if found and isinstance(found.meaning, (Command, ToolCommand)):
+        if found and (isinstance(found.meaning, (Command, ToolCommand)) or _revises(found.meaning)):
             return found
         untagged = self._markers.remove_tag(tokens)
         return self._understand(tokens if untagged.asks else untagged, context)
@@ -291,6 +291,11 @@ class _Attempt:
 
 def _has_words(tokens: Tokens) -> bool:
     return any(token.word != BREAK for token in tokens.items)
+
+
+def _revises(meaning: Meaning) -> bool:
+    """Whether a meaning only changes what was taught before: "make it rarely, would you?"."""
+    return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
 
 
 def _has_several_rules(found: Understanding) -> bool:
