@@ -58,7 +58,7 @@ from .semantics.meaning import (
     Misunderstanding,
     Rule,
     Statement,
-    Topic,
+    TopicStatement,
 )
 from .semantics.pragmatics import load_pragmatics
 
@@ -352,7 +352,7 @@ class Session:
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
-        if isinstance(understood.meaning, (Statement, Topic)):
+        if isinstance(understood.meaning, (Statement, TopicStatement)):
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 

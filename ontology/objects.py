@@ -16,7 +16,7 @@ from functools import cached_property
 from pathlib import Path
 
 from .errors import UnknownNameError
-from .geometry import (
+from .part_shapes import (
     MAX_LENGTH,
     Colour,
     Point3,

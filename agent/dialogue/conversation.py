@@ -13,7 +13,7 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.coreference import Discourse
 from .. import protocols
 from ..execution.outcome import Ending, Slot, SpokenAnswer
-from .knowledge import Knowledge
+from .answer_sources import Knowledge
 from .open_question import OpenQuestion
 from .reply import Reply
 from .translation import meaning_from_rule

@@ -95,7 +95,7 @@ class DialogueManager(ClarificationDialogue):
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
             meaning.Statement: self._learn,
             meaning.Retraction: self._forget,
-            meaning.Topic: self._open_topic,
+            meaning.TopicStatement: self._open_topic,
             meaning.Command: self._carry_out_command,
             meaning.ToolCommand: self._carry_out_command,
             meaning.Question: self._answer,
@@ -221,7 +221,7 @@ class DialogueManager(ClarificationDialogue):
         self._topic, self._retracted = (), tuple(rules)
         return replace(self._reply(turn, spoken), rules=self._retracted)
 
-    def _open_topic(self, turn: DialogueTurn, said: meaning.Topic) -> Reply:
+    def _open_topic(self, turn: DialogueTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
         if not self._trusts(turn.speaker):
             return self._answered(turn, "not_trusted", "refused", speaker=turn.speaker)

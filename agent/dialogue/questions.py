@@ -17,7 +17,7 @@ from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
 from ..execution.answers import use_slot
 from ..execution.outcome import Decision, Slot, SpokenAnswer
-from .knowledge import Answered, Knowledge, spoken
+from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
 

@@ -9,7 +9,7 @@ from functools import partial
 from ...kb.history import Utterance
 from ...kb.rule import Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from .knowledge import Answered, Knowledge, spoken
+from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply
 
 MOST_LISTED = 3

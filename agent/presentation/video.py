@@ -17,7 +17,7 @@ from ..execution.outcome import WalkStep
 
 if TYPE_CHECKING:
     from ...sim.body import Body
-    from ...sim.grasping.planner import GraspPlan
+    from ...sim.grasping.planner import RankedGrasps
     from ...sim.media.pictures import GraspMark
     from ...sim.media.recording import Recorder
     from ...sim.robot.gripper_poses import Grasp
@@ -83,7 +83,9 @@ class Film:
         if bound and step.node.endswith(FIND):
             self._recorder.pause(SHOW_FOUND)
 
-    def _planned(self, name: str, part: str | None, plan: GraspPlan, taken: Grasp | None) -> None:
+    def _planned(
+        self, name: str, part: str | None, plan: RankedGrasps, taken: Grasp | None
+    ) -> None:
         marks = [_mark(grasp, accepted=True) for grasp in plan.grasps]
         marks += [_mark(grasp, accepted=False) for grasp in plan.examples]
         if taken:

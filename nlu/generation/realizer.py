@@ -27,7 +27,7 @@ from ..semantics.meaning import (
     Rule,
     Statement,
     ToolCommand,
-    Topic,
+    TopicStatement,
 )
 from .templates import SLOT, AnswerTemplates
 
@@ -63,17 +63,17 @@ class Realizer:
                 return self._command(meaning)
             case Question():
                 return self._question(meaning)
-            case Retraction() | Topic():
+            case Retraction() | TopicStatement():
                 return self._turn(meaning)
             case Acknowledgement(ack):
                 return self._say("replies", ack)
             case _:
                 raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
 
-    def _turn(self, meaning: Retraction | Topic) -> str:
+    def _turn(self, meaning: Retraction | TopicStatement) -> str:
         """A sentence that retracts rules or opens a topic."""
         match meaning:
-            case Topic(name):
+            case TopicStatement(name):
                 return self._say("rules", "topic", object=name)
             case Retraction(about=None, rule=None):
                 return self._say("rules", "last_taken_back")

@@ -19,7 +19,7 @@ from ...ontology.yaml_reader import read_yaml
 from ..grammar.patterns import spellings
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
-from ..parsing.clauses import features_of_names
+from ..parsing.clause_features import features_of_names
 from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, Features
 from ..semantics.licence import ACCEPT, Licence
 from ..semantics.meaning import (

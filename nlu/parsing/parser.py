@@ -28,7 +28,7 @@ from ..semantics.meaning import Answer, Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import Form, form_of
 from .chart import Chart, Derivation
-from .clauses import features_of
+from .clause_features import features_of
 from .derivation import lexical_entries, subderivations
 from .understanding import Reading
 

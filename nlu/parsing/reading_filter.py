@@ -25,7 +25,7 @@ from ..semantics.meaning import (
     Rule,
     Statement,
     ToolCommand,
-    Topic,
+    TopicStatement,
 )
 from .understanding import Reading
 
@@ -83,7 +83,7 @@ class ReadingFilter:
             return not self._may_name_agent(words) and not any(
                 self._may_be_no_material(rule, words, tokens) for rule in meaning.rules
             )
-        if isinstance(meaning, Topic):
+        if isinstance(meaning, TopicStatement):
             return [word.role for word in words] == ["object"]
         if len(words) > MAX_NEW_NAMES or not all(map(_is_name, words)):
             return False

@@ -28,7 +28,7 @@ from ..semantics.meaning import (
     Misunderstanding,
     Statement,
     ToolCommand,
-    Topic,
+    TopicStatement,
 )
 from ..semantics.predicates import Form
 from .chart import Chart
@@ -320,7 +320,9 @@ def _understanding(
     readings: int = 0,
 ) -> Understanding:
     people, discourse = (context.speaker, context.addressee), context.discourse
-    new_words = reading.new_words if reading and isinstance(meaning, (Statement, Topic)) else ()
+    new_words = (
+        reading.new_words if reading and isinstance(meaning, (Statement, TopicStatement)) else ()
+    )
     if reading is not None:
         discourse = update_discourse(meaning, reading.speech_act.arguments[-1], discourse)
     return Understanding(

@@ -29,7 +29,7 @@ from .meaning import (
     Rule,
     Statement,
     ToolCommand,
-    Topic,
+    TopicStatement,
 )
 from .predicates import Form
 
@@ -108,7 +108,11 @@ class Interpreter:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
             case "wantBelieve":
                 is_topic = content.name == "topic"
-                return Topic(_kind(content.arguments[0])) if is_topic else self._statement(content)
+                return (
+                    TopicStatement(_kind(content.arguments[0]))
+                    if is_topic
+                    else self._statement(content)
+                )
             case "want":
                 return self._command(content)
             case "wantKnow":

@@ -215,7 +215,7 @@ class Retraction:
 
 
 @dataclass(frozen=True)
-class Topic(_Record):
+class TopicStatement(_Record):
     """What the next sentences are about: "I'm going to teach you about a soldering iron".
 
     Attributes:
@@ -328,7 +328,7 @@ Meaning = (
     | ToolCommand
     | Question
     | Retraction
-    | Topic
+    | TopicStatement
     | Acknowledgement
     | Control
     | AskBack

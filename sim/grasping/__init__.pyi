@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .context import GraspContext, LabelledCloud
-from .planner import GraspPlan, plan_grasps
+from .planner import RankedGrasps, plan_grasps
 from .sampling import GraspCandidates, sample_grasps
 from .scoring import GraspScores, score_grasps
 from .selection import GraspSelection, GraspTask, select_grasp
@@ -8,11 +8,11 @@ from .selection import GraspSelection, GraspTask, select_grasp
 __all__ = [
     "GraspCandidates",
     "GraspContext",
-    "GraspPlan",
     "GraspScores",
     "GraspSelection",
     "GraspTask",
     "LabelledCloud",
+    "RankedGrasps",
     "plan_grasps",
     "sample_grasps",
     "score_grasps",

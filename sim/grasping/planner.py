@@ -2,7 +2,7 @@
 """Grasp planning for one part of an object: sample candidates, score, refine, and rank them.
 
 The part constraint is a filter: both contact bands must lie wholly on the part. When no grasp is
-left, `GraspPlan.reason` says why.
+left, `RankedGrasps.reason` says why.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
 @dataclass(frozen=True)
-class GraspPlan:
+class RankedGrasps:
     """The grasps of a part, best first, and why other candidates were rejected.
 
     Attributes:
@@ -80,14 +80,14 @@ def plan_grasps(
     rng: np.random.Generator,
     count: int = 40,
     effort: int = 1,
-) -> GraspPlan:
+) -> RankedGrasps:
     """Plan at most `count` grasps of the target of a cloud.
 
     `effort` multiplies the number of candidates; above 1 other orientations are tried. Samples are
     drawn by `rng`.
     """
     if len(cloud.target) < MIN_POINTS:
-        return GraspPlan((), {})
+        return RankedGrasps((), {})
     coarse = cloud.downsampled(COARSE_CELL, reach=COARSE_REACH, limit=COARSE_POINTS)
     fine = cloud.downsampled(FINE_CELL, reach=FINE_REACH, limit=FINE_POINTS)
     turn = (effort - 1) * OTHER_TURN
@@ -107,7 +107,7 @@ def plan_grasps(
     examples = scores[np.flatnonzero(scores.score <= 0)[:SHOWN]]
     scores = _refine(scores, fine, gripper)
     best = scores[_distinct(scores, count)]
-    return GraspPlan(_as_grasps(best), rejected, _as_grasps(examples))
+    return RankedGrasps(_as_grasps(best), rejected, _as_grasps(examples))
 
 
 def _spread_out(

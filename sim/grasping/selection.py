@@ -11,7 +11,7 @@ from ..robot.gripper_poses import Grasp
 from ..robot.models import Gripper
 from ..robot.path_planner import GraspPath, PathPlanner
 from .context import GraspContext
-from .planner import GraspPlan, plan_grasps
+from .planner import RankedGrasps, plan_grasps
 
 MAX_ATTEMPTS = 3  # closings of the gripper for one object
 SAME_PLACE = 0.015  # [m], a grasp so near to a failed one is not tried again
@@ -70,7 +70,7 @@ class GraspSelection:
     Without a reachable grasp the path is None and `reason` says why; else `reason` is empty.
     """
 
-    plan: GraspPlan
+    plan: RankedGrasps
     path: GraspPath | None
     reason: str
 
@@ -85,7 +85,7 @@ def select_grasp(
     rng: np.random.Generator,
 ) -> GraspSelection:
     """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before."""
-    plan, reason, best = GraspPlan((), {}), "", None
+    plan, reason, best = RankedGrasps((), {}), "", None
     cloud = context.labelled_cloud(planner.table)
     for effort, enough in EFFORTS.items():
         plan = plan_grasps(cloud, gripper, rng=rng, effort=effort)

@@ -16,7 +16,7 @@ import numpy as np
 from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
-from ..grasping.planner import GraspPlan
+from ..grasping.planner import RankedGrasps
 from ..grasping.selection import GraspTask, select_grasp
 from ..poses import Array
 from ..robot.gripper_poses import Grasp
@@ -35,7 +35,7 @@ OFFER_TIME = 0.5  # [s], at the receiver
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons that mean that the object has left the hand
 
-PlanListener: TypeAlias = Callable[[str, str | None, GraspPlan, Grasp | None], None]
+PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
 
 
 class PickAndPlace:

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ontology.cache import cache_folder, content_key
-from ...ontology.geometry import MeshFile
 from ...ontology.objects import ObjectType, PartType
+from ...ontology.part_shapes import MeshFile
 from .. import poses
 from ..poses import Array
 from . import urdf

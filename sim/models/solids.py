@@ -20,7 +20,7 @@ import trimesh
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from ...ontology.errors import DataError
-from ...ontology.geometry import MAX_LENGTH, Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
+from ...ontology.part_shapes import MAX_LENGTH, Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from .. import poses
 from ..poses import Array
 from . import meshes

@@ -19,8 +19,8 @@ import numpy as np
 
 from ...ontology.cache import cache_folder, content_key, write_atomically
 from ...ontology.errors import DataError, SimulationError
-from ...ontology.geometry import Colour
 from ...ontology.objects import PartType
+from ...ontology.part_shapes import Colour
 from ..poses import Array
 
 SOCKET, SOCKET_JOINT = "socket", "into"  # link and joint of an object that stands in another one

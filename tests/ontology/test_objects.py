@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from hilt.ontology.errors import DataError, UnknownNameError
-from hilt.ontology.geometry import Lathe
 from hilt.ontology.objects import OBJECTS_FILE, load_household, load_objects
+from hilt.ontology.part_shapes import Lathe
 
 PAPER = {
     "knife": ["handle", "blade"],

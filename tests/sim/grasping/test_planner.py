@@ -8,7 +8,7 @@ import pytest
 
 from hilt.sim import poses
 from hilt.sim.grasping.context import LabelledCloud, PointLabel
-from hilt.sim.grasping.planner import GraspPlan, plan_grasps
+from hilt.sim.grasping.planner import RankedGrasps, plan_grasps
 from hilt.sim.grasping.sampling import BIN, sample_grasps
 from hilt.sim.grasping.scoring import REJECTIONS, gravity_lever, hits_table, score_grasps
 from hilt.sim.poses import Array
@@ -47,7 +47,7 @@ def bar(*, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING) 
     )
 
 
-def plan(cloud: LabelledCloud, seed: int = 0) -> GraspPlan:
+def plan(cloud: LabelledCloud, seed: int = 0) -> RankedGrasps:
     """The grasps of a part."""
     return plan_grasps(cloud, GRIPPER, rng=np.random.default_rng(seed))
 
@@ -133,7 +133,7 @@ def test_part_hardly_seen_gives_no_grasp_and_no_reason():
 
     found = plan(few)
 
-    assert found == GraspPlan((), {})
+    assert found == RankedGrasps((), {})
     assert found.reason == ""
 
 

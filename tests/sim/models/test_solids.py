@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 from trimesh import Trimesh
 
-from hilt.ontology.geometry import Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from hilt.ontology.objects import load_objects
+from hilt.ontology.part_shapes import Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
 from hilt.sim.models import meshes
 from hilt.sim.models.meshes import corner_normals, triangulate
 from hilt.sim.models.solids import build_solid
