@@ -66,7 +66,7 @@ class FormTable:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Inflection:
     """The tables of all forms of a language, by name."""
 

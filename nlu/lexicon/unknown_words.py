@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 from .inflection import Inflection
@@ -111,8 +112,8 @@ class KnownWords:
 
     def _guesses(self, token: Token, cost: float) -> list[Entry]:
         """The entries of one word, each marked with its role and dictionary form."""
-        senses = self._senses(token, self._open_roles(token.word))
-        entries = (each.entry() for each in senses if each.says == token.word)
+        roles = self._open_roles(token.word)
+        entries = _entries(self.builder, self.inflection, token.word, bool(token.capital), roles)
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
     def _open_roles(self, word: str) -> frozenset[str]:
@@ -121,33 +122,6 @@ class KnownWords:
         taken = {"object": {"N", "NS"}, "part": NOUNS, "affordance": {"K", "KB"}}
         taken["context"] = kinds - NOUNS
         return frozenset(role for role, categories in taken.items() if not categories & kinds)
-
-    def _senses(self, token: Token, roles: frozenset[str]) -> Iterator[Sense]:
-        word, builder = token.word, self.builder
-        singulars = self.inflection.origins(word, "plural")
-        for role in sorted(roles & NOUN_TEMPLATES.keys()):
-            yield from builder.noun(
-                role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0
-            )
-            for name in singulars[:1]:
-                yield from builder.noun(role, name, role=role)
-        if token.capital:
-            yield from builder.noun("person", word, role="person", cost=_PERSON_COST)
-        for bare in self._bare_forms(word):
-            looks_inflected = bare == word and any(
-                self.inflection.origins(word, form) for form in ("ing", "third")
-            )
-            cost = _SINGULAR_COST if looks_inflected else 0.0
-            act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
-            if "context" in roles:
-                yield from builder.verb_forms(act, "context", _VERB_COST + cost)
-            if "affordance" in roles:
-                yield from builder.verb_forms(use, "affordance", cost)
-
-    def _bare_forms(self, word: str) -> Iterator[str]:
-        yield word
-        for form in ("ing", "third", "participle"):
-            yield from self.inflection.origins(word, form)[:1]
 
     def _compounds(self, first: str, second: str) -> list[Entry]:
         """The entries of two neighbours as one name: "bread knife", "frying pans".
@@ -190,3 +164,52 @@ class KnownWords:
             return True
         is_listed = not before or place in tokens.pauses or before in self.builder.joining
         return is_listed and bool(self.inflection.origins(word, "plural"))
+
+
+@lru_cache(maxsize=8192)
+def _entries(
+    builder: LexiconBuilder,
+    inflection: Inflection,
+    word: str,
+    is_capital: bool,
+    roles: frozenset[str],
+) -> tuple[Entry, ...]:
+    """The entries that a word would have as a new one in some roles.
+
+    Kept, since building them takes as long as all else, and most words occur again.
+    """
+    senses = _senses(builder, inflection, word, is_capital=is_capital, roles=roles)
+    return tuple(each.entry() for each in senses if each.says == word)
+
+
+def _senses(
+    builder: LexiconBuilder,
+    inflection: Inflection,
+    word: str,
+    *,
+    is_capital: bool,
+    roles: frozenset[str],
+) -> Iterator[Sense]:
+    singulars = inflection.origins(word, "plural")
+    for role in sorted(roles & NOUN_TEMPLATES.keys()):
+        yield from builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
+        for name in singulars[:1]:
+            yield from builder.noun(role, name, role=role)
+    if is_capital:
+        yield from builder.noun("person", word, role="person", cost=_PERSON_COST)
+    for bare in _bare_forms(inflection, word):
+        looks_inflected = bare == word and any(
+            inflection.origins(word, form) for form in ("ing", "third")
+        )
+        cost = _SINGULAR_COST if looks_inflected else 0.0
+        act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
+        if "context" in roles:
+            yield from builder.verb_forms(act, "context", _VERB_COST + cost)
+        if "affordance" in roles:
+            yield from builder.verb_forms(use, "affordance", cost)
+
+
+def _bare_forms(inflection: Inflection, word: str) -> Iterator[str]:
+    yield word
+    for form in ("ing", "third", "participle"):
+        yield from inflection.origins(word, form)[:1]
