@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Protocol
 
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
@@ -17,39 +17,44 @@ from .reply import Reply
 from .teaching import rule_from_answer
 
 
-class ClarificationDialogue(Conversation):
-    """A conversation in which Hilt asks back, and understands short answers."""
+class Hear(Protocol):
+    """Understands a whole utterance and acts on it, as `DialogueManager.hear`."""
 
-    @abstractmethod
-    def hear(
+    def __call__(
         self,
         text: str,
         *,
         speaker: str,
-        only: str | None = None,
         heard: float = 1.0,
         keep: bool = True,
         accepted: Collection[str] = (),
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply."""
+        ...
 
-    @abstractmethod
-    def _respond(self, turn: DialogueTurn) -> Reply:
-        """Act on what was understood, and return the reply."""
 
-    def _understood(
-        self, text: str, speaker: str, accepted: Collection[str], heard: float
-    ) -> Understanding:
-        said = self._other.understand(text, speaker=speaker) if self._other else None
-        if said is not None:
-            return Understanding(text, speaker, "self", said, discourse=self._discourse)
-        return self.language.understand(
-            text, speaker=speaker, discourse=self._discourse, accepted=accepted, heard=heard
-        )
+class ClarificationDialogue:
+    """What Hilt asks back in a conversation, and its understanding of short answers.
 
-    def _short_answer(self, text: str, speaker: str, *, heard: float, keep: bool) -> Reply | None:
-        """The reply to an answer to the open question; None where the text is none."""
-        open_question = self._open
+    Args:
+        conversation: the conversation in which it asks.
+        hear: understands an utterance again, or one that a short answer stands for.
+        respond: acts on what was understood, and returns the reply.
+    """
+
+    def __init__(
+        self,
+        conversation: Conversation,
+        hear: Hear,
+        respond: Callable[[DialogueTurn], Reply],
+    ) -> None:
+        self._conversation = conversation
+        self._hear, self._respond = hear, respond
+
+    def short_answer(self, text: str, speaker: str, *, heard: float, keep: bool) -> Reply | None:
+        """Return the reply to an answer to the open question; None where the text is none."""
+        conversation = self._conversation
+        open_question = conversation.open_question
         if open_question is None or open_question.asked != speaker:
             return None
         insisted = self._insists(text, speaker)
@@ -57,41 +62,45 @@ class ClarificationDialogue(Conversation):
             return insisted()
         for answered in self._short_answers(text, open_question):
             if answered.is_dismissal:
-                self._open = None
+                conversation.open_question = None
                 dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
-                return self._answered(DialogueTurn(dismissal, heard, keep), "dismissed", "done")
+                turn = DialogueTurn(dismissal, heard, keep)
+                return conversation.answered(turn, "dismissed", "done")
             reply = open_question.reply_to(answered)
             if reply:
-                self._open = None if self._open is open_question else self._open
+                if conversation.open_question is open_question:
+                    conversation.open_question = None
                 return reply
         return None
 
     def _short_answers(self, text: str, open_question: OpenQuestion) -> list[meaning.Answer]:
         """The short answers that a text may be, a number of one of the choices included."""
         choices, speaker = open_question.choices, open_question.asked
-        number = self.language.chosen(text, len(choices)) if choices else None
+        language, discourse = self._conversation.language, self._conversation.discourse
+        number = language.chosen(text, len(choices)) if choices else None
         if number:
             return [meaning.Answer(number=number)]
-        return self.language.short_answers(text, speaker=speaker, discourse=self._discourse)
+        return language.short_answers(text, speaker=speaker, discourse=discourse)
 
-    def _ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
-        reply = self._recorded(turn, said.question, "asked")
+    def ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
+        """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""
+        reply = self._conversation.recorded(turn, said.question, "asked")
         choices = [each for each in said.choices if not isinstance(each, str)]
         if choices:
             self._offer(turn, said, choices)
             return reply
         text, speaker = turn.understood.text, turn.speaker
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
-            self._open = OpenQuestion(
-                speaker, lambda: self.hear(text, speaker=speaker, keep=turn.keep)
+            self._conversation.open_question = OpenQuestion(
+                speaker, lambda: self._hear(text, speaker=speaker, keep=turn.keep)
             )
         elif not said.choices:
-            self._open = OpenQuestion(
+            self._conversation.open_question = OpenQuestion(
                 speaker,
                 choose=lambda named: self._with_referent(turn, named),
             )
         else:
-            self._open = self._on_word(turn, said)
+            self._conversation.open_question = self._on_word(turn, said)
         return reply
 
     def _offer(
@@ -99,44 +108,48 @@ class ClarificationDialogue(Conversation):
     ) -> None:
         """Wait for the choice of a meaning."""
         heard = tuple(partial(self._take, turn, each) for each in choices)
-        again = partial(self._ask_back, turn, said)
+        again = partial(self.ask_back, turn, said)
         only = heard[0] if len(heard) == 1 else again
-        self._open = OpenQuestion(turn.speaker, only, choices=heard)
+        self._conversation.open_question = OpenQuestion(turn.speaker, only, choices=heard)
 
     def _take(self, turn: DialogueTurn, choice: meaning.Meaning) -> Reply:
         """Respond to a chosen meaning, of the sentence that has it or as one that says it."""
         if turn.understood.reading is not None:
             return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
-        text = self.language.generate(choice)
-        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
+        text = self._conversation.language.generate(choice)
+        return self._hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _with_referent(self, turn: DialogueTurn, named: meaning.Answer) -> Reply | None:
         """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""
         name = named.name
         if name in {None, meaning.ANY_OBJECT}:
             return None
-        self._discourse = replace(self._discourse.about(str(name)), has_failed=False)
+        self._conversation.refer_to(str(name))
+        self._conversation.restore_references()
         text = turn.understood.text
-        again = self._understood(text, turn.speaker, (), turn.heard)
+        again = self._conversation.understand(text, turn.speaker, heard=turn.heard)
         if again.kind in {"ask_back", "error"}:
-            return self._answered(turn, "say_again", "asked", object=str(name))
-        return self.hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
+            return self._conversation.answered(turn, "say_again", "asked", object=str(name))
+        return self._hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
 
-    def _learn_answer(
+    def learn_answer(
         self, turn: DialogueTurn, asked: meaning.Question, named: meaning.Answer
     ) -> Reply | None:
-        """Learn what a short answer to a question without an answer teaches."""
-        rule = rule_from_answer(asked, named, self.language.usual)
+        """Learn what a short answer to a question that Hilt could not answer teaches.
+
+        Return the reply; None where the answer names nothing that the question asks for.
+        """
+        rule = rule_from_answer(asked, named, self._conversation.language.usual)
         if rule is None:
             return None
-        text = self.language.generate(meaning.Statement((rule,)))
-        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
+        text = self._conversation.language.generate(meaning.Statement((rule,)))
+        return self._hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _on_word(self, turn: DialogueTurn, said: meaning.AskBack) -> OpenQuestion | None:
         """Wait for the answer whether a word is a slip of the one suggested, or an object, too."""
         words, speaker = turn.understood.words, turn.speaker
-        again = partial(self.hear, speaker=speaker, heard=turn.heard)
-        unknown = [word for word in words if not self.language.knows(word)]
+        again = partial(self._hear, speaker=speaker, heard=turn.heard)
+        unknown = [word for word in words if not self._conversation.language.knows(word)]
         match said.choices:
             case (str(choice),) if choice in words:
                 return OpenQuestion(speaker, lambda: again(turn.understood.text, accepted=[choice]))
@@ -149,16 +162,17 @@ class ClarificationDialogue(Conversation):
 
     def _insists(self, text: str, speaker: str) -> Callable[[], Reply] | None:
         """What follows when a text insists on the word that Hilt asked about; None otherwise."""
-        asked = self._open
+        asked = self._conversation.open_question
         if asked is None or asked.asked != speaker or not asked.word:
             return None
-        return asked.no if self.language.insists_on(asked.word, text) else None
+        return asked.no if self._conversation.language.insists_on(asked.word, text) else None
 
-    def _not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
-        problem = said.message
-        if self._last_said.startswith(problem):
-            problem = self._say(SpokenAnswer("still_not_understood"))
+    def not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
+        """Return the reply that says what is wrong with a turn, and what could be said instead."""
+        conversation, problem = self._conversation, said.message
+        if conversation.last_said.startswith(problem):
+            problem = conversation.say(SpokenAnswer("still_not_understood"))
         example = SpokenAnswer("try_saying", {"example": said.nearest[:1]})
-        step = self._say(example if said.nearest else SpokenAnswer("ask_for_help"))
+        step = conversation.say(example if said.nearest else SpokenAnswer("ask_for_help"))
         spoken = problem if problem.endswith("?") else f"{problem} {step}"
-        return self._recorded(turn, spoken, "not_understood")
+        return conversation.recorded(turn, spoken, "not_understood")

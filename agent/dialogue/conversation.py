@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The state of one conversation, and replies to its utterances, which the history keeps."""
+"""The state of one conversation, and replies to its utterances, which the history keeps.
+
+The parts of the dialogue manager share one `Conversation`, and change its state between turns.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.language import Language
+from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.coreference import Discourse
 from .. import protocols
@@ -52,7 +56,14 @@ class Conversation:
 
     Attributes:
         language: grows with every word that is learned.
+        discourse: what a later utterance can refer to.
+        open_question: the question of Hilt that waits for an answer, if any.
+        topic: the rules that were spoken of last; none after a command that needed none.
+        retracted: the rules that were just retracted; none once others were spoken of.
+        just_acted: whether a command was carried out, and no rule was spoken of since.
+        last_said: the answer to the last utterance.
         last_done: the reply to the last command.
+        control_done: what a control did since the last command, if anything.
     """
 
     def __init__(
@@ -65,66 +76,112 @@ class Conversation:
         seed: int,
         other: protocols.Dialogue | None,
     ) -> None:
-        self.base, self.language, self.seed = base, language, seed
+        self.language = language
+        self.discourse = Discourse()
+        self.open_question: OpenQuestion | None = None
+        self.topic: tuple[Rule, ...] = ()
+        self.retracted: tuple[Rule, ...] = ()
+        self.just_acted = False
+        self.last_said = ""
         self.last_done: Reply | None = None
-        self._other = other
+        self.control_done: SpokenAnswer | None = None
+        self._base, self._seed, self._other = base, seed, other
         self._visible, self._holding = visible, holding
-        self._discourse = Discourse()
-        self._open: OpenQuestion | None = None
-        self._topic: tuple[Rule, ...] = ()
-        self._retracted: tuple[Rule, ...] = ()  # and no other rule was spoken of since
-        self._just_acted = False  # and no rule was spoken of since
-        self._last_said = ""
-        self._control_done: SpokenAnswer | None = None  # since the last command
 
-    def _knowledge(self, turn: DialogueTurn) -> Knowledge:
+    # --- What is understood and known ---------------------------------------------------------
+
+    def understand(
+        self, text: str, speaker: str, *, heard: float, accepted: Collection[str] = ()
+    ) -> Understanding:
+        """Return how an utterance is understood in this conversation.
+
+        `heard` is the confidence of the speech recogniser, in [0, 1]; `accepted` has words that are
+        new although they resemble known ones.
+        """
+        said = self._other.understand(text, speaker=speaker) if self._other else None
+        if said is not None:
+            return Understanding(text, speaker, "self", said, discourse=self.discourse)
+        return self.language.understand(
+            text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
+        )
+
+    def knowledge(self, turn: DialogueTurn) -> Knowledge:
+        """Return what a question of this turn is answered from."""
         return Knowledge(
-            self.base,
+            self._base,
             self.language.answers,
             turn.speaker,
             self._visible,
             self.last_done,
-            self._topic,
+            self.topic,
             self._holding,
-            self._last_said,
-            self._control_done,
-            self._retracted,
+            self.last_said,
+            self.control_done,
+            self.retracted,
         )
 
-    def _set_topic(self, rules: tuple[Rule, ...]) -> None:
-        """Make these rules the topic; "no, by the handle" and "forget that" mean the last."""
-        said = meaning_from_rule(rules[-1]) if rules else None
-        if said:
-            self._topic, self._retracted, self._just_acted = rules, (), False
-            self._discourse = replace(self._discourse, rule=said)
-
-    def _trusts(self, speaker: str) -> bool:
-        trust = self.base.trust(speaker)
+    def trusts(self, speaker: str) -> bool:
+        """Return whether what a speaker says counts at all."""
+        trust = self._base.trust(speaker)
         return trust is not None and trust.upper > 0
 
-    def _answered(self, turn: DialogueTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
-        return self._spoken(turn, SpokenAnswer(key, slots, ending))
+    # --- What changes ------------------------------------------------------------------------
 
-    def _spoken(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
-        return self._recorded(turn, self._say(answered), answered.ending)
+    def learn_words(self, words: Iterable[NewWord]) -> None:
+        """Add new words to the language."""
+        self.language = self.language.with_words(words)
 
-    def _recorded(self, turn: DialogueTurn, spoken: str, ending: Ending) -> Reply:
-        """Return the reply with this answer, and write the utterance to the history."""
-        reply = replace(self._reply(turn, spoken), ending=ending)
-        self._record(reply, turn)
-        return reply
+    def refer_to(self, name: str) -> None:
+        """Make the object of this name the one that "it" refers to."""
+        self.discourse = self.discourse.about(name)
 
-    def _say(self, answered: SpokenAnswer) -> str:
-        """An answer in words, with the slots that its template has."""
+    def restore_references(self) -> None:
+        """Let what was spoken of be referred to again after a turn that was not understood."""
+        self.discourse = replace(self.discourse, has_failed=False)
+
+    def set_topic(self, rules: tuple[Rule, ...]) -> None:
+        """Make these rules the topic; "no, by the handle" and "forget that" mean the last.
+
+        Nothing changes where there are none, or where the last one cannot be said.
+        """
+        said = meaning_from_rule(rules[-1]) if rules else None
+        if said:
+            self.topic, self.retracted, self.just_acted = rules, (), False
+            self.discourse = replace(self.discourse, rule=said)
+
+    # --- Answers and replies ------------------------------------------------------------------
+
+    def say(self, answered: SpokenAnswer) -> str:
+        """Return an answer in words, with the slots that its template has."""
         wanted = self.language.slots(answered.key)
         slots = {name: answered.slots[name] for name in wanted}
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken
 
-    def _record(self, reply: Reply, turn: DialogueTurn) -> None:
+    def reply(self, turn: DialogueTurn, spoken: str) -> Reply:
+        """Return the reply to a turn with an answer in words; the history is not written."""
+        understood = turn.understood
+        return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self._seed)
+
+    def answered(self, turn: DialogueTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
+        """Write a turn to the history, and return its reply with the answer of this template."""
+        return self.spoken(turn, SpokenAnswer(key, slots, ending))
+
+    def spoken(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
+        """Write a turn to the history, and return its reply with an answer put in words."""
+        return self.recorded(turn, self.say(answered), answered.ending)
+
+    def recorded(self, turn: DialogueTurn, spoken: str, ending: Ending) -> Reply:
+        """Write a turn to the history, and return its reply with an answer in words."""
+        reply = replace(self.reply(turn, spoken), ending=ending)
+        self.record(reply, turn)
+        return reply
+
+    def record(self, reply: Reply, turn: DialogueTurn) -> None:
+        """Write the reply to a turn to the history, if the turn is to be kept."""
         if not turn.keep:
             return
-        self.base.record(
+        self._base.record(
             reply.text,
             reply.understanding.content,
             reply.speaker,
@@ -133,7 +190,3 @@ class Conversation:
             answer=reply.said,
             heard=turn.heard,
         )
-
-    def _reply(self, turn: DialogueTurn, spoken: str) -> Reply:
-        understood = turn.understood
-        return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self.seed)

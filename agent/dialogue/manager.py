@@ -29,7 +29,7 @@ from ..execution.goal_manager import GoalManager
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request
 from .clarification import ClarificationDialogue
-from .conversation import DialogueTurn
+from .conversation import Conversation, DialogueTurn
 from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
@@ -50,7 +50,7 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
 ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
 
 
-class DialogueManager(ClarificationDialogue):
+class DialogueManager:
     """One conversation, with any number of speakers.
 
     Args:
@@ -82,9 +82,11 @@ class DialogueManager(ClarificationDialogue):
     ) -> None:
         people = (word_for_person(name) for name in base.trust_by_speaker())
         words = (*(word_from_base(word) for word in base.words()), *people)
-        super().__init__(
+        self._base = base
+        self._conversation = Conversation(
             base, language.with_words(words), visible, holding=holding, seed=seed, other=other
         )
+        self._clarification = ClarificationDialogue(self._conversation, self.hear, self._respond)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
         self._record_episode = record_episode
@@ -101,9 +103,19 @@ class DialogueManager(ClarificationDialogue):
             meaning.Question: self._answer,
             meaning.Acknowledgement: self._acknowledge,
             meaning.Control: self._obey,
-            meaning.AskBack: self._ask_back,
-            meaning.Misunderstanding: self._not_understood,
+            meaning.AskBack: self._clarification.ask_back,
+            meaning.Misunderstanding: self._clarification.not_understood,
         }
+
+    @property
+    def language(self) -> Language:
+        """The language of this conversation, with every word that was learned."""
+        return self._conversation.language
+
+    @property
+    def last_done(self) -> Reply | None:
+        """The reply to the last command; None before the first."""
+        return self._conversation.last_done
 
     def hear(
         self,
@@ -123,49 +135,54 @@ class DialogueManager(ClarificationDialogue):
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        speaker = self.base.match_speaker(speaker)
-        reply = self._short_answer(text, speaker, heard=heard, keep=keep)
+        speaker = self._base.match_speaker(speaker)
+        reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
-            self._last_said = reply.said
+            self._conversation.last_said = reply.said
             return reply
         self._accepted |= {*accepted}
-        understood = self._understood(text, speaker, self._accepted, heard)
+        understood = self._conversation.understand(
+            text, speaker, heard=heard, accepted=self._accepted
+        )
         turn = DialogueTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
-            return self._answered(turn, f"only_{only}", "not_understood")
+            return self._conversation.answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
-            self._open = None
+            self._conversation.open_question = None
         return self._respond(turn)
 
     def hear_aside(
         self, text: str, said: meaning.Control, *, speaker: str, heard: float, keep: bool
     ) -> Reply:
         """Confirm a "wait" or "go on" while another thread carries out a command."""
-        speaker = self.base.match_speaker(speaker)
+        speaker = self._base.match_speaker(speaker)
         turn = DialogueTurn(Understanding(text, speaker, "self", said), heard, keep)
-        return self._answered(turn, "waiting" if said.is_halt else "going_on", "done")
+        return self._conversation.answered(turn, "waiting" if said.is_halt else "going_on", "done")
 
     def _respond(self, turn: DialogueTurn) -> Reply:
         """Act on what was understood, and return the reply."""
-        self._discourse = turn.understood.discourse
+        self._conversation.discourse = turn.understood.discourse
         said = turn.understood.meaning
         reply = self._listeners[type(said)](turn, said)
-        self._last_said = reply.said
+        self._conversation.last_said = reply.said
         return reply
 
     # --- Statements and retractions -----------------------------------------------------------
 
     def _learn(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
-        if not self._trusts(turn.speaker):
-            return self._answered(turn, "not_trusted", "refused", speaker=turn.speaker)
-        taught = lesson_from_statement(self.base, said, turn.speaker, turn.heard, self._topic)
-        trust = self.base.trust(turn.speaker)
+        conversation = self._conversation
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        taught = lesson_from_statement(
+            self._base, said, turn.speaker, turn.heard, conversation.topic
+        )
+        trust = self._base.trust(turn.speaker)
         weight = trust.lower if trust else 0.0
         words = (*turn.understood.new_words, *self._new_names(said, turn))
-        describe = self._knowledge(turn).describe
+        describe = conversation.knowledge(turn).describe
         echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
-        spoken = " ".join(map(self._say, echo))
-        self.base.believe(
+        spoken = " ".join(map(conversation.say, echo))
+        self._base.believe(
             turn.understood.text,
             turn.understood.content,
             turn.speaker,
@@ -176,10 +193,10 @@ class DialogueManager(ClarificationDialogue):
             answer=spoken,
             heard=turn.heard,
         )
-        self.language = self.language.with_words(words)
-        told = tuple(self.base.rule(rule.id) for rule in taught.rules)
-        self._set_topic(told)
-        return replace(self._reply(turn, spoken), rules=told)
+        conversation.learn_words(words)
+        told = tuple(self._base.rule(rule.id) for rule in taught.rules)
+        conversation.set_topic(told)
+        return replace(conversation.reply(turn, spoken), rules=told)
 
     def _new_names(self, said: meaning.Statement, turn: DialogueTurn) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""
@@ -189,27 +206,31 @@ class DialogueManager(ClarificationDialogue):
                 yield NewWord(name, "object", name)
 
     def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
-        rules = rules_to_retract(self.base, said, turn.speaker, self._topic)
+        conversation = self._conversation
+        rules = rules_to_retract(self._base, said, turn.speaker, conversation.topic)
         own = [rule for rule in rules if rule.speaker == turn.speaker]
         if rules and not own:
-            return self._answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
+            return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
-            return self._answered(turn, "nothing_to_forget", "failed")
-        if said == meaning.Retraction() and (self._just_acted or not self._topic):
+            return conversation.answered(turn, "nothing_to_forget", "failed")
+        if said == meaning.Retraction() and (conversation.just_acted or not conversation.topic):
             return self._ask_to_forget(turn, own)
         return self._retract(turn, own)
 
     def _ask_to_forget(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
         """Ask whether a rule is meant that was not spoken of just now."""
-        self._open = OpenQuestion(turn.speaker, lambda: self._retract(turn, rules))
-        described = self._knowledge(turn).describe(rules[-1])
-        return self._answered(turn, "forget_what", "asked", rule=described)
+        self._conversation.open_question = OpenQuestion(
+            turn.speaker, lambda: self._retract(turn, rules)
+        )
+        described = self._conversation.knowledge(turn).describe(rules[-1])
+        return self._conversation.answered(turn, "forget_what", "asked", rule=described)
 
     def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
-        phrases = tuple(map(self._knowledge(turn).describe, rules))
-        spoken = self._say(SpokenAnswer("forgotten", {"rules": phrases}))
+        conversation = self._conversation
+        phrases = tuple(map(conversation.knowledge(turn).describe, rules))
+        spoken = conversation.say(SpokenAnswer("forgotten", {"rules": phrases}))
         understood = turn.understood
-        self.base.believe(
+        self._base.believe(
             understood.text,
             understood.content,
             turn.speaker,
@@ -218,16 +239,17 @@ class DialogueManager(ClarificationDialogue):
             kind="correction",
             answer=spoken,
         )
-        self._topic, self._retracted = (), tuple(rules)
-        return replace(self._reply(turn, spoken), rules=self._retracted)
+        conversation.topic, conversation.retracted = (), tuple(rules)
+        return replace(conversation.reply(turn, spoken), rules=conversation.retracted)
 
     def _open_topic(self, turn: DialogueTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
-        if not self._trusts(turn.speaker):
-            return self._answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        conversation = self._conversation
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         words = turn.understood.new_words
-        spoken = self._say(SpokenAnswer("topic", {"object": said.topic}))
-        self.base.believe(
+        spoken = conversation.say(SpokenAnswer("topic", {"object": said.topic}))
+        self._base.believe(
             turn.understood.text,
             turn.understood.content,
             turn.speaker,
@@ -237,19 +259,19 @@ class DialogueManager(ClarificationDialogue):
             answer=spoken,
             heard=turn.heard,
         )
-        self.language = self.language.with_words(words)
-        self._open = OpenQuestion(turn.speaker)
-        return self._reply(turn, spoken)
+        conversation.learn_words(words)
+        conversation.open_question = OpenQuestion(turn.speaker)
+        return conversation.reply(turn, spoken)
 
     # --- Commands -----------------------------------------------------------------------------
 
     def _carry_out_command(
         self, turn: DialogueTurn, said: meaning.Command | meaning.ToolCommand
     ) -> Reply:
-        if not self._trusts(turn.speaker):
-            return self._answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
+        if not self._conversation.trusts(turn.speaker):
+            return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.negated:
-            return self._spoken(turn, declined(said))
+            return self._conversation.spoken(turn, declined(said))
         if turn.understood.unknown:
             return self._ask_what_that_is(turn, use_of(said))
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
@@ -265,16 +287,17 @@ class DialogueManager(ClarificationDialogue):
         new_uses = [word.word for word in reading.new_words] if reading else []
         if asked.affordance and asked.affordance in new_uses:
             named = use_slot(asked.affordance, asked.material)
-            reply = self._answered(turn, "unknown_use", "asked", affordance=named)
+            reply = self._conversation.answered(turn, "unknown_use", "asked", affordance=named)
         else:
-            reply = self._answered(turn, "unknown_thing", "asked", words=words)
-        choose = partial(self._learn_answer, turn, asked)
-        self._open = OpenQuestion(turn.speaker, choose=choose)
+            reply = self._conversation.answered(turn, "unknown_thing", "asked", words=words)
+        choose = partial(self._clarification.learn_answer, turn, asked)
+        self._conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
         return reply
 
     def _last_chosen(self) -> frozenset[str]:
         """The name of the object that the last command was carried out with, if any."""
-        result = self.last_done.result if self.last_done else None
+        last = self._conversation.last_done
+        result = last.result if last else None
         best = result.decision.object.best if result and result.decision else None
         return frozenset({best.name} if best else ())
 
@@ -285,26 +308,29 @@ class DialogueManager(ClarificationDialogue):
         except UnknownNameError:
             answered = SpokenAnswer("cannot", {"goal": request.action}, "failed")
             result = GoalResult(answered, None, (), ExecutionResult())
-        return result, " ".join(self._say(each) for each in (*result.setbacks, result.answer))
+        return result, " ".join(map(self._conversation.say, (*result.setbacks, result.answer)))
 
     def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:
+        conversation = self._conversation
         result, spoken = self.attempt(request)
-        reply = replace(self._reply(turn, spoken), ending=result.answer.ending, result=result)
-        self._record(reply, turn)
+        reply = replace(
+            conversation.reply(turn, spoken), ending=result.answer.ending, result=result
+        )
+        conversation.record(reply, turn)
         self._record_episode(request, reply, turn.keep)
-        self.last_done, self._control_done = reply, None
+        conversation.last_done, conversation.control_done = reply, None
         self._interrupted = (turn, request) if reply.is_interrupted else None
         self._just_stopped = result.answer if reply.is_interrupted else None
-        self._topic = ()
-        self._set_topic(result.decision.rules if result.decision else ())
-        self._just_acted = True
+        conversation.topic = ()
+        conversation.set_topic(result.decision.rules if result.decision else ())
+        conversation.just_acted = True
         chosen = result.decision.object.best if result.decision else None
         wanted = request.arguments.get("object")
         if chosen and isinstance(wanted, Target) and wanted.object is None:
-            self._discourse = self._discourse.about(chosen.object)
+            conversation.refer_to(chosen.object)
         settled = request.confirmed(result)
         if reply.ending == "asked" and settled:
-            self._open = OpenQuestion(
+            conversation.open_question = OpenQuestion(
                 turn.speaker,
                 yes=lambda: self._carry_out(turn, settled),
                 choose=lambda named: self._carry_out(turn, choosing(request, named, result)),
@@ -315,60 +341,65 @@ class DialogueManager(ClarificationDialogue):
 
     def _obey(self, turn: DialogueTurn, said: meaning.Control) -> Reply:
         """Carry out a control while no command runs; one that ran was interrupted before."""
-        pending, self._open = self._open, None
+        conversation = self._conversation
+        pending, conversation.open_question = conversation.open_question, None
         stopped, self._just_stopped = self._just_stopped, None
         if said.control == "stop" and stopped:
-            return self._spoken(turn, replace(stopped, ending="done"))
+            return conversation.spoken(turn, replace(stopped, ending="done"))
         if said.is_halt:
-            return self._answered(turn, "waiting" if said.control == "wait" else "idle", "done")
-        if not self._trusts(turn.speaker):
-            return self._answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
+            return conversation.answered(
+                turn, "waiting" if said.control == "wait" else "idle", "done"
+            )
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.control == "continue":
             return self._continue(turn, pending)
-        if self.last_done is None:  # there is no need of a body yet
-            return self._answered(turn, "nothing_held", "failed")
+        if conversation.last_done is None:  # there is no need of a body yet
+            return conversation.answered(turn, "nothing_held", "failed")
         emptied = self._goals().empty_hand(said.control, said.object)
-        self._control_done = emptied if emptied.ending == "done" else self._control_done
-        return self._spoken(turn, emptied)
+        if emptied.ending == "done":
+            conversation.control_done = emptied
+        return conversation.spoken(turn, emptied)
 
     def _continue(self, turn: DialogueTurn, pending: OpenQuestion | None) -> Reply:
         if pending and pending.yes and pending.asked == turn.speaker:
             return pending.yes()
         if self._interrupted:
             return self._carry_out(*self._interrupted)
-        return self._answered(turn, "nothing_to_continue", "failed")
+        return self._conversation.answered(turn, "nothing_to_continue", "failed")
 
     # --- Questions, acknowledgements, and what is asked back -----------------------------------
 
     def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
-        found, rules = answer(said, self._knowledge(turn))
+        conversation = self._conversation
+        found, rules = answer(said, conversation.knowledge(turn))
         if not rules and (said.object or said.affordance):
-            self._topic = ()
+            conversation.topic = ()
         if found.ending == "failed":
-            self._topic = ()
-            choose = partial(self._learn_answer, turn, said)
-            self._open = OpenQuestion(turn.speaker, choose=choose)
-        self._set_topic(rules)
+            conversation.topic = ()
+            choose = partial(self._clarification.learn_answer, turn, said)
+            conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
+        conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
-            self._discourse = self._discourse.about(*named)
-        spoken = self._say(found)
-        if spoken == self._last_said:
-            spoken = self._say(SpokenAnswer("as_said", {"said": spoken}))
-        return replace(self._recorded(turn, spoken, found.ending), rules=rules)
+            conversation.refer_to(*named)
+        spoken = conversation.say(found)
+        if spoken == conversation.last_said:
+            spoken = conversation.say(SpokenAnswer("as_said", {"said": spoken}))
+        return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)
 
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
-        pending = self._open
+        conversation, pending = self._conversation, self._conversation.open_question
         if pending and pending.asked != turn.speaker:
             pending = None
         else:
-            self._open = None
+            conversation.open_question = None
         if pending:  # what was asked about can be referred to again
-            self._discourse = replace(self._discourse, has_failed=False)
+            conversation.restore_references()
         if pending and pending.yes and said.ack in {"yes", "okay"}:
             return pending.yes()
         if pending and said.ack == "no" and pending.no:
             return pending.no()
         key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
         key = "dismissed" if key == "no" and pending is None else key
-        return self._answered(turn, key, "done")
+        return conversation.answered(turn, key, "done")
