@@ -20,6 +20,7 @@ from ..inference.taxonomy import Taxonomy
 from ..kb.episodes import Episode
 from ..kb.knowledge_base import KnowledgeBase
 from ..kb.learned_words import Word
+from ..kb.rule import Rule
 from ..kb.views import RuleView, view
 from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent
@@ -145,7 +146,7 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool
 def _run(
     agent: Agent, base: KnowledgeBase, episode: Episode, circumstances: Mapping[str, Any]
 ) -> Replay:
-    past = Past(view(base.reader, at=episode.utterance or 0).all)
+    past = Past(view(base.reader, at=episode.utterance or 0))
     household = agent.embodiment.household
     agent.goals.affordances = Affordances(
         InducedRuleSource(past, household.objects, household.classes)
@@ -168,13 +169,19 @@ def _run(
 
 
 @dataclass(frozen=True)
-class Past(RuleView):
-    """The rules that held at some time, as a constant rule source."""
+class Past:
+    """The rules that held at some time, as a source of rules that never changes."""
 
-    @property
-    def sequence(self) -> int:
-        """The number of the last change."""
-        return len(self.all)
+    held: RuleView
+    sequence: int = 0
+
+    def rules(self) -> Sequence[Rule]:
+        """Return all rules that held."""
+        return self.held.all
+
+    def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
+        """Return the rules that held at any of the given nodes."""
+        return self.held.rules_at_nodes(nodes)
 
 
 def _differences(path: str, before: object, after: object) -> Iterator[str]:

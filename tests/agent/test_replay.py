@@ -91,6 +91,19 @@ def test_episode_after_a_yes_comes_out_the_same():
     assert (asked.ending, done.ending, replayed.differences) == ("asked", "done", ())
 
 
+def test_episode_of_a_robot_that_induces_comes_out_the_same():
+    """Only the rules of then are induced from, not what was told since."""
+    with Agent.open("memory:", AgentConfig(simulate=False, induce=True)) as agent:
+        agent.hear("To pass a knife grab the knife by the blade")
+        done = agent.hear("pass me the screwdriver")
+        agent.hear("To pass a screwdriver grab the screwdriver by the handle")
+
+        replayed = replay(agent.base, "last")
+
+    assert done.result is not None and done.result.decision is not None
+    assert (done.result.decision.chosen_part, replayed.differences) == ("shaft", ())
+
+
 def test_other_outcome_is_told(base: KnowledgeBase):
     """Each number that replayed out otherwise is listed with both values."""
     episode = next(base.episodes())
