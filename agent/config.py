@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import DataError, HiltError
-from ..ontology.yaml_reader import Field, read_yaml
+from ..ontology.yaml_reader import YamlValue, read_yaml
 
 if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --help` is fast
     from ..inference.settings import Settings
@@ -30,7 +30,7 @@ FILES = (".yaml", ".yml")
 
 
 @dataclass(frozen=True)
-class Option:
+class ConfigOption:
     """One option of an agent: how it is declared in Python, YAML and on the command line.
 
     Attributes:
@@ -51,7 +51,7 @@ class Option:
 
 
 def _option(*declared: Any, **more: Any) -> Any:
-    option = Option(*declared, **more)
+    option = ConfigOption(*declared, **more)
     return field(default=option.default, metadata={"option": option})
 
 
@@ -147,7 +147,7 @@ class AgentConfig:
         return dict(map(_context, self.contexts))
 
 
-OPTIONS: Mapping[str, Option] = {
+OPTIONS: Mapping[str, ConfigOption] = {
     each.name: replace(
         each.metadata["option"],
         name=each.name,
@@ -252,7 +252,7 @@ _EXPECTED = {
 }
 
 
-def _fits(value: object, option: Option) -> bool:
+def _fits(value: object, option: ConfigOption) -> bool:
     if option.kind is int:
         return isinstance(value, int) and not isinstance(value, bool) and value >= 0
     if option.kind is tuple:
@@ -264,7 +264,7 @@ def _fits(value: object, option: Option) -> bool:
     return isinstance(value, option.kind) or (value is None and option.default is None)
 
 
-def _read(value: Field, option: Option, folder: Path) -> Any:
+def _read(value: YamlValue, option: ConfigOption, folder: Path) -> Any:
     if option.kind is int:
         return value.integer(low=0)
     if option.kind is bool:
@@ -277,7 +277,7 @@ def _read(value: Field, option: Option, folder: Path) -> Any:
     return str(folder / value.text()) if is_scene_file else value.text()
 
 
-def _read_texts(value: Field, option: Option) -> tuple[str, ...]:
+def _read_texts(value: YamlValue, option: ConfigOption) -> tuple[str, ...]:
     texts = value.items() if isinstance(value.value, tuple) else (value,)
     for each in texts if option.name == "contexts" else ():
         try:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from ..sim.manipulation.report import MotionReport
+from ..sim.manipulation.motion_report import MotionReport
 from ..sim.vision.percept import Percept
 
 if TYPE_CHECKING:

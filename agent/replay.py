@@ -19,7 +19,7 @@ from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
 from ..kb.episodes import Episode
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.learned_words import Word
+from ..kb.learned_words import LearnedWord
 from ..kb.rule import Rule
 from ..kb.views import RuleView, view
 from ..ontology.errors import HiltError, NotFoundError
@@ -38,7 +38,7 @@ LISTED = 8  # ids that a message names
 
 
 @dataclass(frozen=True)
-class Replay:
+class ReplayResult:
     """An episode that was run again.
 
     Attributes:
@@ -90,7 +90,7 @@ def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
 
 def replay(
     base: KnowledgeBase, name: str, *, gui: bool = False, film: Path | None = None
-) -> Replay:
+) -> ReplayResult:
     """Run an episode again: that with this id, the start of it, or the "last" one.
 
     A window of the simulator, and the file of a film, are optional.
@@ -131,7 +131,7 @@ def _again(episode: Episode) -> dict[str, Any]:
     return again
 
 
-def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool) -> Agent:
+def _agent(circumstances: Mapping[str, Any], words: Iterable[LearnedWord], *, gui: bool) -> Agent:
     """An agent under these circumstances, over an empty base of its own."""
     embodiment = embodiment_from_json(circumstances["embodiment"], gui=gui)
     return Agent(
@@ -145,8 +145,8 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[Word], *, gui: bool
 
 def _run(
     agent: Agent, base: KnowledgeBase, episode: Episode, circumstances: Mapping[str, Any]
-) -> Replay:
-    past = Past(view(base.reader, at=episode.utterance or 0))
+) -> ReplayResult:
+    past = PastRules(view(base.reader, at=episode.utterance or 0))
     household = agent.embodiment.household
     agent.goals.affordances = Affordances(
         InducedRuleSource(past, household.objects, household.classes)
@@ -160,7 +160,7 @@ def _run(
     recorded = json.loads(episode.document) | {"state": again["state"]}
     ended = {"outcome": result.answer.ending, "said": said, "state": agent.state()}
     repeated = json.loads(json.dumps(result.as_json() | ended))
-    return Replay(
+    return ReplayResult(
         episode,
         {key: recorded[key] for key in COMPARED},
         {key: repeated[key] for key in COMPARED},
@@ -169,7 +169,7 @@ def _run(
 
 
 @dataclass(frozen=True)
-class Past:
+class PastRules:
     """The rules that held at some time, as a source of rules that never changes."""
 
     held: RuleView

@@ -28,12 +28,12 @@ from stopwatch import Stopwatch
 
 from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim.body import Body
-from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import Robot
 from hilt.sim.scene.scene import graspable, scene_with
 from hilt.sim.scene.world import World
-from hilt.sim.vision.noise import Noise
+from hilt.sim.vision.perception_noise import NoiseLevels
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def run(
         bare: whether to time bare stepping as well.
     """
     scene = scene_with(graspable(objects) if setting.crowd else (name,), seed=seed, objects=objects)
-    noise = Noise(depth_m=setting.depth_m, seed=seed)
+    noise = NoiseLevels(depth_m=setting.depth_m, seed=seed)
     started = process_time()
     with (
         Stopwatch() as watch,

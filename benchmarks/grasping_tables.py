@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.manipulation.motion_report import MotionReport
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,8 @@ from hilt.sim.body import Body
 from hilt.sim.scene.scene import graspable, parse_scene
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import LearnedDetector
-from hilt.sim.vision.noise import Noise, with_depth_noise
 from hilt.sim.vision.percept import Percept
+from hilt.sim.vision.perception_noise import NoiseLevels, with_depth_noise
 
 OBJECTS = load_objects()
 ALL = [f"object:{name}" for name in OBJECTS]
@@ -110,7 +110,7 @@ def _object_of(body: Body, percept: Percept) -> str | None:
 
 def noisy(images: tuple[CameraImage, ...], seed: int) -> list[CameraImage]:
     """The images with depth noise."""
-    noise = Noise(depth_m=DEPTH_NOISE, seed=seed)
+    noise = NoiseLevels(depth_m=DEPTH_NOISE, seed=seed)
     return [
         replace(image, depth=with_depth_noise(image.depth, noise, image.camera.name, 0))
         for image in images
@@ -134,7 +134,7 @@ def main() -> None:
             begun = time.process_time()
             tallies["4 cameras"].add(body, detector.search(ALL, images=images))
             seconds += time.process_time() - begun
-            rough = replace(detector, noise=Noise(depth_m=DEPTH_NOISE))
+            rough = replace(detector, noise=NoiseLevels(depth_m=DEPTH_NOISE))
             tallies["4 cameras, 2 mm noise"].add(
                 body, rough.search(ALL, images=noisy(images, seed))
             )

@@ -11,7 +11,7 @@ from typing import Any
 from hilt.sim.grasping import scoring, selection
 from hilt.sim.physics.bodies import Bodies
 from hilt.sim.physics.engine import PhysicsEngine
-from hilt.sim.robot.kinematics import Chain
+from hilt.sim.robot.kinematics import KinematicChain
 from hilt.sim.robot.path_planner import PathPlanner
 from hilt.sim.vision.detector import MaskDetector
 
@@ -23,8 +23,8 @@ WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("vision", MaskDetector, "obstacles"),
     ("candidates", selection, "plan_grasps"),
     ("scoring", scoring, "score_grasps"),
-    ("joints", Chain, "solve"),
-    ("joints", Chain, "track"),
+    ("joints", KinematicChain, "solve"),
+    ("joints", KinematicChain, "track"),
     ("paths", PathPlanner, "plan_transit"),
 )
 

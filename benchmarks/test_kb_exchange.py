@@ -27,7 +27,7 @@ MEGABYTES = 3072
 RUN = """
 import json, resource, sys, time
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.formats.transfer import export_file, import_file
+from hilt.kb.formats.import_export import export_file, import_file
 doing, base, file = sys.argv[1:]
 with KnowledgeBase.open(base) as kb:
     start, cpu = time.perf_counter(), time.process_time()

@@ -173,12 +173,12 @@ def test_opening(benchmark: Any, folder_of: Callable[[int], Path]):
 
 def test_question_in_a_process_of_its_own(benchmark: Any, folder_of: Callable[[int], Path]):
     """What it costs that a query can be stopped: by the running worker, and the first time."""
-    from hilt.kb.sparql.results import Limits
+    from hilt.kb.sparql.results import QueryLimits
 
     with KnowledgeBase.open(folder_of(MANY)) as kb:
         start = time.perf_counter()
         text = f"SELECT ?p ?o {{ node:{NODE} hilt:rule ?r . ?r ?p ?o }}"
-        kb.query(text, limits=Limits())
+        kb.query(text, limits=QueryLimits())
         benchmark.extra_info["first_s"] = time.perf_counter() - start
 
-        benchmark(lambda: kb.query(text, limits=Limits()))
+        benchmark(lambda: kb.query(text, limits=QueryLimits()))

@@ -28,7 +28,7 @@ RULES = 10_000
 SECONDS = 30
 RUN = """
 import json, resource, sys, time
-from hilt.kb.formats.transfer import import_file, read_file
+from hilt.kb.formats.import_export import import_file, read_file
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.validation import findings
 doing, file = sys.argv[1:]

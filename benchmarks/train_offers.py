@@ -29,10 +29,10 @@ from utterances import DATA, Utterance, data_sets
 from hilt.nlu import Language, Session
 from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.offers.candidates import CandidateMeaning, candidates
+from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import LEAST, OfferModel
 from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
-from hilt.nlu.offers.shapes import Shape, meaning_from_json, shape_of
 from hilt.nlu.semantics.meaning import Json
 
 OFFERS_FILE = Path(__file__).parents[1] / "ontology" / "english" / "offers.json"
@@ -132,7 +132,7 @@ def _right(wanted: dict[str, object] | None) -> Iterator[Json]:
             yield json.loads(json.dumps(meaning_from_json(wanted).as_json()))
 
 
-def shapes_of(examples: Iterable[Example], acts: Mapping[str, str]) -> tuple[Shape, ...]:
+def shapes_of(examples: Iterable[Example], acts: Mapping[str, str]) -> tuple[MeaningShape, ...]:
     """The shapes of the meanings of at least `LEAST_SHAPES` examples, the commonest first."""
     count = Counter(
         shape
@@ -152,7 +152,7 @@ class Choices:
 
 
 def choices(
-    examples: Sequence[Example], shapes: Sequence[Shape], acts: Mapping[str, str]
+    examples: Sequence[Example], shapes: Sequence[MeaningShape], acts: Mapping[str, str]
 ) -> list[Choices]:
     """Return the choices that each example has."""
     found: list[Choices] = []

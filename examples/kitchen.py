@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hilt.agent import Agent, AgentConfig
 from hilt.inference.explanation import explain_choice
-from hilt.kb.formats.transfer import import_file
+from hilt.kb.formats.import_export import import_file
 
 HERE = Path(__file__).parent
 SAID = (

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from hilt.agent import Agent
 from hilt.agent.execution.outcome import Constraint, SpokenAnswer
 from hilt.nlu.semantics.meaning import Command, Meaning, ObjectReference
-from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.vision.percept import Percept
 
 DETECTIONS = (("knife", 0.91), ("spoon", 0.97))  # what your detector sees: class, confidence

@@ -24,7 +24,7 @@ from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.classifier import NoveltyDetector, train_classifier
 from hilt.sim.vision.detector import MaskDetector
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point_inputs
-from hilt.sim.vision.noise import Noise
+from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
 
 UNUSUAL = 0.3  # share of objects that lie in any stable pose, usual or not
@@ -78,7 +78,9 @@ class TrainingScenes:
     def samples(self, seed: int) -> Rows:
         """Labelled samples of a scene, from all cameras, from two of them, and from one."""
         rng = np.random.default_rng([seed, 1])
-        noise = Noise(depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed)
+        noise = NoiseLevels(
+            depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed
+        )
         try:
             with World.build(self.make_scene(seed), self.objects) as world:
                 images = MaskDetector(

@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..kb.formats.notation import read_atom
+from ..kb.formats.value_notation import read_atom
 from ..kb.interval import Interval
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from .evidence import relative_plausibility

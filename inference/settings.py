@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..kb.rule import Atom
 from ..ontology.errors import DataError, HiltError, UnknownNameError
-from ..ontology.yaml_reader import Field, read_yaml
+from ..ontology.yaml_reader import YamlValue, read_yaml
 from .evidence import Operators
 
 SETTINGS_FILE = Path(__file__).parents[1] / "ontology" / "settings.yaml"
@@ -80,7 +80,7 @@ class Settings:
             name, equals, value = choice.partition("=")
             if not equals:
                 raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
-            chosen = _chosen(chosen, name.strip(), Field(_plain(value), choice, 0, 0))
+            chosen = _chosen(chosen, name.strip(), YamlValue(_plain(value), choice, 0, 0))
         return chosen
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
@@ -93,7 +93,7 @@ class Settings:
         return max((next(own, self.threshold), *asked))
 
 
-def _chosen(settings: Settings, name: str, value: Field) -> Settings:
+def _chosen(settings: Settings, name: str, value: YamlValue) -> Settings:
     """Return settings with one setting replaced."""
     first, _, context = name.partition(".")
     if first == THRESHOLD:
@@ -110,7 +110,7 @@ def _chosen(settings: Settings, name: str, value: Field) -> Settings:
     raise value.fail(str(UnknownNameError("choice", name, known)))
 
 
-def _with_thresholds(settings: Settings, spec: Field) -> Settings:
+def _with_thresholds(settings: Settings, spec: YamlValue) -> Settings:
     keys = spec.entries(required={"default"}, optional={"contexts"})
     settings = _with_threshold(settings, "", keys["default"].number(low=0, high=1))
     contexts = keys["contexts"].entries() if "contexts" in keys else {}

@@ -11,7 +11,7 @@ from ..ontology.errors import NotFoundError, ValidationError
 from ..ontology.vocabulary import Iri
 from .history import IMPORT, Utterance
 from .interval import Interval
-from .learned_words import Word
+from .learned_words import LearnedWord
 from .rdf import rule_mapping
 from .reader import RuleReader
 from .rule import Rule
@@ -69,8 +69,8 @@ class BaseDifference:
     added: tuple[Rule, ...]
     altered: tuple[AlteredRule, ...]
     trust: tuple[tuple[str, Interval | None, Interval | None], ...]
-    words_removed: tuple[Word, ...]
-    words_added: tuple[Word, ...]
+    words_removed: tuple[LearnedWord, ...]
+    words_added: tuple[LearnedWord, ...]
 
     @property
     def is_empty(self) -> bool:
@@ -181,7 +181,7 @@ def _without(rules: Iterable[Rule], altered: list[AlteredRule]) -> tuple[Rule, .
     return tuple(rule for rule in rules if rule.id not in gone)
 
 
-def _words_only_in(base: RuleReader, other: RuleReader) -> tuple[Word, ...]:
+def _words_only_in(base: RuleReader, other: RuleReader) -> tuple[LearnedWord, ...]:
     known = {(word.atom, word.speaker) for word in other.words()}
     return tuple(word for word in base.words() if (word.atom, word.speaker) not in known)
 

@@ -18,7 +18,7 @@ from ..ontology.vocabulary import Iri, external, iri, term
 from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_iri, utterance_number
 from .interval import Interval
 from .rdf.record_mapping import (
-    Property,
+    FieldProperty,
     PropertyValues,
     group_properties,
     local_name,
@@ -152,31 +152,31 @@ def _part_iri(name: str) -> Iri:
 
 
 _CHOICE = {
-    "object": Property(
+    "object": FieldProperty(
         term("chosenObject"), Iri, lambda name: atom_iri(Atom("object", name)), local_name, None
     ),
-    "part": Property(PART, Iri, _part_iri, local_name, None),
+    "part": FieldProperty(PART, Iri, _part_iri, local_name, None),
     "rules": rules_property(external("prov:used")),
 }
 _STEP = {
-    "path": Property(term("path"), str),
-    "features": Property(FEATURE, Iri, atom_iri, atom_from_iri, ()),
+    "path": FieldProperty(term("path"), str),
+    "features": FieldProperty(FEATURE, Iri, atom_iri, atom_from_iri, ()),
     **_CHOICE,
 }
 _EPISODE = {
-    "goal": Property(term("goal"), str),
-    "text": Property(TEXT, str),
+    "goal": FieldProperty(term("goal"), str),
+    "text": FieldProperty(TEXT, str),
     "speaker": SPEAKER,
-    "outcome": Property(term("outcome"), str),
-    "said": Property(ANSWER, str),
-    "seed": Property(term("seed"), int),
-    "document": Property(term("document"), str),
+    "outcome": FieldProperty(term("outcome"), str),
+    "said": FieldProperty(ANSWER, str),
+    "seed": FieldProperty(term("seed"), int),
+    "document": FieldProperty(term("document"), str),
     **_CHOICE,
-    "touched": Property(term("touched"), Iri, _part_iri, local_name, ()),
-    "lifted_m": Property(
+    "touched": FieldProperty(term("touched"), Iri, _part_iri, local_name, ()),
+    "lifted_m": FieldProperty(
         term("lifted"), Number, lambda height: Decimal(str(round(height, 6))), float, None
     ),
-    "handed_over": Property(term("handedOver"), bool, default=None),
-    "utterance": Property(term("about"), Iri, utterance_iri, utterance_number, None),
-    "time": Property(GENERATED_AT, datetime, default=None),
+    "handed_over": FieldProperty(term("handedOver"), bool, default=None),
+    "utterance": FieldProperty(term("about"), Iri, utterance_iri, utterance_number, None),
+    "time": FieldProperty(GENERATED_AT, datetime, default=None),
 }

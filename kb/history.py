@@ -19,7 +19,7 @@ from pathlib import PurePath
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, iri, term
 from .rdf.record_mapping import (
-    Property,
+    FieldProperty,
     group_properties,
     local_name,
     read_fields,
@@ -128,24 +128,24 @@ def utterance_number(node: Iri) -> int:
     return int(local_name(node))
 
 
-SPEAKER = Property(ATTRIBUTED_TO, Iri, partial(iri, "speaker"), local_name)
+SPEAKER = FieldProperty(ATTRIBUTED_TO, Iri, partial(iri, "speaker"), local_name)
 
 
-def rules_property(predicate: Iri) -> Property:
+def rules_property(predicate: Iri) -> FieldProperty:
     """How ids of rules are stored."""
-    return Property(predicate, Iri, rule_iri, rule_id, default=())
+    return FieldProperty(predicate, Iri, rule_iri, rule_id, default=())
 
 
 _FIELDS = {
-    "sequence": Property(SEQUENCE, int),
-    "text": Property(TEXT, str),
-    "predicate": Property(PREDICATE, str, default=""),
-    "kind": Property(KIND, str),
-    "accepted": Property(ACCEPTED, bool),
-    "answer": Property(ANSWER, str, default=""),
-    "heard": Property(HEARD, Decimal, lambda heard: Decimal(str(round(heard, 6))), float, 1.0),
+    "sequence": FieldProperty(SEQUENCE, int),
+    "text": FieldProperty(TEXT, str),
+    "predicate": FieldProperty(PREDICATE, str, default=""),
+    "kind": FieldProperty(KIND, str),
+    "accepted": FieldProperty(ACCEPTED, bool),
+    "answer": FieldProperty(ANSWER, str, default=""),
+    "heard": FieldProperty(HEARD, Decimal, lambda heard: Decimal(str(round(heard, 6))), float, 1.0),
     "speaker": SPEAKER,
-    "time": Property(GENERATED_AT, datetime),
+    "time": FieldProperty(GENERATED_AT, datetime),
     "asserts": rules_property(ASSERTS),
     "retracts": rules_property(RETRACTS),
     "supersedes": rules_property(SUPERSEDES),

@@ -28,7 +28,7 @@ from .rdf.terms import Quad, Term
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
 from .sparql.named_queries import named_query
-from .sparql.results import BooleanResult, Limits, QueryResult, Solutions, Statements
+from .sparql.results import BooleanResult, ConstructResult, QueryLimits, QueryResult, SelectResult
 from .sparql.safety import refuse_external_access
 from .sparql.text import Bindings, bind_variables, delete_insert, join_updates, query_form
 from .stores.base import Store
@@ -145,7 +145,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         return f"<KnowledgeBase {self.store.location}>"
 
     def query(
-        self, text: str, bindings: Bindings | None = None, *, limits: Limits | None = None
+        self, text: str, bindings: Bindings | None = None, *, limits: QueryLimits | None = None
     ) -> QueryResult:
         """The result of a SPARQL query, in which the prefixes of the vocabulary are declared.
 
@@ -170,15 +170,17 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
             case "ASK":
                 return BooleanResult(self.store.ask(bound))
             case "CONSTRUCT" | "DESCRIBE":
-                return Statements.from_quads(self.store.construct(bound))
+                return ConstructResult.from_quads(self.store.construct(bound))
             case _:
                 raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
 
-    def select(self, text: str, bindings: Bindings | None = None) -> Solutions:
+    def select(self, text: str, bindings: Bindings | None = None) -> SelectResult:
         """The rows of a SELECT query; as `query` otherwise."""
         return self.store.select(_prepared(text, bindings))
 
-    def answer(self, name: str, /, *, limits: Limits | None = None, **arguments: str) -> Solutions:
+    def answer(
+        self, name: str, /, *, limits: QueryLimits | None = None, **arguments: str
+    ) -> SelectResult:
         """The rows of a named query, whose parameters are given as texts; `limits` as for `query`.
 
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables
@@ -189,7 +191,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
             QueryError: an argument is not a value of its kind.
         """
         query = named_query(name)
-        return cast(Solutions, self.query(query.text, query.bindings(arguments), limits=limits))
+        return cast(SelectResult, self.query(query.text, query.bindings(arguments), limits=limits))
 
     def count(self) -> dict[str, int]:
         """The number of individuals of each class, as {"ActionRule": 2, "Utterance": 3}."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
-from .rdf.record_mapping import Property, group_properties, read_fields, record_properties
+from .rdf.record_mapping import FieldProperty, group_properties, read_fields, record_properties
 from .rdf.rule_mapping import (
     DERIVED_FROM,
     LABEL,
@@ -29,15 +29,15 @@ from .stores.base import Store
 
 LEXICON = iri("graph", "lexicon")
 _FIELDS = {
-    "atom": Property(term("denotes"), Iri, atom_iri, atom_from_iri),
-    "said": Property(TEXT, str),
+    "atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
+    "said": FieldProperty(TEXT, str),
     "speaker": SPEAKER,
-    "utterance": Property(DERIVED_FROM, Iri, utterance_iri, utterance_number),
+    "utterance": FieldProperty(DERIVED_FROM, Iri, utterance_iri, utterance_number),
 }
 
 
 @dataclass(frozen=True, order=True)
-class Word:
+class LearnedWord:
     """A learned word.
 
     Attributes:
@@ -68,7 +68,7 @@ def word_iri(atom: Atom) -> Iri:
     return iri("word", f"{atom.kind}.{atom.name}")
 
 
-def word_quads(word: Word, utterance: int, *, status: Status = "active") -> Iterator[Quad]:
+def word_quads(word: LearnedWord, utterance: int, *, status: Status = "active") -> Iterator[Quad]:
     """The statements about a word learned from an utterance."""
     node = word_iri(word.atom)
     for kind in (term("Word"), external("ontolex:LexicalEntry")):
@@ -79,9 +79,9 @@ def word_quads(word: Word, utterance: int, *, status: Status = "active") -> Iter
         yield Quad(node, predicate, value, LEXICON)
 
 
-def read_words(store: Store) -> list[Word]:
+def read_words(store: Store) -> list[LearnedWord]:
     """The active words of a store, sorted by what they denote."""
     nodes = [q.subject for q in store.quads(None, STATUS, status_iri("active"), LEXICON)]
     # As a dict, because a word that was learned again has several utterances.
     found = (group_properties(dict(store.properties(node, LEXICON)).items()) for node in nodes)
-    return sorted(Word(**read_fields(each, _FIELDS, "A word")) for each in found)
+    return sorted(LearnedWord(**read_fields(each, _FIELDS, "A word")) for each in found)

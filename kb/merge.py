@@ -11,8 +11,8 @@ from typing import BinaryIO, cast
 
 from .bulk.exporter import write_statements
 from .bulk.importer import ImportObserver, import_statements
+from .bulk.nquads_reader import read_groups
 from .bulk.reconciliation import ImportSummary
-from .bulk.statements import read_groups
 from .knowledge_base import KnowledgeBase
 from .rdf.rule_mapping import BELIEFS
 from .stores.base import Store

@@ -17,7 +17,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
 from .interval import Interval
-from .learned_words import Word, read_words
+from .learned_words import LearnedWord, read_words
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Term, as_sparql
@@ -131,7 +131,7 @@ class RuleReader:
             if found:
                 yield read_utterance(found)
 
-    def words(self) -> list[Word]:
+    def words(self) -> list[LearnedWord]:
         """The learned words that were not revoked."""
         return read_words(self.store)
 

@@ -4,7 +4,7 @@
 The text that is tried is the text that is applied, so an update must have the same effect each
 time. It is written together with an utterance, so that the history says who changed what and when.
 
-Run as a script, this module is the worker process (`stores.sandbox`) that updates a copy.
+Run as a script, this module is the worker process (`stores.query_subprocess`) that updates a copy.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from .knowledge_base import FORMAT, KnowledgeBase, base_format
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
-from .sparql.results import Limits
+from .sparql.results import QueryLimits
 from .sparql.safety import refuse_external_access, refuse_nondeterminism
 from .sparql.text import delete_insert, join_updates, with_prefixes
 from .stores.base import Store
-from .stores.sandbox import REPORT, WorkerProcess
+from .stores.query_subprocess import REPORT, WorkerProcess
 from .validation import BASE_GRAPHS, check_invariants, rule_nodes
 from .writer import speaker_quads, to_milliseconds
 
@@ -41,7 +41,7 @@ def update(
     text: str,
     *,
     speaker: str = DEFAULT_SPEAKER,
-    limits: Limits | None = None,
+    limits: QueryLimits | None = None,
     dry_run: bool = False,
 ) -> Utterance:
     """Change the base by a SPARQL update, and return the utterance that records it.
@@ -66,13 +66,13 @@ def update(
         change, record = with_prefixes(text), _record_update(utterance)
         joined = join_updates(change, record)
         # One by one, so that an error is reported at its place in the text.
-        try_updates(base.store, [change, record], utterance.sequence, limits or Limits())
+        try_updates(base.store, [change, record], utterance.sequence, limits or QueryLimits())
         if not dry_run:
             base.store.update(joined)
     return utterance
 
 
-def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Limits) -> None:
+def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: QueryLimits) -> None:
     """Run updates on a copy of a store in a worker process, and check the copy, as `update`."""
     folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
     try:
@@ -130,7 +130,7 @@ def _record_update(utterance: Utterance) -> str:
 
 def _answer(request: dict[str, Any]) -> tuple[str, bytes]:
     from .stores.oxigraph import open_folder
-    from .stores.worker import limit_memory
+    from .stores.query_worker import limit_memory
 
     store = open_folder(Path(request["source"]))
     limit_memory(request["megabytes"])
@@ -138,6 +138,6 @@ def _answer(request: dict[str, Any]) -> tuple[str, bytes]:
 
 
 if __name__ == "__main__":
-    from .stores.worker import serve
+    from .stores.query_worker import serve
 
     serve(sys.stdin.buffer, sys.stdout.buffer, _answer)

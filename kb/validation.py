@@ -64,7 +64,7 @@ _NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
 
 
 @dataclass(frozen=True, order=True)
-class Finding:
+class ValidationFinding:
     """One thing that is wrong.
 
     Attributes:
@@ -120,7 +120,7 @@ def check_graph(graph: Iri | None, *, source: str) -> None:
         )
 
 
-def findings(staging: Store, *, progress: Progress | None = None) -> list[Finding]:
+def findings(staging: Store, *, progress: Progress | None = None) -> list[ValidationFinding]:
     """Everything that is wrong with what was staged; `progress` as for `check_shapes`."""
     few = sum(1 for _ in islice(staging.quads(), MAX_SHACL + 1)) <= MAX_SHACL
     found = [*(check_shapes(staging, progress=progress) if few else ()), *check_invariants(staging)]
@@ -133,14 +133,14 @@ def findings(staging: Store, *, progress: Progress | None = None) -> list[Findin
     ]
 
 
-def raise_findings(found: Iterable[Finding]) -> None:
+def raise_findings(found: Iterable[ValidationFinding]) -> None:
     """Raise a ValidationError with all findings, when there are any."""
     problems = [str(finding) for finding in sorted(set(found))]
     if problems:
         raise ValidationError(problems)
 
 
-def check_invariants(store: Store) -> Iterator[Finding]:
+def check_invariants(store: Store) -> Iterator[ValidationFinding]:
     """What breaks the laws of rules and utterances, or belongs to none of them."""
     expected = {graph: set[Quad]() for graph in (BELIEFS, HISTORY)}
     for node in rule_nodes(store):
@@ -151,10 +151,10 @@ def check_invariants(store: Store) -> Iterator[Finding]:
         for quad in store.quads(None, None, None, graph):
             if quad not in known and not _stands_alone(quad):
                 problem = f"{_shown(quad)} belongs to nothing known."
-                yield Finding(shortened(quad.subject), problem, shortened(quad.predicate))
+                yield ValidationFinding(shortened(quad.subject), problem, shortened(quad.predicate))
 
 
-def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[Finding]:
+def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[ValidationFinding]:
     """What breaks the SHACL shapes.
 
     A shape looks at one node and what stands at it, so the nodes are checked in portions: that
@@ -175,7 +175,7 @@ def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[
             progress(min(start + PORTION, len(nodes)), len(nodes))
 
 
-def locate_findings(found: Iterable[Finding], text: str) -> list[Finding]:
+def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[ValidationFinding]:
     """The findings about an RDF text with the lines at which their nodes are described.
 
     A node is described where a line begins with it, by its prefixed name or its whole address.
@@ -205,13 +205,13 @@ def _gather(
     graph: Iri,
     read: Callable[[Iri, list[tuple[Iri, Term]]], Iterable[Quad]],
     expected: set[Quad],
-) -> Iterator[Finding]:
+) -> Iterator[ValidationFinding]:
     """Add what a node should stand for to what is expected, or say why it cannot be read."""
     properties = store.properties(node, graph)
     try:
         expected.update(read(node, properties))
     except ValidationError as error:
-        yield from (Finding(shortened(node), problem) for problem in error.findings)
+        yield from (ValidationFinding(shortened(node), problem) for problem in error.findings)
         # What is said of it already is not said again, statement by statement.
         expected.update(Quad(node, key, value, graph) for key, value in properties)
 
@@ -264,7 +264,7 @@ def _as_rdflib(quads: Iterable[Quad]) -> Graph:
     return graph
 
 
-def _reported(report: Any) -> Iterator[Finding]:
+def _reported(report: Any) -> Iterator[ValidationFinding]:
     from rdflib import RDF, SH, URIRef
 
     for result in report.subjects(RDF.type, SH.ValidationResult):
@@ -273,7 +273,9 @@ def _reported(report: Any) -> Iterator[Finding]:
         message = str(report.value(result, SH.resultMessage))
         path = report.value(result, SH.resultPath)
         key = shortened(str(path)) if isinstance(path, URIRef) else ""
-        yield Finding(shortened(str(report.value(result, SH.focusNode))), f"{message}{text}", key)
+        yield ValidationFinding(
+            shortened(str(report.value(result, SH.focusNode))), f"{message}{text}", key
+        )
 
 
 def _brief(node: Any) -> str:

@@ -18,7 +18,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, term
 from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
 from .interval import Interval
-from .learned_words import LEXICON, Word, word_iri, word_quads
+from .learned_words import LEXICON, LearnedWord, word_iri, word_quads
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Quad
@@ -58,7 +58,7 @@ class RuleWriter:
         *,
         retracts: Iterable[str] = (),
         supersedes: Iterable[str] = (),
-        words: Iterable[Word] = (),
+        words: Iterable[LearnedWord] = (),
         kind: str = "statement",
         answer: str = "",
         heard: float = 1.0,
@@ -168,7 +168,7 @@ class RuleWriter:
             self._write(utterance, [], change)
         return trust
 
-    def forget_word(self, name: str, text: str, speaker: str) -> Word:
+    def forget_word(self, name: str, text: str, speaker: str) -> LearnedWord:
         """Retract a learned word, whose node stays; UnknownNameError if none has that name."""
         with self._store.writing():
             known = {word.atom.name: word for word in self._reader.words()}

@@ -27,19 +27,19 @@ from .generation.templates import AnswerTemplates, Slot, load_answers
 from .grammar.combinators import Combinator
 from .grammar.grammar import load_grammar
 from .grammar.notation import save_cache
-from .lexicon.controls import ControlPhrases, load_controls
+from .lexicon.control_phrases import ControlPhrases, load_controls
+from .lexicon.immutable_index import ImmutableIndex
 from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.learned_lexicon import LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
-from .lexicon.shared_index import SharedIndex
 from .lexicon.tokenizer import tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
-from .offers.checks import Checks, load_check_words
-from .offers.choice import load_choice_words
+from .offers.checks import OfferChecks, load_check_words
+from .offers.choice_answers import load_choice_words
 from .offers.offers import Offers, load_model
-from .offers.slips import is_misspelled
+from .offers.typing_slips import is_misspelled
 from .parsing.clarification import Clarification
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.reading_filter import ReadingFilter
@@ -48,7 +48,7 @@ from .parsing.understanding import Understanding
 from .semantics.coreference import Discourse, after_offer
 from .semantics.features import load_features
 from .semantics.interpretation import Interpreter
-from .semantics.licence import load_licence
+from .semantics.licence_table import load_licence
 from .semantics.meaning import (
     Answer,
     AskBack,
@@ -130,8 +130,8 @@ class Language:
         lexicon = LearnedLexicon(Lexicon(builder.vocabulary(names), builder.lexicon), builder)
         interpreter = Interpreter(
             degrees.intervals,
-            SharedIndex(builder.tool_acts().items()),
-            SharedIndex((name, name) for name in names.contexts),
+            ImmutableIndex(builder.tool_acts().items()),
+            ImmutableIndex((name, name) for name in names.contexts),
         )
         features = load_features(folder / "features.yaml")
         licence = load_licence(features.values, degrees.intervals)
@@ -229,7 +229,7 @@ class Language:
         intervals = self.degrees.intervals
         return Offers(
             load_model(folder / "offers.json"),
-            Checks(
+            OfferChecks(
                 load_check_words(folder / "offers.yaml"), self.parser.features, self.parser.licence
             ),
             self.utterance_parser.known_words,

@@ -26,7 +26,7 @@ from .part_shapes import (
     read_solid,
     read_turn,
 )
-from .yaml_reader import Field, read_yaml
+from .yaml_reader import YamlValue, read_yaml
 
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
 MAX_MASS = 500.0  # [kg]
@@ -73,7 +73,7 @@ class PartType:
 
 
 @dataclass(frozen=True)
-class Rest:
+class RestingPose:
     """A way in which an object can lie or stand on a table.
 
     Attributes:
@@ -129,7 +129,7 @@ class ObjectType:
     properties: frozenset[str]
     graspable: bool
     parts: Mapping[str, PartType] = field(hash=False)
-    rests: tuple[Rest, ...]
+    rests: tuple[RestingPose, ...]
     mount: Mount | None = None
 
     @cached_property
@@ -147,7 +147,7 @@ class ObjectType:
             raise UnknownNameError(f"part of {self.name}", name, self.parts)
         return self.parts[name]
 
-    def rest(self, name: str) -> Rest:
+    def rest(self, name: str) -> RestingPose:
         """Return the rest (the way to lie or stand) of a name.
 
         Raises:
@@ -196,7 +196,7 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 
 
-def read_household(spec: Field, *, added_to: Household | None = None) -> Household:
+def read_household(spec: YamlValue, *, added_to: Household | None = None) -> Household:
     """Return the household defined in a part of a file, as `load_household` does for a file."""
     words = {"classes", "roles", "properties", "materials"}
     known = added_to or Household({}, {}, {}, {}, {})
@@ -226,7 +226,7 @@ class _ObjectReader:
     declared: Household
     defined: Collection[str]
 
-    def object(self, name: str, spec: Field) -> ObjectType:
+    def object(self, name: str, spec: YamlValue) -> ObjectType:
         if name in self.declared.objects:
             raise spec.fail(f'there already is an object "{name}".')
         _check_name(name, spec)
@@ -247,7 +247,7 @@ class _ObjectReader:
             _read_mount(keys["mount"], others) if "mount" in keys else None,
         )
 
-    def _part(self, name: str, spec: Field) -> PartType:
+    def _part(self, name: str, spec: YamlValue) -> PartType:
         _check_name(name, spec)
         keys = spec.entries(
             required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
@@ -266,22 +266,22 @@ class _ObjectReader:
             shape,
         )
 
-    def _words(self, keys: Mapping[str, Field]) -> frozenset[str]:
+    def _words(self, keys: Mapping[str, YamlValue]) -> frozenset[str]:
         if "properties" not in keys:
             return frozenset()
         return frozenset(keys["properties"].texts(choices=self.declared.properties))
 
 
-def _check_name(name: str, spec: Field) -> None:
+def _check_name(name: str, spec: YamlValue) -> None:
     if not _WORDS.fullmatch(name) or name != name.lower():
         raise spec.fail(f'"{name}" is no name; expected lower-case words with single spaces.')
 
 
-def _read_glossary(fields: Mapping[str, Field]) -> dict[str, str]:
+def _read_glossary(fields: Mapping[str, YamlValue]) -> dict[str, str]:
     return {word: meaning.text() for word, meaning in fields.items()}
 
 
-def _read_classes(fields: Mapping[str, Field], known: Iterable[str]) -> dict[str, str | None]:
+def _read_classes(fields: Mapping[str, YamlValue], known: Iterable[str]) -> dict[str, str | None]:
     words = {*fields, *known}
     return {
         name: None if above.value is None else above.text(choices=words - {name})
@@ -289,26 +289,26 @@ def _read_classes(fields: Mapping[str, Field], known: Iterable[str]) -> dict[str
     }
 
 
-def _read_material(name: str, spec: Field) -> Material:
+def _read_material(name: str, spec: YamlValue) -> Material:
     keys = spec.entries(required={"friction", "shine"}, optional=())
     friction = keys["friction"].number(low=0, high=2)
     return Material(name, friction, keys["shine"].number(low=0, high=1))
 
 
-def _read_rests(spec: Field) -> tuple[Rest, ...]:
+def _read_rests(spec: YamlValue) -> tuple[RestingPose, ...]:
     rests = tuple(_read_rest(name, item) for name, item in spec.entries().items())
     if not any(rest.usual for rest in rests):
         raise spec.fail("expected at least one rest that is usual.")
     return rests
 
 
-def _read_rest(name: str, spec: Field) -> Rest:
+def _read_rest(name: str, spec: YamlValue) -> RestingPose:
     keys = spec.entries(required={"turn_deg"}, optional={"usual"})
     usual = keys["usual"].truth() if "usual" in keys else True
-    return Rest(name, read_turn(keys["turn_deg"]), usual)
+    return RestingPose(name, read_turn(keys["turn_deg"]), usual)
 
 
-def _read_mount(spec: Field, supports: set[str]) -> Mount:
+def _read_mount(spec: YamlValue, supports: set[str]) -> Mount:
     keys = spec.entries(required={"support", "at", "depth", "deepest", "resistance_N"}, optional=())
     deepest = keys["deepest"].number(low=0, high=MAX_LENGTH)
     return Mount(
@@ -320,7 +320,7 @@ def _read_mount(spec: Field, supports: set[str]) -> Mount:
     )
 
 
-def _check_acyclic(above: Mapping[str, str | None], fields: Mapping[str, Field]) -> None:
+def _check_acyclic(above: Mapping[str, str | None], fields: Mapping[str, YamlValue]) -> None:
     for name, spec in fields.items():
         seen, word = {name}, above[name]
         while word is not None:

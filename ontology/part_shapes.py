@@ -14,7 +14,7 @@ from itertools import pairwise
 from math import radians
 from pathlib import Path
 
-from .yaml_reader import Field
+from .yaml_reader import YamlValue
 
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
@@ -120,7 +120,7 @@ class Solid:
     collides: bool
 
 
-def read_solid(field: Field) -> Solid:
+def read_solid(field: YamlValue) -> Solid:
     """Return a solid, read from a form and optionally at, turn_deg, colour and only.
 
     Raises:
@@ -141,13 +141,13 @@ def read_solid(field: Field) -> Solid:
     )
 
 
-def read_turn(field: Field) -> Point3:
+def read_turn(field: YamlValue) -> Point3:
     """Return roll, pitch and yaw [rad] from degrees."""
     roll, pitch, yaw = field.numbers(count=3, low=-360, high=360)
     return radians(roll), radians(pitch), radians(yaw)
 
 
-def read_colour(field: Field) -> Colour:
+def read_colour(field: YamlValue) -> Colour:
     """Return a colour from "#rrggbb"."""
     if not re.fullmatch("#[0-9a-fA-F]{6}", field.text()):
         raise field.fail(f'expected a colour as "#rrggbb", found "{field.value}".')
@@ -155,7 +155,7 @@ def read_colour(field: Field) -> Colour:
     return red, green, blue
 
 
-def _read_box(field: Field) -> Box:
+def _read_box(field: YamlValue) -> Box:
     keys = field.entries(required={"size"}, optional={"bevel"})
     size = keys["size"].numbers(count=3, low=1e-4, high=MAX_LENGTH)
     bevel = _length(keys, "bevel")
@@ -164,7 +164,7 @@ def _read_box(field: Field) -> Box:
     return Box((size[0], size[1], size[2]), bevel)
 
 
-def _read_cylinder(field: Field) -> Lathe:
+def _read_cylinder(field: YamlValue) -> Lathe:
     keys = field.entries(required={"radius", "length"}, optional={"bevel"})
     radius, length = (keys[k].number(low=1e-4, high=MAX_LENGTH) for k in ("radius", "length"))
     bevel, half = _length(keys, "bevel"), length / 2
@@ -175,7 +175,7 @@ def _read_cylinder(field: Field) -> Lathe:
     return Lathe((*lower, *upper), 0.0, 0, (1.0, 1.0), smooth=False)
 
 
-def _read_lathe(field: Field) -> Lathe:
+def _read_lathe(field: YamlValue) -> Lathe:
     keys = field.entries(required={"profile"}, optional={"wall", "sides", "stretch", "smooth"})
     profile = _points2(keys["profile"], least=2)
     for (radius, _), item in zip(profile, keys["profile"].items(), strict=True):
@@ -193,7 +193,7 @@ def _read_lathe(field: Field) -> Lathe:
     )
 
 
-def _read_extrusion(field: Field) -> Extrusion:
+def _read_extrusion(field: YamlValue) -> Extrusion:
     keys = field.entries(required={"outline", "thickness"}, optional={"bevel", "smooth"})
     outline = _points2(keys["outline"], least=3)
     edges = pairwise((*outline, outline[0]))
@@ -207,7 +207,7 @@ def _read_extrusion(field: Field) -> Extrusion:
     return Extrusion(outline, thickness, _length(keys, "bevel"), _flag(keys, "smooth"))
 
 
-def _read_sweep(field: Field) -> Sweep:
+def _read_sweep(field: YamlValue) -> Sweep:
     keys = field.entries(
         required={"path", "sections"}, optional={"side", "power", "rounded", "smooth"}
     )
@@ -228,7 +228,7 @@ def _read_sweep(field: Field) -> Sweep:
     )
 
 
-def _read_mesh(field: Field) -> MeshFile:
+def _read_mesh(field: YamlValue) -> MeshFile:
     keys = field.entries(required={"file"}, optional={"scale"})
     path = Path(field.source).parent / keys["file"].text()
     if not path.is_file():
@@ -246,21 +246,21 @@ _READERS = {
 }
 
 
-def _length(keys: dict[str, Field], key: str) -> float:
+def _length(keys: dict[str, YamlValue], key: str) -> float:
     return keys[key].number(low=0, high=MAX_LENGTH) if key in keys else 0.0
 
 
-def _flag(keys: dict[str, Field], key: str) -> bool:
+def _flag(keys: dict[str, YamlValue], key: str) -> bool:
     return keys[key].truth() if key in keys else False
 
 
-def read_point(field: Field) -> Point3:
+def read_point(field: YamlValue) -> Point3:
     """Return a point (x, y, z) [m]."""
     x, y, z = field.numbers(count=3, low=-MAX_LENGTH, high=MAX_LENGTH)
     return x, y, z
 
 
-def _points2(field: Field, *, least: int, low: float = -MAX_LENGTH) -> tuple[Point2, ...]:
+def _points2(field: YamlValue, *, least: int, low: float = -MAX_LENGTH) -> tuple[Point2, ...]:
     items = field.items()
     if len(items) < least:
         raise field.fail(f"expected at least {least} points, found {len(items)}.")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .body import Body
-from .manipulation.report import REASONS, MotionReport
+from .manipulation.motion_report import REASONS, MotionReport
 from .robot.models import RobotType, find_robot, load_robots
 from .scene.scene import Placement, Scene, parse_scene
 from .scene.world import World

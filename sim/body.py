@@ -19,21 +19,21 @@ import numpy as np
 
 from ..ontology.errors import MotionInterruptedError
 from ..ontology.objects import ObjectType
-from .manipulation.motion import HandMotion
+from .manipulation.hand_motions import HandMotion
+from .manipulation.motion_report import MotionReport
 from .manipulation.pick_and_place import LIFT_HEIGHT, PickAndPlace
-from .manipulation.report import MotionReport
 from .manipulation.striking import Striking
 from .robot.interruption import Interruption
 from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
 from .scene.world import SleepManager, World
-from .vision.noise import Noise
 from .vision.percept import Percept, visible_features
+from .vision.perception_noise import NoiseLevels
 from .vision.sensors import CachedVision, open_vision
 
 if TYPE_CHECKING:
-    from .media.recording import Recorder
+    from .media.recording import WorldRecorder
 
 HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lower"}
 TABLE_HEIGHT = 0.0  # [m]
@@ -74,7 +74,7 @@ class Body(AbstractContextManager["Body"]):
         gui: bool = False,
         robot: str = "panda",
         vision: str = "mask",
-        noise: Noise | None = None,
+        noise: NoiseLevels | None = None,
         interruption: Interruption | None = None,
     ) -> None:
         kind = find_robot(robot)
@@ -138,11 +138,11 @@ class Body(AbstractContextManager["Body"]):
         save_picture(take_picture(self.world.engine), path)
         return path
 
-    def record(self, path: Path) -> Recorder:
+    def record(self, path: Path) -> WorldRecorder:
         """Return a recorder of everything that happens inside its `with` block."""
-        from .media.recording import Recorder
+        from .media.recording import WorldRecorder
 
-        return Recorder(self.world, path)
+        return WorldRecorder(self.world, path)
 
     def state_hash(self) -> str:
         """Return a hash of all poses, the joints of the arm, and the time that has passed.

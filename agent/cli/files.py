@@ -17,7 +17,7 @@ from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
     from ...kb.bulk.reconciliation import ImportSummary
-    from ...kb.validation import Finding
+    from ...kb.validation import ValidationFinding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
 FileFormat = Annotated[
@@ -38,8 +38,8 @@ def export_(
     ] = False,
 ) -> None:
     """Write the rules or, in TriG, N-Quads and JSON-LD, the whole base to a file."""
+    from ...kb.formats.import_export import export_file
     from ...kb.formats.registry import RULE_FORMATS, format_of
-    from ...kb.formats.transfer import export_file
 
     chosen = format_of(file, file_format, "turtle")
     with open_for_reading(kb) as base, _progress("Writing") as advance:
@@ -61,7 +61,7 @@ def import_(
     as_json: AsJson = False,
 ) -> None:
     """Read rules or a whole base: checked first, applied whole or not at all."""
-    from ...kb.formats.transfer import import_file
+    from ...kb.formats.import_export import import_file
 
     opened = open_for_reading if dry_run else open_base
     with opened(kb) as base, _progress("Reading", _size(file)) as advance:
@@ -153,8 +153,8 @@ def _as_json(error: DataError) -> dict[str, object]:
     return {"node": None, "property": None, **where, "problem": error.problem}
 
 
-def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
-    from ...kb.formats.transfer import read_file
+def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFinding]:
+    from ...kb.formats.import_export import read_file
     from ...kb.validation import findings, locate_findings
 
     staged = read_file(file, format=file_format)
@@ -166,7 +166,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[Finding]:
     return locate_findings(found, _text(file) if found else "")
 
 
-def _findings_in_base(kb: str | None) -> list[Finding]:
+def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
     from ...kb.validation import findings
 
     with open_for_reading(kb) as base, _progress("Checking") as progress:

@@ -256,7 +256,7 @@ def _changes(
 
 def _opened(name: str) -> KnowledgeBase:
     """A base that is only read, or a base in memory with what a file holds."""
-    from ...kb.formats.transfer import import_file
+    from ...kb.formats.import_export import import_file
     from ...kb.knowledge_base import KnowledgeBase
 
     if name.startswith(ADDRESSES) or Path(name).is_dir():

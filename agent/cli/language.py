@@ -94,7 +94,7 @@ def list_entries(
     as_json: AsJson = False,
 ) -> None:
     """List the entries: words, category, lambda term."""
-    from ...nlu.grammar.patterns import words_of
+    from ...nlu.grammar.word_patterns import words_of
 
     entries = sorted(
         (entry.says, str(entry.category), str(entry.term))

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..config import OPTIONS, AgentConfig, Option
+from ..config import OPTIONS, AgentConfig, ConfigOption
 
 app = typer.Typer(
     name="hilt",
@@ -128,7 +128,7 @@ def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[insp
     ]
 
 
-def _parameter(option: Option) -> inspect.Parameter:
+def _parameter(option: ConfigOption) -> inspect.Parameter:
     """An option of the command line; what it is without is left to the configuration."""
     kind = list[str] if option.kind is tuple else option.kind
     declared = typer.Option(

@@ -55,12 +55,12 @@ def query(
         raise QueryError(
             "No query was given. Give the name of a named query, or SPARQL; --list shows the names."
         )
-    from ...kb.sparql.results import Limits
+    from ...kb.sparql.results import QueryLimits
 
     asked = _asked(question)
     bindings = asked.bindings(_arguments(arg or ()))
     with open_for_reading(kb) as base, spinner("Searching"):
-        found = base.query(asked.text, bindings, limits=Limits(timeout, memory))
+        found = base.query(asked.text, bindings, limits=QueryLimits(timeout, memory))
     _print(found, "json" if as_json else format_)
 
 
@@ -78,12 +78,12 @@ def update(
     as_json: AsJson = False,
 ) -> None:
     """Run a SPARQL update, after running and checking it on a copy."""
-    from ...kb.sparql.results import Limits
+    from ...kb.sparql.results import QueryLimits
     from ...kb.update import update as apply
 
     opened = open_for_reading if dry_run else open_base
     with opened(kb) as base:
-        text, limits = read_sparql(sparql), Limits(timeout, memory)
+        text, limits = read_sparql(sparql), QueryLimits(timeout, memory)
         said = apply(base, text, speaker=speaker, limits=limits, dry_run=dry_run)
     if as_json:
         print_json({"updated": not dry_run, "sequence": said.sequence})

@@ -24,7 +24,7 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
 from .. import protocols
-from ..execution.answers import use_slot
+from ..execution.answer_selection import use_slot
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request

@@ -15,7 +15,7 @@ from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from ..execution.answers import use_slot
+from ..execution.answer_selection import use_slot
 from ..execution.outcome import Decision, Slot, SpokenAnswer
 from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply

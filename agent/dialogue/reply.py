@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from ...kb.rule import Rule
 from ...nlu.parsing.understanding import Understanding
-from ..execution.answers import INTERRUPTED
+from ..execution.answer_selection import INTERRUPTED
 from ..execution.outcome import Ending, GoalResult, Json
 
 

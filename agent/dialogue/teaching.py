@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...kb.knowledge_base import KnowledgeBase
-from ...kb.learned_words import Word
+from ...kb.learned_words import LearnedWord
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -157,12 +157,12 @@ def rules_to_retract(
     return told[-1:]
 
 
-def word_to_keep(word: NewWord, speaker: str) -> Word:
+def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:
     """Return a new word as the base stores it."""
-    return Word(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
+    return LearnedWord(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
 
 
-def word_from_base(word: Word) -> NewWord:
+def word_from_base(word: LearnedWord) -> NewWord:
     """Return a stored word as the language takes it."""
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-from .case import Case, CaseRun, Result
+from .case import Case, CaseResult, CaseRun
 from .experiment import Experiment
-from .scenarios import Scenario, load_scenarios
+from .scenarios import LearningScenario, load_scenarios
 
-__all__ = ["Case", "CaseRun", "Experiment", "Result", "Scenario", "load_scenarios"]
+__all__ = ["Case", "CaseResult", "CaseRun", "Experiment", "LearningScenario", "load_scenarios"]

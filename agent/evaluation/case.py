@@ -44,7 +44,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Result:
+class CaseResult:
     """The result of a case.
 
     Attributes:
@@ -72,7 +72,7 @@ class Result:
         return dict(vars(self))
 
     @classmethod
-    def from_json(cls, document: Mapping[str, object]) -> Result:
+    def from_json(cls, document: Mapping[str, object]) -> CaseResult:
         """Return the result that `as_json` wrote.
 
         Raises:
@@ -88,7 +88,7 @@ class Result:
 class CaseRun:
     """A result with its processor time [s] and how often the case was started."""
 
-    result: Result
+    result: CaseResult
     cpu_s: float
     attempts: int = 1
 

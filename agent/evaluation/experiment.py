@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar, cast
 
 from ..execution.outcome import Json
-from .case import Case, Result
+from .case import Case, CaseResult
 
 
 @dataclass(frozen=True)
@@ -39,17 +39,17 @@ class Experiment(ABC):
         """Return all cases, always in the same order."""
 
     @abstractmethod
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """Run one case; the result depends on the case and the options only."""
 
-    def explain(self, case: Case, result: Result) -> str:
+    def explain(self, case: Case, result: CaseResult) -> str:
         """Return an explanation of a result; empty if there is none."""
         return "\n".join(cast("list[str]", result.facts.get("why", [])))
 
-    def summary(self, results: Sequence[Result]) -> Json:
+    def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return the values that are reported besides the counts; none by default."""
         return {}
 
-    def files(self, results: Sequence[Result]) -> Mapping[str, Json]:
+    def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return further documents to write, by file name; none by default."""
         return {}

@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import YamlValue, read_yaml
 
 SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
 LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
@@ -22,7 +22,7 @@ CONTEXTS = tuple(_INFINITIVES)  # the actions that grasp
 
 
 @dataclass(frozen=True)
-class Scenario:
+class LearningScenario:
     """A learning scenario.
 
     Attributes:
@@ -57,7 +57,7 @@ class Scenario:
         present = (frozenset(levels.get(level, ())) & frozenset(scene) for level in self.levels)
         return next((names for names in present if names), frozenset())
 
-    def mirrored(self, name: str) -> Scenario:
+    def mirrored(self, name: str) -> LearningScenario:
         """Return the scenario with its levels reversed."""
         opposite: dict[str, str] = dict(zip(self.levels, reversed(self.levels), strict=True))
         turned = {
@@ -82,7 +82,7 @@ def command(action: str, affordance: str) -> str:
     return f"{ACTIONS[action]} something used for {affordance}"
 
 
-def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[Scenario, Scenario]:
+def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[LearningScenario, LearningScenario]:
     """Return Scenario A, which the file contains, and Scenario B, its mirror image.
 
     Raises:
@@ -91,15 +91,15 @@ def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[Scenario, Scenario]:
     top = read_yaml(path).entries(required={"affordances", "grasps"}, optional=())
     affordances = {name: _levels(spec) for name, spec in top["affordances"].entries().items()}
     grasps = {name: _parts(spec) for name, spec in top["grasps"].entries().items()}
-    scenario = Scenario("A", affordances, grasps)
+    scenario = LearningScenario("A", affordances, grasps)
     return scenario, scenario.mirrored("B")
 
 
-def _levels(spec: Field) -> dict[str, tuple[str, ...]]:
+def _levels(spec: YamlValue) -> dict[str, tuple[str, ...]]:
     return {level: names.texts() for level, names in spec.entries(optional=LEVELS).items()}
 
 
-def _parts(spec: Field) -> dict[str, str]:
+def _parts(spec: YamlValue) -> dict[str, str]:
     return {context: part.text() for context, part in spec.entries(optional=_INFINITIVES).items()}
 
 

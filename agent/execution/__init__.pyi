@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
+from .action_tree_executor import ExecutionContext, TreeExecutor
 from .embodiment import Embodiment
 from .goal_manager import GoalManager
 from .outcome import Decision, ExecutionResult, GoalResult, SpokenAnswer, WalkStep
 from .perception import PerfectVision
 from .request import Request
-from .tree_executor import ExecutionContext, TreeExecutor
 
 __all__ = [
     "Decision",

@@ -20,7 +20,7 @@ from .perception import PerfectVision
 if TYPE_CHECKING:
     from ...sim.body import Body
     from ...sim.robot.interruption import Interruption
-    from ...sim.vision.noise import Noise
+    from ...sim.vision.perception_noise import NoiseLevels
 
 _DEFAULTS = AgentConfig()
 
@@ -108,7 +108,7 @@ class Embodiment:
         noise = self.noise_model()
         if noise is None:
             return vision
-        from ...sim.vision.noise import NoisyVision
+        from ...sim.vision.perception_noise import NoisyVision
 
         return NoisyVision(vision, noise, self.household.objects)
 
@@ -117,7 +117,7 @@ class Embodiment:
         """Whether perception cannot fail, so that the scene itself says what is in view."""
         return not self.noise and (not self.simulate or self.vision == _DEFAULTS.vision)
 
-    def noise_model(self) -> Noise | None:
+    def noise_model(self) -> NoiseLevels | None:
         """Return how perception fails; None when it does not.
 
         Raises:
@@ -125,6 +125,6 @@ class Embodiment:
         """
         if not self.noise:
             return None  # saves the import of numpy
-        from ...sim.vision.noise import Noise
+        from ...sim.vision.perception_noise import NoiseLevels
 
-        return Noise.parse(self.noise, seed=self.scene.seed)
+        return NoiseLevels.parse(self.noise, seed=self.scene.seed)

@@ -9,10 +9,10 @@ from ...inference.affordance import FIND, Affordances
 from ...ontology.actions import Actions
 from ...sim.robot.interruption import Interruption
 from ..protocols import Hand, Motion, Vision
-from . import answers
+from . import answer_selection
+from .action_tree_executor import ExecutionContext, TreeExecutor
 from .outcome import Decision, GoalResult, SpokenAnswer, WalkStep
 from .request import Request, review_arguments
-from .tree_executor import ExecutionContext, TreeExecutor
 
 _EMPTIED = {"release": "released", "putDown": "put_down", "putBack": "put_back"}
 """The answer when the hand was emptied by a control."""
@@ -77,8 +77,8 @@ class GoalManager:
         )
         execution = TreeExecutor(context, request)
         failure = execution.visit(tree.name, arguments)
-        if failure and failure.cause == answers.INTERRUPTED:
-            failure = answers.stopped(self.holding)
+        if failure and failure.cause == answer_selection.INTERRUPTED:
+            failure = answer_selection.stopped(self.holding)
         recipient = str(arguments.get("recipient", ""))
         answer = failure or self._answer(request, execution.decision, recipient, unable)
         return execution.result(answer)
@@ -100,8 +100,8 @@ class GoalManager:
         report = moves.get(control, self.motion.put_back)()
         if report.ok:
             return SpokenAnswer(_EMPTIED[control], {"object": held})
-        if report.reason == answers.INTERRUPTED:
-            return answers.stopped(self.holding)
+        if report.reason == answer_selection.INTERRUPTED:
+            return answer_selection.stopped(self.holding)
         key = "dropped" if report.reason == "dropped" else "no_place"
         return SpokenAnswer(key, {"object": held}, "failed", report.reason)
 
@@ -111,10 +111,10 @@ class GoalManager:
         if decision is None:  # a tree that looks for nothing
             return SpokenAnswer("okay")
         if unable:
-            return answers.unable(request.action, unable[0], decision)
+            return answer_selection.unable(request.action, unable[0], decision)
         if self.motion is None:
-            return answers.decided(request.action, decision)
-        return answers.done(request.action, decision, request.speaker, recipient)
+            return answer_selection.decided(request.action, decision)
+        return answer_selection.done(request.action, decision, request.speaker, recipient)
 
     def _missing_abilities(self, tree: str) -> list[str]:
         """The primitives of a tree that the motion of the robot cannot perform."""

@@ -11,10 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ...inference.types import Target
-from ...sim.manipulation.report import MotionReport
+from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
 from ..protocols import Motion, Skills, Vision
-from . import answers
+from . import answer_selection
 from .outcome import Constraint, ExecutionResult, SpokenAnswer
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
@@ -23,7 +23,7 @@ MM = 1e3  # in a metre
 
 
 @dataclass(frozen=True)
-class Task:
+class PrimitiveTask:
     """One primitive to perform.
 
     Attributes:
@@ -62,7 +62,7 @@ class PrimitiveExecutor:
         self._motion, self._vision = motion, vision
         self._part: str | None = None
         self._depth_before_mm = 0.0
-        self._primitives: Mapping[str, Callable[[Task], SpokenAnswer | None]] = {
+        self._primitives: Mapping[str, Callable[[PrimitiveTask], SpokenAnswer | None]] = {
             "graspObject": self._grasp,
             "moveTo": self._move_to,
             "handOver": self._hand_over,
@@ -72,7 +72,7 @@ class PrimitiveExecutor:
             "lower": lambda _: self._struck(motion.lower()),
         }
 
-    def perform(self, task: Task) -> SpokenAnswer | None:
+    def perform(self, task: PrimitiveTask) -> SpokenAnswer | None:
         """Perform a primitive; return the failure, if any."""
         return self._primitives.get(task.action, self._skill)(task)
 
@@ -83,7 +83,7 @@ class PrimitiveExecutor:
         slots = {"object": self.tool or "thing"}
         return SpokenAnswer("failed", slots | {"goal": event}, "failed", "not_driven")
 
-    def _grasp(self, task: Task) -> SpokenAnswer | None:
+    def _grasp(self, task: PrimitiveTask) -> SpokenAnswer | None:
         if task.percept is None:
             return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         self._part = task.part
@@ -92,7 +92,7 @@ class PrimitiveExecutor:
         self.holding = task.percept.name if report.ok else None
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_to(self, task: Task) -> SpokenAnswer | None:
+    def _move_to(self, task: PrimitiveTask) -> SpokenAnswer | None:
         report = self._motion.lift()
         self.world = replace(
             self.world,
@@ -103,19 +103,19 @@ class PrimitiveExecutor:
         )
         return None if report.ok else self._failed(report.reason, task)
 
-    def _hand_over(self, task: Task) -> SpokenAnswer | None:
+    def _hand_over(self, task: PrimitiveTask) -> SpokenAnswer | None:
         report = self._motion.hand_over()
         self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _point_at(self, task: Task) -> SpokenAnswer | None:
+    def _point_at(self, task: PrimitiveTask) -> SpokenAnswer | None:
         if task.percept is None:
             return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         report = self._motion.point_at(task.percept)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_above(self, task: Task) -> SpokenAnswer | None:
+    def _move_above(self, task: PrimitiveTask) -> SpokenAnswer | None:
         wanted = task.arguments.get("patient")
         name = wanted.object if isinstance(wanted, Target) else wanted
         seen = self._vision.search([f"object:{name}"])
@@ -127,7 +127,7 @@ class PrimitiveExecutor:
         self._depth_before_mm = report.depth_m * MM
         return self._struck(report)
 
-    def _skill(self, task: Task) -> SpokenAnswer | None:
+    def _skill(self, task: PrimitiveTask) -> SpokenAnswer | None:
         motion = self._motion
         if not isinstance(motion, Skills):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
@@ -137,7 +137,7 @@ class PrimitiveExecutor:
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _meant(self, parameter: str, task: Task) -> Percept | str:
+    def _meant(self, parameter: str, task: PrimitiveTask) -> Percept | str:
         """The percept of an argument, or its name when no such object is in view."""
         if parameter in task.found:
             return task.found[parameter]
@@ -164,6 +164,6 @@ class PrimitiveExecutor:
         slots = {"patient": self.patient or "thing", "tool": tool}
         return SpokenAnswer(key, slots, "failed", reason)
 
-    def _failed(self, reason: str, task: Task) -> SpokenAnswer:
+    def _failed(self, reason: str, task: PrimitiveTask) -> SpokenAnswer:
         name = task.percept.object if task.percept else self.tool or "thing"
-        return answers.motion_failed(reason, name, self._part)
+        return answer_selection.motion_failed(reason, name, self._part)

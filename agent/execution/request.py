@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom
-from ...ontology.actions import Actions, Affords
+from ...ontology.actions import Actions, AffordanceArgument
 from .outcome import GoalResult
 
 Argument = Target | str
@@ -85,8 +85,10 @@ def review_arguments(actions: Actions, tree: str, request: Request) -> dict[str,
     return arguments
 
 
-def _default(default: str | Affords, arguments: Mapping[str, Argument], speaker: str) -> Argument:
-    if not isinstance(default, Affords):
+def _default(
+    default: str | AffordanceArgument, arguments: Mapping[str, Argument], speaker: str
+) -> Argument:
+    if not isinstance(default, AffordanceArgument):
         return speaker
     argument = Atom.parse(default.argument) if default.argument else None
     if argument is not None and argument.kind == "affordance":

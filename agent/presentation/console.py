@@ -28,11 +28,11 @@ from ...kb.diff import BaseDifference, RuleChange
 from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
-from ...kb.learned_words import Word
+from ...kb.learned_words import LearnedWord
 from ...kb.rdf.terms import Iri, Term
 from ...kb.rule import Rule
 from ...kb.sparql.named_queries import NamedQuery
-from ...kb.sparql.results import BooleanResult, Solutions
+from ...kb.sparql.results import BooleanResult, SelectResult
 from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
@@ -41,7 +41,7 @@ from .text import counted, printable
 
 if TYPE_CHECKING:
     from ..merge_report import MergeReport
-    from ..replay import Replay
+    from ..replay import ReplayResult
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are unique
@@ -256,13 +256,13 @@ def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
     return _table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
 
 
-def words(found: Sequence[Word]) -> Table:
+def words(found: Sequence[LearnedWord]) -> Table:
     """Learned words with their teachers."""
     rows = ((w.atom.name, w.atom.kind, w.said, w.speaker, str(w.utterance)) for w in found)
     return _table(("word", "is", "said as", "speaker", "utterance"), rows, "word")
 
 
-def results(found: Solutions | BooleanResult) -> RenderableType:
+def results(found: SelectResult | BooleanResult) -> RenderableType:
     """Return a query result: a table of rows, or yes or no."""
     if isinstance(found, BooleanResult):
         return Text("yes" if found.value else "no")
@@ -331,7 +331,7 @@ def episodes(found: Sequence[Episode]) -> Table:
     return _table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
 
 
-def replay_result(found: Replay, quote: Quote) -> RenderableType:
+def replay_result(found: ReplayResult, quote: Quote) -> RenderableType:
     """Return the result of a replay, and whether it equals the recorded one."""
     shown: list[RenderableType] = [Text(found.episode.text, "bold")]
     shown.append(Text(str(found.repeated["said"])))

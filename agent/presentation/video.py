@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...sim.body import Body
     from ...sim.grasping.planner import RankedGrasps
     from ...sim.media.pictures import GraspMark
-    from ...sim.media.recording import Recorder
+    from ...sim.media.recording import WorldRecorder
     from ...sim.robot.gripper_poses import Grasp
     from ..execution.goal_manager import GoalManager
 
@@ -43,7 +43,7 @@ class Film:
     def __init__(self, body: Body, goals: GoalManager, path: Path) -> None:
         self.path = path
         self._body, self._goals = body, goals
-        self._recorder: Recorder = body.record(path)
+        self._recorder: WorldRecorder = body.record(path)
         self._utterance = ""
         self._bound = ""
         self._interval: tuple[float, float] | None = None

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Imports and exports of any size: rules and statements as streams of text.
 
-statements      N-Quads and N-Triples, read subject by subject
-rule_lines      rules as lines of N-Quads: serialization, and the fast reading of exports
+nquads_reader   N-Quads and N-Triples, read subject by subject
+rule_nquads     rules as lines of N-Quads: serialization, and the fast reading of exports
 importer        the import, which checks rules as they stream by and writes them as one unit
 reconciliation  conflicts, trust and the numbering of utterances between an import and a base
 row_scan        the statements of a graph as rows, in one pass over a store

@@ -2,10 +2,10 @@
 
 from .exporter import write_statements
 from .importer import ImportObserver, import_rules, import_statements
+from .nquads_reader import RuleBlock, StatementGroup, read_groups
 from .reconciliation import ImportSummary, MergeConflict
-from .rule_lines import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
 from .rule_scan import scan_rules
-from .statements import RuleBlock, StatementGroup, read_groups
 
 __all__ = [
     "FastRuleReader",

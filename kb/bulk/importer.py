@@ -26,14 +26,14 @@ from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, 
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
-from ..rdf.annotations import Reified
+from ..rdf.annotated_edges import Reification
 from ..rdf.rule_mapping import BELIEFS, LABEL, RULE, STATUS, TYPE
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule, Status
 from ..stores.base import Store
 from ..validation import (
-    Finding,
+    ValidationFinding,
     check_graph,
     check_invariants,
     findings,
@@ -41,6 +41,7 @@ from ..validation import (
     stage,
 )
 from ..writer import to_milliseconds
+from .nquads_reader import RuleBlock, StatementGroup
 from .reconciliation import (
     BelievedRules,
     ImportPlan,
@@ -51,8 +52,7 @@ from .reconciliation import (
     plan_rest,
     plan_trust,
 )
-from .rule_lines import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
-from .statements import RuleBlock, StatementGroup
+from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
 
 MAX_LISTED = 20  # conflicts that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
@@ -67,7 +67,7 @@ _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 T = TypeVar("T")
 # What an RDF text is read into.
-Statements = StatementGroup | RuleBlock | Reified
+Statements = StatementGroup | RuleBlock | Reification
 
 
 @runtime_checkable
@@ -132,7 +132,7 @@ def import_statements(
     *,
     source: str,
     dry_run: bool = False,
-    check: Callable[[Store], Iterable[Finding]] = findings,
+    check: Callable[[Store], Iterable[ValidationFinding]] = findings,
     observer: ImportObserver | None = None,
 ) -> ImportSummary:
     """Import the statements of an RDF text: whole or not at all, and twice is once.
@@ -169,7 +169,7 @@ def _import(
     *,
     source: str,
     dry_run: bool,
-    check: Callable[[Store], Iterable[Finding]],
+    check: Callable[[Store], Iterable[ValidationFinding]],
 ) -> ImportSummary:
     with base.store.writing(), paused_garbage_collection():
         plan = ImportPlan(base.sequence)
@@ -216,9 +216,9 @@ def _read_rules(
             )
 
 
-def _checked(group: StatementGroup | Reified, source: str) -> StatementGroup:
+def _checked(group: StatementGroup | Reification, source: str) -> StatementGroup:
     """Refuse statements in a graph that a base has not, and those that cannot be streamed."""
-    if isinstance(group, Reified):
+    if isinstance(group, Reification):
         raise DataError(
             "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
             source=source,
@@ -259,7 +259,7 @@ def _lines(
     plan: ImportPlan,
     *,
     source: str,
-    check: Callable[[Store], Iterable[Finding]],
+    check: Callable[[Store], Iterable[ValidationFinding]],
 ) -> Iterator[bytes]:
     """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
     held = _Held()

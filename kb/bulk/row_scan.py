@@ -22,7 +22,7 @@ from ..rdf import rule_mapping
 from ..rdf.terms import DECIMAL, XSD, Quad, Term, as_sparql, literal
 from ..rule import GRASP_OBJECT, USED_FOR, Status
 from ..stores.base import Store
-from .statements import complete_lines
+from .nquads_reader import complete_lines
 
 # Takes some rows, each of one statement: subject, code, predicate and object, with tabs between.
 # The predicate is empty where the code stands for it, the object where the code includes it.

@@ -2,12 +2,12 @@
 
 from .drawing import draw_graph
 from .graphml import graph_of, read_graphml, rules_of_graph, write_graphml
-from .registry import FORMATS, Format, format_of
-from .transfer import export_file, import_file, import_text, read_file, write_base
+from .import_export import export_file, import_file, import_text, read_file, write_base
+from .registry import FORMATS, FileFormat, format_of
 
 __all__ = [
     "FORMATS",
-    "Format",
+    "FileFormat",
     "draw_graph",
     "export_file",
     "format_of",

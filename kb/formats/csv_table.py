@@ -18,14 +18,14 @@ from typing import Protocol, TypeAlias, cast
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ...ontology.vocabulary import Iri
 from ..bulk.row_scan import RULE_PREDICATES, Progress, read_row
-from ..bulk.rule_lines import RuleSerializer, RuleTemplate, SerializedRule, remember
+from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule, remember
 from ..bulk.rule_scan import scan_converted
 from ..interval import DIGITS
 from ..rdf import rule_mapping
 from ..rdf.terms import Term, write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
 from ..stores.base import Store
-from . import notation
+from . import value_notation
 
 COLUMNS = (
     *("features", "contexts", "functor", "argument", "lower", "upper"),
@@ -40,7 +40,7 @@ _PLACES = {
     **{rule_mapping.FEATURE: _FEATURES, rule_mapping.CONTEXT: _CONTEXTS},
     **{rule_mapping.LOWER: _LOWER, rule_mapping.UPPER: _UPPER, rule_mapping.GENERATED_AT: _TIME},
 }
-_KINDS = (notation.FEATURE_KIND, notation.CONTEXT_KIND)
+_KINDS = (value_notation.FEATURE_KIND, value_notation.CONTEXT_KIND)
 
 
 class Writable(Protocol):
@@ -70,7 +70,7 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]
     """
     rows = _rows(csv.reader(lines, strict=True), source)
     _, first = next(rows, (1, []))
-    yield from notation.read_all(rows, _RowReader(_header(first, source), source).read)
+    yield from value_notation.read_all(rows, _RowReader(_header(first, source), source).read)
 
 
 class TableWriter:
@@ -127,7 +127,7 @@ class _CellConverter:
         template = self._templates.get(key)
         if template and (features or contexts) and "0" <= lower <= upper <= "1":
             _, _, functor, argument, _, _, speaker, status, _ = template
-            seen = features or notation.ANY
+            seen = features or value_notation.ANY
             return seen, contexts, functor, argument, lower, upper, speaker, status, time
         cells = rule_cells(rule_mapping.read_rule(map(read_row, rows)))
         remember(self._templates, key, cells)
@@ -149,10 +149,10 @@ def rule_cells(rule: Rule) -> Cells:
     """Return the cells of a rule."""
     argument_kind = ARGUMENT_KINDS.get(rule.functor)
     return (
-        _write_atoms(rule.features, notation.FEATURE_KIND),
-        _write_atoms(rule.contexts, notation.CONTEXT_KIND),
+        _write_atoms(rule.features, value_notation.FEATURE_KIND),
+        _write_atoms(rule.contexts, value_notation.CONTEXT_KIND),
         rule.functor,
-        notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
+        value_notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
         _write_bound(rule.interval.lower),
         _write_bound(rule.interval.upper),
         rule.speaker,
@@ -164,7 +164,9 @@ def rule_cells(rule: Rule) -> Cells:
 def _cell(place: int, value: Term) -> str:
     """The cell of an object; ValueError for a bound that has to be rounded."""
     if place <= _CONTEXTS:
-        return notation.write_atom(rule_mapping.atom_from_iri(cast(Iri, value)), _KINDS[place])
+        return value_notation.write_atom(
+            rule_mapping.atom_from_iri(cast(Iri, value)), _KINDS[place]
+        )
     if place <= _UPPER:
         bound = float(cast(float, value))
         text = _write_bound(bound)
@@ -183,8 +185,8 @@ def _union(first: str, second: str, kind: str) -> str:
 @lru_cache(maxsize=2**16)
 def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
     """Return the cell of the features or contexts of a rule."""
-    text = BETWEEN.join(notation.write_atom(atom, kind) for atom in sorted(atoms))
-    return text or (notation.ANY if kind == notation.FEATURE_KIND else "")
+    text = BETWEEN.join(value_notation.write_atom(atom, kind) for atom in sorted(atoms))
+    return text or (value_notation.ANY if kind == value_notation.FEATURE_KIND else "")
 
 
 def _write_bound(bound: float) -> str:
@@ -247,7 +249,7 @@ class _RowReader:
             belief, low = _bound(lower)
             plausibility, high = _bound(upper or "1")
             if 0.0 <= belief <= plausibility <= 1.0:
-                atoms = self._serializer.features(_atoms(features, notation.FEATURE_KIND))
+                atoms = self._serializer.features(_atoms(features, value_notation.FEATURE_KIND))
                 return self._serializer.assemble(template, atoms, low, high)
         rule = _read_row(cells)  # which also says what is wrong
         if not template:
@@ -263,12 +265,14 @@ def _read_row(cells: Sequence[str]) -> Rule:
     """
     features, contexts, functor, argument, lower, upper, *rest = map(str.strip, cells)
     speaker, status, time = rest
-    return notation.make_rule(
-        _atoms(features, notation.FEATURE_KIND),
-        _atoms(contexts, notation.CONTEXT_KIND),
+    return value_notation.make_rule(
+        _atoms(features, value_notation.FEATURE_KIND),
+        _atoms(contexts, value_notation.CONTEXT_KIND),
         functor,
-        notation.read_argument(argument, functor),
-        notation.read_interval(_number(lower, "lower"), _number(upper, "upper") if upper else None),
+        value_notation.read_argument(argument, functor),
+        value_notation.read_interval(
+            _number(lower, "lower"), _number(upper, "upper") if upper else None
+        ),
         speaker=speaker,
         status=status,
         time=time,
@@ -294,4 +298,4 @@ def _number(cell: str, column: str) -> float:
 
 @lru_cache(maxsize=2**16)
 def _atoms(cell: str, kind: str) -> frozenset[Atom]:
-    return notation.read_atoms(filter(str.strip, cell.split(";")), kind)
+    return value_notation.read_atoms(filter(str.strip, cell.split(";")), kind)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from ...ontology.errors import DataError, HiltError
 from ..rdf.terms import write_time
 from ..rule import Atom, Rule
-from . import notation
+from . import value_notation
 
 if TYPE_CHECKING:
     from networkx import MultiDiGraph
@@ -113,12 +113,12 @@ def _attributes(rule: Rule) -> dict[str, str | float]:
 
 def _rule(found: Mapping[str, Any]) -> Rule:
     features, contexts, functor, argument, lower, upper = (found[key] for key in _NEEDED)
-    return notation.make_rule(
-        _atoms(features, notation.FEATURE_KIND),
-        _atoms(contexts, notation.CONTEXT_KIND),
+    return value_notation.make_rule(
+        _atoms(features, value_notation.FEATURE_KIND),
+        _atoms(contexts, value_notation.CONTEXT_KIND),
         functor,
-        notation.read_argument(argument, functor),
-        notation.read_interval(float(lower), float(upper)),
+        value_notation.read_argument(argument, functor),
+        value_notation.read_interval(float(lower), float(upper)),
         speaker=found.get("speaker"),
         status=found.get("status"),
         time=found.get("time"),
@@ -126,4 +126,4 @@ def _rule(found: Mapping[str, Any]) -> Rule:
 
 
 def _atoms(text: str, kind: str) -> frozenset[Atom]:
-    return notation.read_atoms(filter(str.strip, text.split(";")), kind)
+    return value_notation.read_atoms(filter(str.strip, text.split(";")), kind)

@@ -13,7 +13,7 @@ PACKED = ".gz"
 
 
 @dataclass(frozen=True)
-class Format:
+class FileFormat:
     """A file format.
 
     Attributes:
@@ -36,23 +36,23 @@ class Format:
 _MB = 2**20
 _ONLY_RULES = "all but the rules: which utterance told them, history, words, episodes, domain"
 _KNOWN = (
-    Format("turtle", (".ttl",)),
-    Format("turtle12", (".ttl12",)),
-    Format("ntriples", (".nt",)),
-    Format("rdfxml", (".rdf", ".xml", ".owl"), most=256 * _MB, is_xml=True),
-    Format("trig", (".trig",), whole=True, leaves_out=""),
-    Format("nquads", (".nq",), whole=True, leaves_out=""),
-    Format("jsonld", (".jsonld", ".json"), whole=True, leaves_out="", most=64 * _MB),
-    Format("sheet", (".yaml", ".yml"), leaves_out=_ONLY_RULES, most=8 * _MB),
-    Format("csv", (".csv",), leaves_out=_ONLY_RULES),
-    Format("graphml", (".graphml",), leaves_out=_ONLY_RULES, most=32 * _MB, is_xml=True),
+    FileFormat("turtle", (".ttl",)),
+    FileFormat("turtle12", (".ttl12",)),
+    FileFormat("ntriples", (".nt",)),
+    FileFormat("rdfxml", (".rdf", ".xml", ".owl"), most=256 * _MB, is_xml=True),
+    FileFormat("trig", (".trig",), whole=True, leaves_out=""),
+    FileFormat("nquads", (".nq",), whole=True, leaves_out=""),
+    FileFormat("jsonld", (".jsonld", ".json"), whole=True, leaves_out="", most=64 * _MB),
+    FileFormat("sheet", (".yaml", ".yml"), leaves_out=_ONLY_RULES, most=8 * _MB),
+    FileFormat("csv", (".csv",), leaves_out=_ONLY_RULES),
+    FileFormat("graphml", (".graphml",), leaves_out=_ONLY_RULES, most=32 * _MB, is_xml=True),
 )
 FORMATS = {one.name: one for one in _KNOWN}
 SUFFIXES = {suffix: one for one in _KNOWN for suffix in one.suffixes}
 RULE_FORMATS = frozenset({"sheet", "csv", "graphml"})  # they hold rules as values, no statements
 
 
-def format_of(file: str, given: str | None, default: str) -> Format:
+def format_of(file: str, given: str | None, default: str) -> FileFormat:
     """Return the format of a file.
 
     Args:
@@ -77,7 +77,7 @@ def format_of(file: str, given: str | None, default: str) -> Format:
     return SUFFIXES[suffix]
 
 
-def _named(name: str, file: str) -> Format:
+def _named(name: str, file: str) -> FileFormat:
     if name not in FORMATS:
         known = ", ".join(sorted(FORMATS))
         raise DataError(f'unknown format "{name}"; known: {known}.', source=file)

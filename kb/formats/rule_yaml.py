@@ -15,10 +15,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 
 from ...ontology.errors import DataError, HiltError
-from ...ontology.yaml_reader import Field, parse_yaml
+from ...ontology.yaml_reader import YamlValue, parse_yaml
 from ..interval import Interval
 from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule
-from . import notation
+from . import value_notation
 from .csv_table import BETWEEN, Cells, Writable
 
 _CONCLUSIONS = ("affordance", "part", "functor")
@@ -40,7 +40,7 @@ def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
     """
     sheet = parse_yaml(text, source=source).entries(required=["rules"], optional=["speaker"])
     speaker = sheet["speaker"].text() if "speaker" in sheet else None
-    yield from notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
+    yield from value_notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
 class RuleSheetWriter:
@@ -64,11 +64,11 @@ class RuleSheetWriter:
         self._target.write(" []\n" if self._is_empty else "\n")
 
 
-def _rule(entry: Field, speaker: str | None) -> Rule:
+def _rule(entry: YamlValue, speaker: str | None) -> Rule:
     found = entry.entries(required=["interval"], optional=_KEYS)
     try:
         functor, argument = _conclusion(entry, found)
-        return notation.make_rule(
+        return value_notation.make_rule(
             _features(found),
             _contexts(found),
             functor,
@@ -84,17 +84,17 @@ def _rule(entry: Field, speaker: str | None) -> Rule:
         raise entry.fail(str(error)) from error
 
 
-def _features(found: Mapping[str, Field]) -> frozenset[Atom]:
+def _features(found: Mapping[str, YamlValue]) -> frozenset[Atom]:
     seen = _atoms(found.get("object"), "object") | _atoms(found.get("features"), "object")
     return seen | _atoms(found.get("properties"), "property")
 
 
-def _contexts(found: Mapping[str, Field]) -> frozenset[Atom]:
+def _contexts(found: Mapping[str, YamlValue]) -> frozenset[Atom]:
     acting = _atoms(found.get("context"), "action") | _atoms(found.get("contexts"), "action")
     return acting | _atoms(found.get("material"), "material")
 
 
-def _atoms(field: Field | None, kind: str) -> frozenset[Atom]:
+def _atoms(field: YamlValue | None, kind: str) -> frozenset[Atom]:
     """The atoms of one text or of a list of them."""
     if field is None:
         return frozenset()
@@ -102,16 +102,16 @@ def _atoms(field: Field | None, kind: str) -> frozenset[Atom]:
     return frozenset().union(*(_placed(one, kind) for one in fields))
 
 
-def _placed(field: Field, kind: str) -> frozenset[Atom]:
+def _placed(field: YamlValue, kind: str) -> frozenset[Atom]:
     try:
-        return notation.read_atoms([field.text()], kind)
+        return value_notation.read_atoms([field.text()], kind)
     except DataError:
         raise
     except HiltError as error:
         raise field.fail(str(error)) from error
 
 
-def _conclusion(entry: Field, found: Mapping[str, Field]) -> tuple[str, Atom | None]:
+def _conclusion(entry: YamlValue, found: Mapping[str, YamlValue]) -> tuple[str, Atom | None]:
     given = [key for key in _CONCLUSIONS if key in found]
     if len(given) != 1:
         raise entry.fail(
@@ -122,23 +122,23 @@ def _conclusion(entry: Field, found: Mapping[str, Field]) -> tuple[str, Atom | N
         raise found["argument"].fail(f'"argument" goes with "functor", not with "{given[0]}".')
     name = found[given[0]].text()
     if given == ["affordance"]:
-        return USED_FOR, notation.read_atom(name, "affordance")
+        return USED_FOR, value_notation.read_atom(name, "affordance")
     if given == ["part"]:
-        return GRASP_OBJECT, notation.read_atom(name, "part")
-    return name, notation.read_argument(_optional(found, "argument") or "", name)
+        return GRASP_OBJECT, value_notation.read_atom(name, "part")
+    return name, value_notation.read_argument(_optional(found, "argument") or "", name)
 
 
-def _interval(field: Field) -> Interval:
+def _interval(field: YamlValue) -> Interval:
     """A list of two bounds, or the lower one alone."""
     if not isinstance(field.value, tuple):
-        return notation.read_interval(field.number(low=0, high=1), None)
+        return value_notation.read_interval(field.number(low=0, high=1), None)
     lower, upper = field.numbers(count=2, low=0, high=1)
     if lower > upper:
         raise field.fail(f"expected a lower bound and then an upper one, found {lower}, {upper}.")
     return Interval(lower, upper)
 
 
-def _optional(found: Mapping[str, Field], key: str) -> str | None:
+def _optional(found: Mapping[str, YamlValue], key: str) -> str | None:
     return found[key].text() if key in found else None
 
 
@@ -159,7 +159,7 @@ def _written_rule(cells: Cells) -> str:
 def _written_atoms(cell: str, key: str) -> str:
     """The entry for the features or contexts in a cell, and what divides it from the next."""
     names = [_quoted(name) for name in cell.split(BETWEEN)]
-    if cell in {"", notation.ANY}:
+    if cell in {"", value_notation.ANY}:
         return ""
     if key == "context" and len(names) == 1 and cell.startswith("material:"):
         return f"material: {_quoted(cell.removeprefix('material:'))}, "

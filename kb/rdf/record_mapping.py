@@ -17,7 +17,7 @@ _REQUIRED = object()  # the default of a field that is always stored
 
 
 @dataclass(frozen=True)
-class Property:
+class FieldProperty:
     """The property that stores a field.
 
     Attributes:
@@ -42,7 +42,9 @@ def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
     return found
 
 
-def record_properties(record: object, fields: Mapping[str, Property]) -> Iterator[tuple[Iri, Term]]:
+def record_properties(
+    record: object, fields: Mapping[str, FieldProperty]
+) -> Iterator[tuple[Iri, Term]]:
     """The properties of a record, in the order of its fields in the table."""
     for name, field in fields.items():
         value = getattr(record, name)
@@ -51,7 +53,9 @@ def record_properties(record: object, fields: Mapping[str, Property]) -> Iterato
                 yield field.predicate, field.encode(one)
 
 
-def read_fields(found: PropertyValues, fields: Mapping[str, Property], what: str) -> dict[str, Any]:
+def read_fields(
+    found: PropertyValues, fields: Mapping[str, FieldProperty], what: str
+) -> dict[str, Any]:
     """The fields of a record; ValidationError if one is missing or malformed.
 
     Args:
@@ -69,7 +73,7 @@ def local_name(node: Iri) -> str:
     return split(node)[1]
 
 
-def _read_field(values: list[Term], field: Property, what: str) -> object:
+def _read_field(values: list[Term], field: FieldProperty, what: str) -> object:
     if field.default == ():
         return tuple(sorted(map(field.decode, values)))
     if not values and field.default is not _REQUIRED:

@@ -28,7 +28,7 @@ _PARAMETER = re.compile(r"#\s*\?(\w+)\s+(\w+)\s+(.+)")
 
 
 @dataclass(frozen=True)
-class Parameter:
+class QueryParameter:
     """A variable of a named query: its name without question mark, its kind, and its meaning."""
 
     name: str
@@ -55,7 +55,7 @@ class NamedQuery:
 
     name: str
     question: str
-    parameters: Mapping[str, Parameter]
+    parameters: Mapping[str, QueryParameter]
     text: str
 
     def bindings(self, arguments: Mapping[str, str | Sequence[str]]) -> Bindings:
@@ -92,7 +92,7 @@ def read_query(text: str, name: str = "") -> NamedQuery:
     """The query of a text, with the question and the parameters that its comments declare."""
     comments = [line for line in text.splitlines() if line.startswith("#")]
     found = (_PARAMETER.fullmatch(line) for line in comments)
-    parameters = {match[1]: Parameter(*match.groups()) for match in found if match}
+    parameters = {match[1]: QueryParameter(*match.groups()) for match in found if match}
     question = comments[0].removeprefix("#").strip() if comments else ""
     return NamedQuery(name, question, parameters, text)
 

@@ -26,7 +26,7 @@ MAX_MEGABYTES = 10**9  # more than any machine has
 
 
 @dataclass(frozen=True)
-class Limits:
+class QueryLimits:
     """The time and memory a query may use before it is stopped.
 
     Attributes:
@@ -62,7 +62,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Solutions:
+class SelectResult:
     """The rows of a SELECT query: a value for each variable, None where it is unbound."""
 
     variables: tuple[str, ...]
@@ -87,11 +87,11 @@ class Solutions:
 
 
 @dataclass(frozen=True)
-class Statements(Solutions):
+class ConstructResult(SelectResult):
     """The statements of a CONSTRUCT or DESCRIBE query, as rows of three columns."""
 
     @classmethod
-    def from_quads(cls, quads: Iterable[Quad]) -> Statements:
+    def from_quads(cls, quads: Iterable[Quad]) -> ConstructResult:
         """The statements, without their graphs."""
         return cls(STATEMENT, tuple(quad[:3] for quad in quads))
 
@@ -112,10 +112,10 @@ class BooleanResult:
         return {"head": {}, "boolean": self.value}
 
 
-QueryResult: TypeAlias = "Solutions | Statements | BooleanResult"
+QueryResult: TypeAlias = "SelectResult | ConstructResult | BooleanResult"
 
 
-def read_solutions(body: bytes) -> Solutions:
+def read_solutions(body: bytes) -> SelectResult:
     """The rows of a JSON results document; QueryError if it is incomplete, or has RDF 1.2 terms."""
     document = _parsed(body)
     try:
@@ -126,7 +126,7 @@ def read_solutions(body: bytes) -> Solutions:
         )
     except (KeyError, TypeError, AttributeError) as error:
         raise QueryError("The endpoint sent no rows where rows were expected.") from error
-    return Solutions(names, rows)
+    return SelectResult(names, rows)
 
 
 def read_boolean(body: bytes) -> bool:

@@ -18,7 +18,7 @@ from typing import Protocol
 
 from ...ontology.vocabulary import Iri
 from ..rdf.terms import Quad, Term
-from ..sparql.results import Limits, QueryResult, Solutions
+from ..sparql.results import QueryLimits, QueryResult, SelectResult
 
 MEMORY = "memory:"
 
@@ -49,7 +49,7 @@ class Store(Protocol):
         """Whether a few small reads cost less than one query."""
         ...
 
-    def select(self, query: str) -> Solutions:
+    def select(self, query: str) -> SelectResult:
         """The rows of a SELECT query.
 
         Raises:
@@ -66,7 +66,7 @@ class Store(Protocol):
         """The statements of a CONSTRUCT or DESCRIBE query; errors as for `select`."""
         ...
 
-    def run(self, query: str, limits: Limits) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits) -> QueryResult:
         """The result of any query; QueryError if it is wrong or exceeds its limits."""
         ...
 

@@ -2,9 +2,9 @@
 """The folder of a base on disk: its files, its write-ahead log, and snapshots of it.
 
 The engine puts every change into a write-ahead log (`*.log`) before it returns, and replays it when
-the folder is opened. `WriteAheadLog` syncs the log alone, because the engine's own `flush` rewrites
-its tables, which takes some twenty disk waits; that is done from time to time, so that the log
-stays short and a folder opens fast.
+the folder is opened. `WriteAheadLogSync` syncs the log alone, because the engine's own `flush`
+rewrites its tables, which takes some twenty disk waits; that is done from time to time, so that the
+log stays short and a folder opens fast.
 
 A snapshot is the folder's content at one moment, for a reader in another process. The engine's
 table files never change, so a snapshot links them and copies only the rest: milliseconds. Snapshots
@@ -68,7 +68,7 @@ def remove_leftovers(folder: Path) -> None:
             file.unlink(missing_ok=True)
 
 
-class WriteAheadLog:
+class WriteAheadLogSync:
     """The engine's write-ahead log of one folder, as its owner sees it."""
 
     def __init__(self, folder: Path | None) -> None:

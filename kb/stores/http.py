@@ -28,7 +28,7 @@ from urllib.parse import SplitResult, unquote, urldefrag, urljoin, urlsplit, url
 import httpx
 
 from ...ontology.errors import QueryError, StoreError
-from ..sparql.results import Limits
+from ..sparql.results import QueryLimits
 
 USER, PASSWORD, TOKEN = "HILT_KB_USER", "HILT_KB_PASSWORD", "HILT_KB_TOKEN"
 TRIES = 4
@@ -47,7 +47,7 @@ Form = Mapping[str, "str | Sequence[str]"]
 
 
 @dataclass(frozen=True)
-class Address:
+class EndpointAddress:
     """The addresses of one endpoint, with the credentials.
 
     Attributes:
@@ -67,7 +67,7 @@ class Address:
     token: str = field(default="", repr=False)
 
 
-def parse_address(location: str, environment: Mapping[str, str] | None = None) -> Address:
+def parse_address(location: str, environment: Mapping[str, str] | None = None) -> EndpointAddress:
     """The addresses of a location, the value of `--kb`; StoreError if it is not http(s).
 
     >>> found = parse_address("http://localhost:3030/ds/query#update,data", {})
@@ -82,7 +82,7 @@ def parse_address(location: str, environment: Mapping[str, str] | None = None) -
     query = urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, parts.query, ""))
     beside = query.removesuffix("query") + "update" if parts.path.endswith("/query") else query
     update, _, graphs = (one.strip() for one in fragment.partition(","))
-    return Address(
+    return EndpointAddress(
         query,
         urljoin(query, update) if update else beside,
         urljoin(query, graphs) if graphs else None,
@@ -108,7 +108,7 @@ def _split(location: str) -> SplitResult:
 
 
 @dataclass(frozen=True)
-class Response:
+class EndpointResponse:
     """The answer of an endpoint.
 
     Attributes:
@@ -127,7 +127,7 @@ class Response:
 class EndpointAuth(httpx.Auth):
     """Authentication by the scheme that the server requests: digest, basic, or a bearer token."""
 
-    def __init__(self, address: Address) -> None:
+    def __init__(self, address: EndpointAddress) -> None:
         self._token = address.token
         self._scheme: httpx.Auth | None = None
         user, password = address.user, address.password
@@ -153,12 +153,12 @@ class EndpointAuth(httpx.Auth):
             yield from self._scheme.auth_flow(request)
 
 
-class Transport:
+class EndpointTransport:
     """Sends requests to one endpoint; it is thread-safe."""
 
     def __init__(
         self,
-        address: Address,
+        address: EndpointAddress,
         *,
         pause: Callable[[float], None] = time.sleep,
         connection: httpx.BaseTransport | None = None,
@@ -177,12 +177,12 @@ class Transport:
         url: str,
         *,
         accept: str,
-        limits: Limits,
+        limits: QueryLimits,
         form: Form | None = None,
         content: bytes | None = None,
         content_type: str = "",
         may_repeat: bool = True,
-    ) -> Response:
+    ) -> EndpointResponse:
         """Send a POST request and read the complete answer.
 
         Args:
@@ -219,7 +219,9 @@ class Transport:
             self._pause(min(wait or FIRST_PAUSE_S * 2**attempt, MAX_PAUSE_S))
         raise AssertionError("the last try returns or raises")
 
-    def _once(self, request: httpx.Request, limits: Limits) -> tuple[int, Response, float | None]:
+    def _once(
+        self, request: httpx.Request, limits: QueryLimits
+    ) -> tuple[int, EndpointResponse, float | None]:
         """One attempt: status, answer, and the seconds that the server asks to wait."""
         deadline = time.monotonic() + limits.seconds
         received = bytearray()
@@ -233,7 +235,7 @@ class Transport:
             headers = response.headers
             max_rows = headers.get("x-sparql-maxrows", "")
             wait = headers.get("retry-after", "")
-            answer = Response(
+            answer = EndpointResponse(
                 bytes(received),
                 headers.get("server", ""),
                 int(max_rows) if max_rows.isdigit() else None,
@@ -242,7 +244,7 @@ class Transport:
             return response.status_code, answer, float(wait) if wait.isdigit() else None
 
     def _raise_unless_retried(
-        self, error: httpx.TransportError, is_last: bool, may_repeat: bool, limits: Limits
+        self, error: httpx.TransportError, is_last: bool, may_repeat: bool, limits: QueryLimits
     ) -> None:
         """Raise the error of an attempt, unless it is to be retried."""
         if isinstance(error, (httpx.ReadTimeout, httpx.WriteTimeout)):

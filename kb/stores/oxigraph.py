@@ -3,10 +3,10 @@
 
 What pyoxigraph leaves to its user is done here. It detects no write conflicts, so one lock is held
 round every write. A write survives the death of the process at once, but a power failure only when
-its write-ahead log is on disk, which is waited for before a unit returns (`WriteAheadLog`). It must
-not be used after a fork, so a store remembers which process opened it. Open results keep the
-folder locked, so they are read to the end before they are given out. A query cannot be stopped,
-so one with limits runs in another process (`sandbox`).
+its write-ahead log is on disk, which is waited for before a unit returns (`WriteAheadLogSync`). It
+must not be used after a fork, so a store remembers which process opened it. Open results keep the
+folder locked, so they are read to the end before they are given out. A query cannot be stopped, so
+one with limits runs in another process (`query_subprocess`).
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ import pyoxigraph as engine
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf.terms import Quad, Term
-from ..sparql.results import Limits, QueryResult, Solutions
+from ..sparql.results import QueryLimits, QueryResult, SelectResult
 from ..sparql.text import delete_insert, keywords
 from . import directory
 from .base import MEMORY, ByteSink
-from .directory import WriteAheadLog
+from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
-from .sandbox import BOOLEAN, ROWS, TRIPLES, WorkerProcess
+from .query_subprocess import BOOLEAN, ROWS, TRIPLES, WorkerProcess
 from .term_conversion import (
     from_engine,
     named_node,
@@ -68,7 +68,7 @@ class OxigraphStore:
         self._process = os.getpid()
         self._worker = WorkerProcess()
         self._folder = folder
-        self._log = WriteAheadLog(folder)
+        self._log = WriteAheadLogSync(folder)
         self._source: Path | None = None  # what the worker reads, as long as it is up to date
         self._old_sources: list[Path] = []  # what the worker may still be reading
         self._running = threading.Lock()
@@ -76,7 +76,7 @@ class OxigraphStore:
         self.location = location
         self.read_only = read_only
 
-    def select(self, query: str) -> Solutions:
+    def select(self, query: str) -> SelectResult:
         """All rows of a SELECT query."""
         found = self._run(query)
         if not isinstance(found, engine.QuerySolutions):
@@ -84,7 +84,7 @@ class OxigraphStore:
         names = tuple(variable.value for variable in found.variables)
         with translated_errors(self.location):
             rows = tuple(tuple(None if t is None else from_engine(t) for t in row) for row in found)
-        return Solutions(names, rows)
+        return SelectResult(names, rows)
 
     def ask(self, query: str) -> bool:
         """The answer of an ASK query."""
@@ -101,7 +101,7 @@ class OxigraphStore:
         with translated_errors(self.location):
             return [Quad(*(from_engine(part) for part in triple)) for triple in found]  # pyright: ignore[reportArgumentType]
 
-    def run(self, query: str, limits: Limits) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits) -> QueryResult:
         """The result of any query, evaluated in another process over a snapshot."""
         with self._running:
             with self._lock:
@@ -110,7 +110,7 @@ class OxigraphStore:
             return self._worker.run(source, query, limits)
 
     def serialized(self, query: str) -> tuple[str, bytes]:
-        """The kind (see `sandbox`) and the serialized result of any query."""
+        """The kind (see `query_subprocess`) and the serialized result of any query."""
         found = self._run(query)
         with translated_errors(self.location, query):
             if isinstance(found, engine.QueryTriples):

@@ -25,10 +25,10 @@ from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
 from ..rdf.terms import Quad, Term, as_sparql
 from ..sparql.results import (
     BooleanResult,
-    Limits,
+    ConstructResult,
+    QueryLimits,
     QueryResult,
-    Solutions,
-    Statements,
+    SelectResult,
     read_boolean,
     read_solutions,
 )
@@ -41,11 +41,11 @@ from ..sparql.text import (
     result_limit,
     with_prefixes,
 )
-from .http import Address, Response, Transport, parse_address
+from .http import EndpointAddress, EndpointResponse, EndpointTransport, parse_address
 
 BATCH = 1_000  # statements of one update; some engines take no more than 1,400
 MAX_MEGABYTES = 4_096  # of the answer to a call without limits
-CALL = Limits(seconds=60, megabytes=MAX_MEGABYTES)
+CALL = QueryLimits(seconds=60, megabytes=MAX_MEGABYTES)
 ROWS, TRIPLES = "application/sparql-results+json", "application/n-triples, text/plain;q=0.2"
 PAGE = 1_000  # solutions of a page where the endpoint does not say how many it sends
 VIRTUOSO, VIRTUOSO_UPDATES = "Virtuoso", "sparql-auth"
@@ -56,7 +56,7 @@ class RemoteStore:
 
     has_cheap_patterns = False
 
-    def __init__(self, transport: Transport, *, read_only: bool) -> None:
+    def __init__(self, transport: EndpointTransport, *, read_only: bool) -> None:
         self.location = transport.address.query
         self.read_only = read_only
         self._transport = transport
@@ -74,7 +74,7 @@ class RemoteStore:
         except QueryError as error:
             raise StoreError(f'"{self.location}" is not a SPARQL endpoint: {error}') from error
 
-    def select(self, query: str, limits: Limits = CALL) -> Solutions:
+    def select(self, query: str, limits: QueryLimits = CALL) -> SelectResult:
         """All rows of a SELECT query, however many the endpoint sends at once."""
         if query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
@@ -84,13 +84,13 @@ class RemoteStore:
             return self._read_pages(query, found, response.max_rows, limits)
         return found
 
-    def ask(self, query: str, limits: Limits = CALL) -> bool:
+    def ask(self, query: str, limits: QueryLimits = CALL) -> bool:
         """The answer of an ASK query."""
         if query_form(query) != "ASK":
             raise QueryError("Expected an ASK query.")
         return read_boolean(self._read(query, ROWS, limits).body)
 
-    def construct(self, query: str, limits: Limits = CALL) -> list[Quad]:
+    def construct(self, query: str, limits: QueryLimits = CALL) -> list[Quad]:
         """The statements of a CONSTRUCT or DESCRIBE query."""
         if query_form(query) not in {"CONSTRUCT", "DESCRIBE"}:
             raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
@@ -106,13 +106,13 @@ class RemoteStore:
             found.update(dict.fromkeys(page))
         return list(found)
 
-    def run(self, query: str, limits: Limits) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits) -> QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
         match query_form(query):
             case "ASK":
                 return BooleanResult(self.ask(query, limits))
             case "CONSTRUCT" | "DESCRIBE":
-                return Statements.from_quads(self.construct(query, limits))
+                return ConstructResult.from_quads(self.construct(query, limits))
             case _:
                 return self.select(query, limits)
 
@@ -171,7 +171,9 @@ class RemoteStore:
         self._is_open = False
         self._transport.close()
 
-    def _read_pages(self, query: str, first: Solutions, size: int, limits: Limits) -> Solutions:
+    def _read_pages(
+        self, query: str, first: SelectResult, size: int, limits: QueryLimits
+    ) -> SelectResult:
         """The rows of a result that the endpoint truncates after `size`, page by page."""
         rows: list[tuple[Term | None, ...]] = []
         while len(rows) % size == 0:
@@ -180,14 +182,14 @@ class RemoteStore:
             rows += page
             if not page:
                 break
-        return Solutions(first.variables, tuple(rows))
+        return SelectResult(first.variables, tuple(rows))
 
-    def _triples(self, query: str, limits: Limits) -> list[Quad]:
+    def _triples(self, query: str, limits: QueryLimits) -> list[Quad]:
         from .rdf_text import read_triples
 
         return read_triples(self._read(query, TRIPLES, limits).body, source=self.location)
 
-    def _read(self, query: str, accept: str, limits: Limits) -> Response:
+    def _read(self, query: str, accept: str, limits: QueryLimits) -> EndpointResponse:
         self._check_open()
         fields: dict[str, str | Sequence[str]] = {"query": with_prefixes(query)}
         if "FROM" not in keywords(query):  # a query may name its own dataset
@@ -240,15 +242,15 @@ class RemoteStore:
             raise StoreError(f'The knowledge base "{self.location}" is closed.')
 
 
-def open_remote(location: str | Address, *, read_only: bool = False) -> RemoteStore:
+def open_remote(location: str | EndpointAddress, *, read_only: bool = False) -> RemoteStore:
     """A store behind an endpoint; StoreError if that does not answer, or refuses.
 
     Args:
         location: its address, as documented in `hilt.kb.stores.http`.
         read_only: refuse writes.
     """
-    address = location if isinstance(location, Address) else parse_address(location)
-    store = RemoteStore(Transport(address), read_only=read_only)
+    address = location if isinstance(location, EndpointAddress) else parse_address(location)
+    store = RemoteStore(EndpointTransport(address), read_only=read_only)
     try:
         store.connect()
     except BaseException:

@@ -15,7 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from ...ontology.errors import QueryError
 from ..rdf.terms import BLANK, STRING, Iri, Term, as_sparql, lexical
-from ..sparql.results import BooleanResult, QueryResult, Solutions, Statements
+from ..sparql.results import BooleanResult, ConstructResult, QueryResult, SelectResult
 
 _ILLEGAL_IN_XML = dict.fromkeys(
     [*(code for code in range(0x20) if code not in {0x9, 0xA, 0xD}), 0xFFFE, 0xFFFF], "\ufffd"
@@ -59,7 +59,7 @@ def _xml(found: QueryResult) -> str:
 
 
 def _turtle(found: QueryResult) -> str:
-    if not isinstance(found, Statements):
+    if not isinstance(found, ConstructResult):
         raise QueryError("Turtle is for the statements of a CONSTRUCT or DESCRIBE query.")
     from .rdf_text import write_rdf
 
@@ -75,7 +75,7 @@ FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
 }
 
 
-def _rows(found: QueryResult, name: str) -> Solutions:
+def _rows(found: QueryResult, name: str) -> SelectResult:
     if isinstance(found, BooleanResult):
         raise QueryError(
             f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
@@ -93,7 +93,7 @@ def _turtle_term(term: Term) -> str:
     return str(term) if isinstance(term, Iri) and term.startswith(BLANK) else as_sparql(term)
 
 
-def _xml_rows(found: Solutions) -> Iterator[str]:
+def _xml_rows(found: SelectResult) -> Iterator[str]:
     for row in found:
         named = zip(found.variables, row, strict=True)
         cells = (

@@ -2,17 +2,17 @@
 from .categories import AtomicCategory, Category, Functor
 from .combinators import Combination, Combinator
 from .constructions import Construction
-from .grammar import Grammar, Unary, load_grammar
+from .grammar import Grammar, UnaryRule, load_grammar
 from .notation import parse_term, read_category, read_entry, read_rule, read_type, read_unary
-from .patterns import PatternError
-from .terms import Apply, Bound, Constant, Lambda, Term, normal_form
-from .types import Basic, FunctionType, Type, TypeMismatchError
+from .terms import Application, BoundVariable, Constant, Lambda, Term, normal_form
+from .types import BasicType, FunctionType, Type, TypeMismatchError
+from .word_patterns import PatternError
 
 __all__ = [
-    "Apply",
+    "Application",
     "AtomicCategory",
-    "Basic",
-    "Bound",
+    "BasicType",
+    "BoundVariable",
     "Category",
     "Combination",
     "Combinator",
@@ -26,7 +26,7 @@ __all__ = [
     "Term",
     "Type",
     "TypeMismatchError",
-    "Unary",
+    "UnaryRule",
     "load_grammar",
     "normal_form",
     "parse_term",

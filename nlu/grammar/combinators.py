@@ -15,7 +15,7 @@ from functools import cache, cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
 from .categories import AtomicCategory, Category, Functor
-from .grammar import Unary
+from .grammar import UnaryRule
 
 
 class Combination(Enum):
@@ -69,8 +69,8 @@ class Combinator:
         join: all that two neighbouring cells give: (result, left, right, rule).
     """
 
-    def __init__(self, unary: Iterable[Unary]) -> None:
-        self._changes: dict[Category, list[Unary]] = {}
+    def __init__(self, unary: Iterable[UnaryRule]) -> None:
+        self._changes: dict[Category, list[UnaryRule]] = {}
         self._numbers: dict[tuple[Category, Combination | None], Sign] = {}
         self._categories: list[Category] = []
         self._origins: list[Combination | None] = []
@@ -84,7 +84,7 @@ class Combinator:
         for change in unary:
             self.add(change)
 
-    def add(self, change: Unary) -> None:
+    def add(self, change: UnaryRule) -> None:
         """Add a change of category that needs no word."""
         known = self._changes.setdefault(change.source, [])
         if change not in known:
@@ -132,7 +132,7 @@ class Combinator:
     def _needs(self, category: Category) -> frozenset[Sign]:
         return frozenset(self.sign(each) for each in _words_sought(category))
 
-    def _changed(self, sign: Sign) -> tuple[tuple[Sign, Unary], ...]:
+    def _changed(self, sign: Sign) -> tuple[tuple[Sign, UnaryRule], ...]:
         rules = self._changes.get(self._categories[sign], ())
         return tuple((self.sign(rule.target), rule) for rule in rules)
 

@@ -13,14 +13,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...ontology.yaml_reader import Field
+from ...ontology.yaml_reader import YamlValue
 from .categories import AtomicCategory, Category, Functor
-from .patterns import is_gap
 from .terms import Lambda, Term, bind
+from .word_patterns import is_gap
 
 
 @dataclass(frozen=True)
-class Gap:
+class ConstructionGap:
     """A gap of a construction, `{x:NP}`; its name is empty if the term does not use its meaning."""
 
     name: str
@@ -28,7 +28,7 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Run:
+class WordRun:
     """Adjacent words of a construction, as a pattern."""
 
     text: str
@@ -40,7 +40,7 @@ class Run:
         return AtomicCategory(f'"{self.text}"')
 
 
-Piece = Gap | Run
+Piece = ConstructionGap | WordRun
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Construction:
     def anchor(self) -> int:
         """The index of the head: the first run of words, or else the first nameless gap."""
         for place, piece in enumerate(self.pieces):
-            if isinstance(piece, Run):
+            if isinstance(piece, WordRun):
                 return place
         return next((place for place, piece in enumerate(self.pieces) if not piece.name), 0)
 
@@ -71,9 +71,11 @@ class Construction:
         return self.pieces[self.anchor]
 
     @property
-    def gaps(self) -> tuple[Gap, ...]:
+    def gaps(self) -> tuple[ConstructionGap, ...]:
         """The gaps whose meanings the term uses."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, Gap) and piece.name)
+        return tuple(
+            piece for piece in self.pieces if isinstance(piece, ConstructionGap) and piece.name
+        )
 
     @cached_property
     def category(self) -> Category:
@@ -89,7 +91,7 @@ class Construction:
         term = self.term
         for place in self._taken_last_first():
             term = _taking(self.pieces[place], term)
-        return term if isinstance(self.head, Run) else _taking(self.head, term)
+        return term if isinstance(self.head, WordRun) else _taking(self.head, term)
 
     def _taken_last_first(self) -> Iterator[int]:
         # The last argument taken is the innermost one of the category and of the term.
@@ -97,13 +99,13 @@ class Construction:
         yield from range(len(self.pieces) - 1, self.anchor, -1)
 
 
-def pieces_of(variant: Sequence[str], field: Field) -> tuple[Piece, ...]:
+def pieces_of(variant: Sequence[str], field: YamlValue) -> tuple[Piece, ...]:
     """The gaps and runs of words of a construction, from `patterns.variants`.
 
     Raises:
         DataError: a gap is not written as `{name:CATEGORY}`.
     """
-    return tuple(_gap(text, field) if is_gap(text) else Run(text) for text in variant)
+    return tuple(_gap(text, field) if is_gap(text) else WordRun(text) for text in variant)
 
 
 def _taking(piece: Piece, term: Term) -> Lambda:
@@ -113,8 +115,8 @@ def _taking(piece: Piece, term: Term) -> Lambda:
 _GAP = re.compile(r"\{(?:(?P<name>\w+):)?(?P<category>\w+)\}")
 
 
-def _gap(text: str, field: Field) -> Gap:
+def _gap(text: str, field: YamlValue) -> ConstructionGap:
     found = _GAP.fullmatch(text)
     if found is None:
         raise field.fail(f'expected a gap like {{x:NP}}, found "{text}".')
-    return Gap(found["name"] or "", AtomicCategory(found["category"]))
+    return ConstructionGap(found["name"] or "", AtomicCategory(found["category"]))

@@ -14,19 +14,19 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from types import MappingProxyType
 
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import YamlValue, read_yaml
 from .categories import AtomicCategory, Category, Functor, type_of
-from .constructions import Gap
+from .constructions import ConstructionGap
 from .notation import read_entry, read_type, read_unary
-from .patterns import compile_pattern, expand
 from .terms import Term, Value, evaluate
-from .types import Basic, FunctionType, Signature, Type, TypeMismatchError, check_type
+from .types import BasicType, FunctionType, Signature, Type, TypeMismatchError, check_type
+from .word_patterns import compile_pattern, expand
 
 SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "FRAGMENT", "REPLY")
 
 
 @dataclass(frozen=True)
-class Unary:
+class UnaryRule:
     """A change of category that needs no word.
 
     Attributes:
@@ -62,20 +62,22 @@ class Grammar:
     types: Mapping[str, Type]
     descriptions: Mapping[str, str]
     signature: Signature
-    unary: tuple[Unary, ...]
+    unary: tuple[UnaryRule, ...]
     roots: Mapping[Category, str]
     topic: Category
     general: Category
     answer: Category
 
-    def entry(self, field: Field, extra: Signature | None = None) -> tuple[Category, Term, float]:
+    def entry(
+        self, field: YamlValue, extra: Signature | None = None
+    ) -> tuple[Category, Term, float]:
         """Read and check one line `category : term @cost`; `extra` types constants of this line."""
         category, term, cost = read_entry(field)
         self.verify(category, term, field, extra)
         return category, term, cost
 
     def verify(
-        self, category: Category, term: Term, field: Field, extra: Signature | None = None
+        self, category: Category, term: Term, field: YamlValue, extra: Signature | None = None
     ) -> None:
         """Check that a term has the type of its category.
 
@@ -89,7 +91,7 @@ class Grammar:
         except TypeMismatchError as error:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
-    def types_of(self, gaps: Sequence[Gap], field: Field) -> Signature:
+    def types_of(self, gaps: Sequence[ConstructionGap], field: YamlValue) -> Signature:
         """The types of the gaps of a construction, which are constants of its term."""
         return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
 
@@ -115,7 +117,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     )
     atoms = entries["categories"].entries()
     types = {name: _type_of_atom(field) for name, field in atoms.items()}
-    signature: dict[str, list[Type]] = {name: [Basic("d")] for name in degrees}
+    signature: dict[str, list[Type]] = {name: [BasicType("d")] for name in degrees}
     for name, field in entries["predicates"].entries().items():
         signature[name] = [read_type(item) for item in field.items()]
     grammar = Grammar(
@@ -133,32 +135,32 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     return replace(grammar, unary=unary)
 
 
-def _type_of_atom(field: Field) -> Type:
+def _type_of_atom(field: YamlValue) -> Type:
     """The type of a category; one that is only described stands for a thing."""
-    return Basic("e") if isinstance(field.value, str) else read_type(_parts(field)["type"])
+    return BasicType("e") if isinstance(field.value, str) else read_type(_parts(field)["type"])
 
 
-def _means(field: Field) -> str:
+def _means(field: YamlValue) -> str:
     if isinstance(field.value, str):
         return field.text()
     parts = _parts(field)
     return parts["means"].text() if "means" in parts else ""
 
 
-def _parts(field: Field) -> dict[str, Field]:
+def _parts(field: YamlValue) -> dict[str, YamlValue]:
     return field.entries(required=("type",), optional=("means",))
 
 
-def _roots(field: Field, types: Mapping[str, Type]) -> Mapping[Category, str]:
+def _roots(field: YamlValue, types: Mapping[str, Type]) -> Mapping[Category, str]:
     roots: dict[Category, str] = {}
     for name, act in field.entries().items():
-        if types.get(name) != Basic("t"):
+        if types.get(name) != BasicType("t"):
             raise act.fail(f'expected a category of type t, found "{name}".')
         roots[AtomicCategory(name)] = act.text(choices=SPEECH_ACTS)
     return MappingProxyType(roots)
 
 
-def _unary(field: Field, grammar: Grammar) -> Unary:
+def _unary(field: YamlValue, grammar: Grammar) -> UnaryRule:
     source, target, term = read_unary(field)
     source_type, target_type = (_type_of(each, grammar.types, field) for each in (source, target))
     expected = FunctionType(source_type, target_type)
@@ -166,10 +168,10 @@ def _unary(field: Field, grammar: Grammar) -> Unary:
         check_type(term, expected, grammar.signature)
     except TypeMismatchError as error:
         raise field.fail(f"{term} does not turn {source} into {target}: {error}.") from error
-    return Unary(source, target, term, evaluate(term))
+    return UnaryRule(source, target, term, evaluate(term))
 
 
-def _refuse_cycles(unary: tuple[Unary, ...], field: Field) -> None:
+def _refuse_cycles(unary: tuple[UnaryRule, ...], field: YamlValue) -> None:
     order: TopologicalSorter[Category] = TopologicalSorter()
     for rule in unary:
         order.add(rule.target, rule.source)
@@ -182,7 +184,7 @@ def _refuse_cycles(unary: tuple[Unary, ...], field: Field) -> None:
         ) from error
 
 
-def _type_of(category: Category, types: Mapping[str, Type], field: Field) -> Type:
+def _type_of(category: Category, types: Mapping[str, Type], field: YamlValue) -> Type:
     try:
         return type_of(category, types)
     except KeyError as error:

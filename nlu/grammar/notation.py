@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from ...ontology.cache import cache_folder, content_key, write_atomically
-from ...ontology.yaml_reader import Field
+from ...ontology.yaml_reader import YamlValue
 from .categories import AtomicCategory, Category, Functor
-from .terms import Apply, Bound, Constant, Lambda, Term
-from .types import BASIC_TYPES, Basic, FunctionType, Type
+from .terms import Application, BoundVariable, Constant, Lambda, Term
+from .types import BASIC_TYPES, BasicType, FunctionType, Type
 
 if TYPE_CHECKING:
     from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
@@ -36,31 +36,40 @@ _SOURCES = (
 _MALFORMED = (ValueError, TypeError, KeyError, IndexError, RecursionError)
 _CLASSES: dict[str, Any] = {
     each.__name__: each
-    for each in (AtomicCategory, Functor, Apply, Bound, Constant, Lambda, Basic, FunctionType)
+    for each in (
+        AtomicCategory,
+        Functor,
+        Application,
+        BoundVariable,
+        Constant,
+        Lambda,
+        BasicType,
+        FunctionType,
+    )
 }
 
 
-def read_entry(field: Field) -> Entry:
+def read_entry(field: YamlValue) -> Entry:
     """Read the category of a word, its term and its cost: `NP/N : λx.x @1`."""
     return cast("Entry", _read(field, "entry"))
 
 
-def read_unary(field: Field) -> UnaryRule:
+def read_unary(field: YamlValue) -> UnaryRule:
     """Read a unary rule, which changes a category: `R => S : λr.r(high)`."""
     return cast("UnaryRule", _read(field, "unary"))
 
 
-def read_rule(field: Field) -> TermPair:
+def read_rule(field: YamlValue) -> TermPair:
     """Read both sides of a pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
     return cast("TermPair", _read(field, "rule"))
 
 
-def read_category(field: Field) -> Category:
+def read_category(field: YamlValue) -> Category:
     """Read a category: `(S/C)/C`."""
     return cast("Category", _read(field, "category"))
 
 
-def read_type(field: Field) -> Type:
+def read_type(field: YamlValue) -> Type:
     """Read a type: `e -> e -> t`."""
     found = cast("Type", _read(field, "type"))
     for name in _basic_types(found):
@@ -71,7 +80,7 @@ def read_type(field: Field) -> Type:
 
 def parse_term(text: str) -> Term:
     """Parse a lambda term that stands in no file; for tests and examples."""
-    return cast("Term", _read(Field(text, "<text>", 1, 0), "term"))
+    return cast("Term", _read(YamlValue(text, "<text>", 1, 0), "term"))
 
 
 def save_cache() -> None:
@@ -79,7 +88,7 @@ def save_cache() -> None:
     _cache().save()
 
 
-def _read(field: Field, start: Start) -> Value:
+def _read(field: YamlValue, start: Start) -> Value:
     text = field.text()
     if len(text) > MAX_CHARACTERS:
         raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")
@@ -98,7 +107,7 @@ def _cache() -> NotationCache:
 
 
 def _basic_types(found: Type) -> Iterator[str]:
-    if isinstance(found, Basic):
+    if isinstance(found, BasicType):
         yield found.name
     else:
         yield from _basic_types(found.source)

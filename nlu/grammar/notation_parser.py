@@ -14,10 +14,10 @@ from typing import Literal, cast, get_args
 from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
 from ...ontology.errors import DataError
-from ...ontology.yaml_reader import Field
+from ...ontology.yaml_reader import YamlValue
 from .categories import AtomicCategory, Category, Functor
-from .terms import Apply, Constant, Term, bind
-from .types import Basic, FunctionType, Type
+from .terms import Application, Constant, Term, bind
+from .types import BasicType, FunctionType, Type
 
 Entry = tuple[Category, Term, float]
 UnaryRule = tuple[Category, Category, Term]
@@ -36,7 +36,7 @@ _SHOWN = {
 """How messages name the terminals that are not one fixed sign."""
 
 
-def parse(field: Field, start: Start) -> Value:
+def parse(field: YamlValue, start: Start) -> Value:
     """Return what a line of the notation stands for.
 
     Raises:
@@ -84,7 +84,7 @@ class _Builder(Transformer[object, Value]):
         return bind(body, str(name))
 
     def application(self, *groups: list[Term]) -> Term:
-        return reduce(Apply, [term for group in groups for term in group])
+        return reduce(Application, [term for group in groups for term in group])
 
     def name(self, name: str) -> list[Term]:
         return [Constant(str(name))]
@@ -96,7 +96,7 @@ class _Builder(Transformer[object, Value]):
         return FunctionType(source, target)
 
     def basic(self, name: str) -> Type:
-        return Basic(str(name))
+        return BasicType(str(name))
 
 
 _PARSER = Lark(

@@ -7,8 +7,9 @@ beta-normal form by evaluation: `evaluate` turns it into a Python value in which
 functions, and `quote` reads the normal form back (Berger and Schwichtenberg 1991). Terms are
 checked against their category before they are used (`typecheck`), so evaluation ends.
 
-    >>> twice = Lambda(Lambda(Apply(Bound(1), Apply(Bound(1), Bound(0)))))
-    >>> str(normal_form(Apply(Apply(twice, Constant("f")), Constant("a"))))
+    >>> f, x = BoundVariable(1), BoundVariable(0)
+    >>> twice = Lambda(Lambda(Application(f, Application(f, x))))
+    >>> str(normal_form(Application(Application(twice, Constant("f")), Constant("a"))))
     'f(f(a))'
 """
 
@@ -23,7 +24,7 @@ VARIABLE_NAMES = "xyzuvwpqrs"
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class BoundVariable:
     """A variable, as the number of binders between it and its own."""
 
     index: int
@@ -54,7 +55,7 @@ class Lambda:
 
 
 @dataclass(frozen=True, slots=True)
-class Apply:
+class Application:
     """A function applied to one argument."""
 
     function: Term
@@ -64,11 +65,11 @@ class Apply:
         return show(self)
 
 
-Term: TypeAlias = Bound | Constant | Lambda | Apply
+Term: TypeAlias = BoundVariable | Constant | Lambda | Application
 
 
 @dataclass(frozen=True, slots=True)
-class Neutral:
+class NeutralTerm:
     """A value that cannot be evaluated further: a constant or free variable, with arguments."""
 
     head: str | int
@@ -77,34 +78,34 @@ class Neutral:
 
     def __call__(self, argument: Value) -> Value:
         """This value with one more argument."""
-        return Neutral(self.head, (*self.arguments, argument))
+        return NeutralTerm(self.head, (*self.arguments, argument))
 
 
-Value: TypeAlias = "Neutral | Callable[[Value], Value]"
+Value: TypeAlias = "NeutralTerm | Callable[[Value], Value]"
 Environment: TypeAlias = "tuple[Value, ...]"
 
 
 def evaluate(term: Term, environment: Environment = ()) -> Value:
     """The value of a term; `environment[i]` is the value of the bound variable i."""
-    if isinstance(term, Apply):
+    if isinstance(term, Application):
         return evaluate(term.function, environment)(evaluate(term.argument, environment))
-    if isinstance(term, Bound):
+    if isinstance(term, BoundVariable):
         return environment[term.index]
     if isinstance(term, Constant):
-        return Neutral(term.name)
+        return NeutralTerm(term.name)
     body = term.body
     return lambda argument: evaluate(body, (argument, *environment))
 
 
 def quote(value: Value, depth: int = 0) -> Term:
     """The term in beta-normal form that has this value, under `depth` binders."""
-    if not isinstance(value, Neutral):
+    if not isinstance(value, NeutralTerm):
         hint = VARIABLE_NAMES[depth % len(VARIABLE_NAMES)]
-        return Lambda(quote(value(Neutral(depth)), depth + 1), hint)
+        return Lambda(quote(value(NeutralTerm(depth)), depth + 1), hint)
     head = value.head
-    term: Term = Constant(head) if isinstance(head, str) else Bound(depth - head - 1)
+    term: Term = Constant(head) if isinstance(head, str) else BoundVariable(depth - head - 1)
     for argument in value.arguments:
-        term = Apply(term, quote(argument, depth))
+        term = Application(term, quote(argument, depth))
     return term
 
 
@@ -123,11 +124,13 @@ def replace_constants(term: Term, names: Mapping[str, str]) -> Term:
     match term:
         case Constant(name):
             return Constant(names.get(name, name))
-        case Apply(function, argument):
-            return Apply(replace_constants(function, names), replace_constants(argument, names))
+        case Application(function, argument):
+            return Application(
+                replace_constants(function, names), replace_constants(argument, names)
+            )
         case Lambda(body, hint):
             return Lambda(replace_constants(body, names), hint)
-        case Bound():
+        case BoundVariable():
             return term
 
 
@@ -139,20 +142,20 @@ def bind(term: Term, name: str) -> Lambda:
 def _bound(term: Term, name: str, depth: int) -> Term:
     match term:
         case Constant(found):
-            return Bound(depth) if found == name else term
-        case Apply(function, argument):
-            return Apply(_bound(function, name, depth), _bound(argument, name, depth))
+            return BoundVariable(depth) if found == name else term
+        case Application(function, argument):
+            return Application(_bound(function, name, depth), _bound(argument, name, depth))
         case Lambda(body, hint):
             return Lambda(_bound(body, name, depth + 1), hint)
-        case Bound(index):
+        case BoundVariable(index):
             # A variable from outside is now one binder further away.
-            return Bound(index + 1) if index >= depth else term
+            return BoundVariable(index + 1) if index >= depth else term
 
 
 def spine(term: Term) -> tuple[Term, tuple[Term, ...]]:
     """The head of nested applications, and the arguments in order."""
     arguments: list[Term] = []
-    while isinstance(term, Apply):
+    while isinstance(term, Application):
         arguments.append(term.argument)
         term = term.function
     return term, tuple(reversed(arguments))
@@ -161,14 +164,14 @@ def spine(term: Term) -> tuple[Term, tuple[Term, ...]]:
 def show(term: Term, names: tuple[str, ...] = ()) -> str:
     """The term as text, `λx.f(x)`, with the names of its free variables, innermost first."""
     match term:
-        case Bound(index):
+        case BoundVariable(index):
             return names[index] if index < len(names) else f"#{index}"
         case Constant(name):
             return name
         case Lambda(body, hint):
             name = _fresh(hint, names)
             return f"λ{name}.{show(body, (name, *names))}"
-        case Apply():
+        case Application():
             head, arguments = spine(term)
             shown = show(head, names)
             listed = ",".join(show(argument, names) for argument in arguments)

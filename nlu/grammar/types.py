@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from .terms import Bound, Constant, Lambda, Term, show, spine
+from .terms import BoundVariable, Constant, Lambda, Term, show, spine
 
 
 @dataclass(frozen=True, slots=True)
-class Basic:
+class BasicType:
     """A type that is not a function: `e`, `t` or `d`."""
 
     name: str
@@ -37,7 +37,7 @@ class FunctionType:
         return f"{source} -> {self.target}"
 
 
-Type: TypeAlias = Basic | FunctionType
+Type: TypeAlias = BasicType | FunctionType
 Signature: TypeAlias = Mapping[str, Sequence[Type]]
 
 BASIC_TYPES = ("e", "t", "d")
@@ -77,7 +77,7 @@ def check_type(
 
 def _types_of(head: Term, signature: Signature, context: tuple[Type, ...]) -> Sequence[Type]:
     match head:
-        case Bound(index) if index < len(context):
+        case BoundVariable(index) if index < len(context):
             return (context[index],)
         case Constant(name) if name in signature:
             return signature[name]

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-from .controls import ControlPhrases, load_controls
+from .control_phrases import ControlPhrases, load_controls
 from .discourse_markers import DiscourseMarkers
+from .immutable_index import ImmutableIndex
 from .inflection import Inflection, load_inflection
 from .learned_lexicon import LearnedLexicon
 from .lexicon import Entry, Lexicon, Sense
 from .loader import LexiconBuilder
 from .misspelling import intended_word
-from .shared_index import SharedIndex
 from .tokenizer import Token, Tokens, tokenize
 from .unknown_words import KnownWords
 from .vocabulary import NewWord, Vocabulary, household_vocabulary
@@ -15,6 +15,7 @@ __all__ = [
     "ControlPhrases",
     "DiscourseMarkers",
     "Entry",
+    "ImmutableIndex",
     "Inflection",
     "KnownWords",
     "LearnedLexicon",
@@ -22,7 +23,6 @@ __all__ = [
     "LexiconBuilder",
     "NewWord",
     "Sense",
-    "SharedIndex",
     "Token",
     "Tokens",
     "Vocabulary",

@@ -12,8 +12,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import chain
 
-from ...ontology.yaml_reader import Field
-from ..grammar.patterns import Steps, match_pattern, read_pattern, spellings
+from ...ontology.yaml_reader import YamlValue
+from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
 from .tokenizer import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]
@@ -48,7 +48,7 @@ class DiscourseMarkers:
     doubts: frozenset[Phrase] = frozenset()
     stand_ins: frozenset[Phrase] = frozenset()
 
-    def with_phrases(self, kind: str, field: Field) -> DiscourseMarkers:
+    def with_phrases(self, kind: str, field: YamlValue) -> DiscourseMarkers:
         """Return these phrases and further ones of a kind.
 
         Raises:

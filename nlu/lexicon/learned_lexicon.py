@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 
+from .immutable_index import ImmutableIndex
 from .lexicon import Lexicon, LexiconNode, Sense
 from .loader import LexiconBuilder
-from .shared_index import SharedIndex
 from .vocabulary import NewWord
 
 Name = tuple[str, str]
@@ -37,11 +37,11 @@ class LearnedLexicon(Lexicon):
     def __init__(self, base: Lexicon, builder: LexiconBuilder) -> None:
         super().__init__(base=base)
         self._static, self._builder = base, builder
-        self.learned: SharedIndex[Name, NewWord] = SharedIndex()
-        self._forms: SharedIndex[str, Name] = SharedIndex()
+        self.learned: ImmutableIndex[Name, NewWord] = ImmutableIndex()
+        self._forms: ImmutableIndex[str, Name] = ImmutableIndex()
         # Of names of several words: their lengths by the first word, their roles by each word.
-        self._lengths: SharedIndex[str, int] = SharedIndex()
-        self._within: SharedIndex[str, str] = SharedIndex()
+        self._lengths: ImmutableIndex[str, int] = ImmutableIndex()
+        self._within: ImmutableIndex[str, str] = ImmutableIndex()
         self._lexicon_of: Callable[[str, tuple[Name, ...]], Lexicon] = lru_cache(_CACHED_FORMS)(
             self._made
         )

@@ -17,8 +17,8 @@ from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
 from ..grammar.combinators import Combinator, Sign
-from ..grammar.patterns import Steps, compile_pattern, words_of
 from ..grammar.terms import Term, Value
+from ..grammar.word_patterns import Steps, compile_pattern, words_of
 from .misspelling import letter_clusters
 
 

@@ -14,14 +14,14 @@ from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import YamlValue, read_yaml
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import Combinator
-from ..grammar.constructions import Construction, Piece, Run, pieces_of
-from ..grammar.grammar import Grammar, Unary
+from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
+from ..grammar.grammar import Grammar, UnaryRule
 from ..grammar.notation import read_entry, read_type
-from ..grammar.patterns import Steps, match_pattern, read_pattern, read_words, variants
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
+from ..grammar.word_patterns import Steps, match_pattern, read_pattern, read_words, variants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
 from .lexicon import Entry, Lexicon, Sense
@@ -51,7 +51,7 @@ class EntryTemplate:
 
 
 @dataclass(frozen=True)
-class Template:
+class WordTemplate:
     """The lines for a kind of word, by form ("base", "plural", "ing", ...)."""
 
     name: str
@@ -88,7 +88,7 @@ class LexiconBuilder:
 
     def __init__(self, grammar: Grammar, inflection: Inflection, combinator: Combinator) -> None:
         self._grammar, self._inflection, self._combinator = grammar, inflection, combinator
-        self._templates: dict[str, Template] = {}
+        self._templates: dict[str, WordTemplate] = {}
         self._endings: dict[str, str] = {}
         self.contractions: dict[str, tuple[str, ...]] = {}
         self.closed: frozenset[str] = frozenset()
@@ -237,7 +237,7 @@ class LexiconBuilder:
         return self.bare_verb(name), ("affordance",) if is_known else ("affordance", "tool")
 
     def _senses(
-        self, template: Template, word: str, names: Mapping[str, str], role: str, cost: float
+        self, template: WordTemplate, word: str, names: Mapping[str, str], role: str, cost: float
     ) -> Iterator[Sense]:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
         name = named.replace("_", " ").rstrip()
@@ -257,7 +257,7 @@ class LexiconBuilder:
         sign = self._combinator.sign(category)
         return Entry(category, term, evaluate(term), sign, cost, says=says)
 
-    def _template(self, name: str, field: Field) -> Template:
+    def _template(self, name: str, field: YamlValue) -> WordTemplate:
         parts = field.entries(required=("constants", "forms"), optional=())
         constants = {
             constant: [read_type(item) for item in types.items()]
@@ -275,22 +275,22 @@ class LexiconBuilder:
                 raise lines.fail(f'there is no form "{form}"; expected one of {known}.')
         for line in chain.from_iterable(forms.values()):
             self._combinator.sign(line.category)
-        return Template(name, tuple(constants), MappingProxyType(forms))
+        return WordTemplate(name, tuple(constants), MappingProxyType(forms))
 
-    def _template_named(self, name: str, field: Field) -> Template:
+    def _template_named(self, name: str, field: YamlValue) -> WordTemplate:
         if name not in self._templates:
             known = ", ".join(sorted(self._templates))
             raise field.fail(f'there is no template "{name}"; expected one of {known}.')
         return self._templates[name]
 
-    def _read_nouns(self, kind: str, field: Field) -> None:
+    def _read_nouns(self, kind: str, field: YamlValue) -> None:
         self._template_named(kind, field)
         for name in field.texts():
             self.lexicon.add_all(self.noun(kind, name))
         if kind == _MASS:
             self.mass |= set(field.texts())
 
-    def _read_verb(self, field: Field) -> None:
+    def _read_verb(self, field: YamlValue) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))
         templates = parts["templates"].listed()
         for item in templates:
@@ -302,7 +302,7 @@ class LexiconBuilder:
             self.verbs.append(verb)
             self.lexicon.add_all(self.verb_forms(verb))
 
-    def _read_qualifier(self, degree: str, field: Field) -> None:
+    def _read_qualifier(self, degree: str, field: YamlValue) -> None:
         if degree not in self._grammar.signature:
             raise field.fail(f'"{degree}" is no degree of confidence.')
         template = self._template_named("qualifier", field)
@@ -310,7 +310,7 @@ class LexiconBuilder:
         for word in field.texts():
             self.lexicon.add_all(self._senses(template, word, {"DEG": degree}, "", 0.0))
 
-    def _read_word(self, field: Field) -> None:
+    def _read_word(self, field: YamlValue) -> None:
         parts = field.entries(required=("says",), optional=("is", "like"))
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
@@ -324,21 +324,21 @@ class LexiconBuilder:
             for entry in entries:
                 self._add(self.lexicon, entry._replace(says=text))
 
-    def _read_construction(self, field: Field) -> None:
+    def _read_construction(self, field: YamlValue) -> None:
         parts = field.entries(required=("says", "is"), optional=())
         spelt = self._spelt(parts["says"])
         for line in parts["is"].listed():
             self._add_constructions(spelt, *read_entry(line), line)
 
-    def _read_class(self, name: str, field: Field) -> None:
+    def _read_class(self, name: str, field: YamlValue) -> None:
         """Add the spellings of a word class, which mean nothing of their own."""
         self._add_constructions(self._spelt(field), AtomicCategory(name), _NOTHING, 0.0, field)
 
-    def _spelt(self, says: Field) -> Iterable[tuple[Piece, ...]]:
+    def _spelt(self, says: YamlValue) -> Iterable[tuple[Piece, ...]]:
         """Add the words of constructions behind their first, and return the constructions."""
         found = (pieces_of(each, one) for one in says.listed() for each in variants(one))
         spelt = dict.fromkeys(found)
-        runs = ([piece for piece in pieces if isinstance(piece, Run)] for pieces in spelt)
+        runs = ([piece for piece in pieces if isinstance(piece, WordRun)] for pieces in spelt)
         for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):
             self._add(self._constructions, self._entry(run.category, _NOTHING, 0.0, run.text))
         return spelt
@@ -349,7 +349,7 @@ class LexiconBuilder:
         category: Category,
         term: Term,
         cost: float,
-        line: Field,
+        line: YamlValue,
     ) -> None:
         found = [Construction(pieces, category, term) for pieces in spelt]
         for gaps in dict.fromkeys(construction.gaps for construction in found):
@@ -360,12 +360,12 @@ class LexiconBuilder:
     def _add_head(self, construction: Construction, cost: float) -> None:
         head, category = construction.head, construction.category
         self._combinator.sign(category)
-        if isinstance(head, Run):
+        if isinstance(head, WordRun):
             make = partial(self._head_entry, construction, cost, head.text)
             self._constructions.add(Sense(head.text, category, "", make))
         else:
             term = construction.functor()
-            self._combinator.add(Unary(head.category, category, term, evaluate(term), cost))
+            self._combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
 
     def _head_entry(self, construction: Construction, cost: float, says: str) -> Entry:
         return self._entry(construction.category, construction.functor(), cost, says)
@@ -378,11 +378,11 @@ def _constant(name: str) -> str:
     return name.replace(" ", "_")
 
 
-def _entries(parts: Mapping[str, Field], key: str) -> Iterator[tuple[str, Field]]:
+def _entries(parts: Mapping[str, YamlValue], key: str) -> Iterator[tuple[str, YamlValue]]:
     if key in parts:
         yield from parts[key].entries().items()
 
 
-def _items(parts: Mapping[str, Field], key: str) -> Iterator[Field]:
+def _items(parts: Mapping[str, YamlValue], key: str) -> Iterator[YamlValue]:
     if key in parts:
         yield from parts[key].items()

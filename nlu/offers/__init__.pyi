@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 from .candidates import CandidateMeaning, candidates
-from .checks import Checks, load_check_words
-from .choice import ChoiceWords, load_choice_words
+from .checks import OfferChecks, load_check_words
+from .choice_answers import ChoiceWords, load_choice_words
+from .meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from .mentions import Mention, Mentions, find_mentions
 from .offers import OfferModel, Offers, load_model
 from .ranker import Ranker
-from .shapes import Shape, meaning_from_json, shape_of
-from .slips import corrected_texts
+from .typing_slips import corrected_texts
 
 __all__ = [
     "CandidateMeaning",
-    "Checks",
     "ChoiceWords",
+    "MeaningShape",
     "Mention",
     "Mentions",
+    "OfferChecks",
     "OfferModel",
     "Offers",
     "Ranker",
-    "Shape",
     "candidates",
     "corrected_texts",
     "find_mentions",

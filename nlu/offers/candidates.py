@@ -9,8 +9,8 @@ from functools import cached_property
 from itertools import islice, permutations, product
 
 from ..semantics.meaning import Json
+from .meaning_shapes import MeaningShape
 from .mentions import Mention, Mentions
-from .shapes import Shape
 
 MAX_FILLINGS = 12
 """The greatest number of ways in which the names of an utterance may fill one shape."""
@@ -20,7 +20,7 @@ MAX_FILLINGS = 12
 class CandidateMeaning:
     """A shape, and for each of its slots the value; the mentions are those used, by slot."""
 
-    shape: Shape
+    shape: MeaningShape
     values: Mapping[str, object]
     used: Mapping[str, tuple[Mention, ...]]
 
@@ -31,7 +31,7 @@ class CandidateMeaning:
 
 
 def candidates(
-    mentions: Mentions, shapes: Iterable[Shape], tool_acts: Mapping[str, str]
+    mentions: Mentions, shapes: Iterable[MeaningShape], tool_acts: Mapping[str, str]
 ) -> Iterator[CandidateMeaning]:
     """Yield the ways in which the names of an utterance fill the shapes."""
     for shape in shapes:
@@ -58,7 +58,7 @@ def candidates(
                 yield CandidateMeaning(shape, values, used)
 
 
-def _given(shape: Shape, mentions: Mentions) -> dict[str, object] | None:
+def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
     """The values of the slots that no name fills, None when there is none for one of them."""
     values: dict[str, object] = {}
     for slot in shape.slots:
@@ -75,12 +75,12 @@ def _given(shape: Shape, mentions: Mentions) -> dict[str, object] | None:
     return values if all(value for value in values.values()) else None
 
 
-def _kind(shape: Shape) -> object:
+def _kind(shape: MeaningShape) -> object:
     retracted = shape.template.get("retract")
     return (retracted if isinstance(retracted, dict) else shape.template).get("rule")
 
 
-def _fillings(shape: Shape, mentions: Mentions) -> Iterator[dict[str, str]]:
+def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str]]:
     by_role = [
         [
             dict(zip(slots, names, strict=True))

@@ -16,12 +16,12 @@ from itertools import pairwise
 from pathlib import Path
 
 from ...ontology.yaml_reader import read_yaml
-from ..grammar.patterns import spellings
+from ..grammar.word_patterns import spellings
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_features import features_of_names
-from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, Features
-from ..semantics.licence import ACCEPT, Licence
+from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, UtteranceFeatures
+from ..semantics.licence_table import ACCEPT, Licence
 from ..semantics.meaning import (
     ActionRule,
     Command,
@@ -33,7 +33,7 @@ from ..semantics.meaning import (
     ToolCommand,
 )
 from .mentions import Mentions
-from .segments import Span, rest_of
+from .utterance_segments import Span, rest_of
 
 Phrase = tuple[str, ...]
 
@@ -49,7 +49,7 @@ _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is no
 
 
 @dataclass(frozen=True)
-class Checks:
+class OfferChecks:
     """What an offer must keep of an utterance.
 
     Attributes:
@@ -100,7 +100,7 @@ class Checks:
         aside = self.reader.features((), around)
         return self.licence.outcome(meaning, aside) == ACCEPT
 
-    def clause_features(self, mentions: Mentions) -> Features:
+    def clause_features(self, mentions: Mentions) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
         return self.reader.features(tuple(self._clauses(mentions)), ())
 

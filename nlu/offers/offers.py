@@ -22,12 +22,12 @@ from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..semantics.coreference import Discourse
 from ..semantics.meaning import AskBack, Command, Confidence, Meaning, Statement, ToolCommand
 from .candidates import CandidateMeaning, candidates
-from .checks import Checks
+from .checks import OfferChecks
+from .meaning_shapes import MeaningShape, meaning_from_json
 from .mentions import Mentions, find_mentions
 from .ranker import Ranker, left_over
-from .segments import rest_of, segments
-from .shapes import Shape, meaning_from_json
-from .slips import corrected_texts
+from .typing_slips import corrected_texts
+from .utterance_segments import rest_of, segments
 
 MAX_OFFERS = 3
 
@@ -49,7 +49,7 @@ MAX_SEGMENTS = 30
 class OfferModel:
     """What was learned from utterances: the shapes of their meanings, and the weights."""
 
-    shapes: tuple[Shape, ...]
+    shapes: tuple[MeaningShape, ...]
     ranker: Ranker
 
 
@@ -66,7 +66,7 @@ class Offers:
     """
 
     model: OfferModel
-    checks: Checks
+    checks: OfferChecks
     known: KnownWords
     degrees: Mapping[tuple[str, ...], Confidence]
     tool_acts: Mapping[str, str]
@@ -175,7 +175,7 @@ def _content(meaning: Meaning) -> Meaning:
 def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    shapes = tuple(Shape(json.dumps(each, separators=(",", ":"))) for each in data["shapes"])
+    shapes = tuple(MeaningShape(json.dumps(each, separators=(",", ":"))) for each in data["shapes"])
     traits = [each if isinstance(each, str) else shapes[each].text for each in data["traits"]]
     weights = {
         feature: {

@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
 from ..grammar.combinators import Combination, Combinator, Sign
-from ..grammar.grammar import Unary
+from ..grammar.grammar import UnaryRule
 from ..grammar.terms import Value, compose
 from ..lexicon.lexicon import Entry, EntryIndex, Lexicon
 
@@ -36,12 +36,12 @@ class Derivation(NamedTuple):
     cost: float
     start: int
     end: int
-    rule: Entry | Unary | Combination
+    rule: Entry | UnaryRule | Combination
     parts: tuple[Derivation, ...] = ()
 
 
 class _BackPointer(NamedTuple):
-    rule: Unary | Combination
+    rule: UnaryRule | Combination
     middle: int = 0
     left: Sign = 0
     right: Sign = 0
@@ -187,7 +187,7 @@ class Chart:
     ) -> Iterator[Derivation]:
         if isinstance(pointer, Entry):
             yield Derivation(category, pointer.value, pointer.cost, start, end, pointer)
-        elif isinstance(rule := pointer.rule, Unary):
+        elif isinstance(rule := pointer.rule, UnaryRule):
             for part in self._derivations(start, end, pointer.left):
                 value, cost = rule.value(part.value), part.cost + rule.cost
                 yield Derivation(category, value, cost, start, end, rule, (part,))

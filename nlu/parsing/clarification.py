@@ -25,7 +25,7 @@ from ..lexicon.unknown_words import (
 )
 from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import RefusedError, UnlearnableError
-from ..semantics.licence import ACCEPT
+from ..semantics.licence_table import ACCEPT
 from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
 from .chart import Chart
 from .parser import SentenceParser

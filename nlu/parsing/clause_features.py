@@ -15,7 +15,7 @@ from ..grammar.categories import AtomicCategory
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.vocabulary import NewWord
-from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, Features
+from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, UtteranceFeatures
 from ..semantics.meaning import ActionRule, Command, FunctionalRule, Meaning, Statement, ToolCommand
 from .chart import Derivation
 
@@ -26,7 +26,7 @@ def features_of(
     tokens: Tokens,
     meaning: Meaning,
     new_words: Sequence[NewWord],
-) -> Features:
+) -> UtteranceFeatures:
     """Return the features of a sentence, with those of the new nouns in its meaning."""
     words = list(_words(reader, derivation, tokens.words, MAIN))
     found = reader.features(words, tokens.removed)

@@ -23,10 +23,10 @@ from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, RefusedError
 from ..semantics.features import FeatureReader
 from ..semantics.fragments import FRAGMENTS
 from ..semantics.interpretation import Interpreter, short_answer
-from ..semantics.licence import Licence
+from ..semantics.licence_table import Licence
 from ..semantics.meaning import Answer, Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
-from ..semantics.predicates import Form, form_of
+from ..semantics.predicates import PredicateForm, form_of
 from .chart import Chart, Derivation
 from .clause_features import features_of
 from .derivation import lexical_entries, subderivations
@@ -92,7 +92,7 @@ class SentenceParser:
         found = (reading.derivation, tokens, reading.meaning, reading.new_words)
         return replace(reading, features=features_of(self.features, *found))
 
-    def topic(self, chart: Chart, context: UtteranceContext) -> Form | None:
+    def topic(self, chart: Chart, context: UtteranceContext) -> PredicateForm | None:
         """Return the object that an utterance consists of, None when it is more than a name."""
         for derivation in chart.derivations(self.grammar.topic):
             form = _fill_persons(form_of(derivation.value), context)
@@ -153,11 +153,13 @@ class SentenceParser:
         entries = lexical_entries(derivation)
         words = new_words(entries)
         if tokens.asks and (act == "FRAGMENT" or form.name in FRAGMENTS):
-            act, form = "FRAGMENT", Form("asked", (form,))
+            act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and"}:
-            form = Form("isTrue", (form,))
-        speech_act = Form(act, (Form(context.speaker), Form(context.addressee), form))
+            form = PredicateForm("isTrue", (form,))
+        speech_act = PredicateForm(
+            act, (PredicateForm(context.speaker), PredicateForm(context.addressee), form)
+        )
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
         meaning = interpreter.meaning(intention.form, context.discourse)
@@ -171,7 +173,7 @@ class SentenceParser:
             words,
         )
 
-    def _intention(self, speech_act: Form, recognition: Confidence) -> Intention:
+    def _intention(self, speech_act: PredicateForm, recognition: Confidence) -> Intention:
         """The one intention of a speech act, as sure as the speech was recognised."""
         meant = self.pragmatics.meant(speech_act)
         if len(meant) != 1:
@@ -201,12 +203,12 @@ def _simplest_first(category: Category) -> tuple[int, int, str]:
     return shown.count("/") + shown.count("\\"), len(shown), shown
 
 
-def _fill_persons(form: Form, context: UtteranceContext) -> Form:
-    names = {"speaker": Form(context.speaker), "self": Form(context.addressee)}
+def _fill_persons(form: PredicateForm, context: UtteranceContext) -> PredicateForm:
+    names = {"speaker": PredicateForm(context.speaker), "self": PredicateForm(context.addressee)}
     return form.mapped(lambda part: names.get(part.name) if not part.arguments else None)
 
 
-def _act_with_question_mark(act: str, form: Form, tokens: Tokens) -> str:
+def _act_with_question_mark(act: str, form: PredicateForm, tokens: Tokens) -> str:
     """The speech act, which a question mark makes a question."""
     if not tokens.asks:
         return act

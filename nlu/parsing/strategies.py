@@ -30,7 +30,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
-from ..semantics.predicates import Form
+from ..semantics.predicates import PredicateForm
 from .chart import Chart
 from .clarification import Clarification
 from .parser import SentenceParser, UtteranceContext, decide
@@ -208,7 +208,7 @@ class _Attempt:
             # An object named at the end goes first: "You pass it by the blade, the knife."
             segments = (segments[-1], *segments[:-1])
         found: list[Understanding] = []
-        topic: Form | None = None
+        topic: PredicateForm | None = None
         for segment in segments:
             each = self._sentence(segment, context)
             if each.reading is None:
@@ -269,7 +269,7 @@ class _Attempt:
         answer = answer or clarify.of_failure(chart, tokens, refusal)
         return _understanding(tokens, context, answer, readings=len(accepted))
 
-    def _topic(self, tokens: Tokens, context: UtteranceContext) -> Form | None:
+    def _topic(self, tokens: Tokens, context: UtteranceContext) -> PredicateForm | None:
         return self._tools.parser.topic(self._plain_chart(tokens), context)
 
     def _plain_chart(self, tokens: Tokens) -> Chart:
@@ -307,7 +307,7 @@ def _failed(found: Understanding) -> Understanding:
     return replace(found, discourse=replace(found.discourse, has_failed=True))
 
 
-def _with_object(thing: Form | None, context: UtteranceContext) -> UtteranceContext:
+def _with_object(thing: PredicateForm | None, context: UtteranceContext) -> UtteranceContext:
     named = (thing,) if thing else ()
     return replace(context, discourse=replace(context.discourse, object=thing, named=named))
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field, replace
 
 from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import Discourse, update_discourse
-from ..semantics.features import Features
+from ..semantics.features import UtteranceFeatures
 from ..semantics.meaning import Confidence, Json, Meaning, Statement
-from ..semantics.predicates import Form
+from ..semantics.predicates import PredicateForm
 from .chart import Derivation
 from .derivation import DerivationStep, derivation_step
 
@@ -31,14 +31,14 @@ class Reading:
         features: those of its clauses, such as who does it and when.
     """
 
-    speech_act: Form
-    intention: Form
+    speech_act: PredicateForm
+    intention: PredicateForm
     interval: Confidence
     meaning: Meaning
     cost: float
     derivation: Derivation
     new_words: tuple[NewWord, ...] = ()
-    features: Features = field(default_factory=Features)
+    features: UtteranceFeatures = field(default_factory=UtteranceFeatures)
 
 
 @dataclass(frozen=True)

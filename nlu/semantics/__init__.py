@@ -7,7 +7,7 @@ coreference     the referent of "it", and the discourse state
 pragmatics      rules from speech acts to intentions
 interpretation  from an intention to its meaning
 features        who does it, when, how surely and on whose word, read off the small words
-licence         which features let a meaning become a rule, and how sure it is then
+licence_table   which features let a meaning become a rule, and how sure it is then
 """
 
 import lazy_loader

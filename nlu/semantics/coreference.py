@@ -27,17 +27,17 @@ from .meaning import (
     Statement,
     ToolCommand,
 )
-from .predicates import Form
+from .predicates import PredicateForm
 
-IT, THEY, ONE = Form("it"), Form("they"), Form("one")
-LAST_USE = Form("lastUse")
+IT, THEY, ONE = PredicateForm("it"), PredicateForm("they"), PredicateForm("one")
+LAST_USE = PredicateForm("lastUse")
 PRONOUNS = frozenset({IT, THEY})
 SOMETHING = frozenset({"something", "anything"})
 
-_ONE_OF_SEVERAL = Form("oneOfSeveral")
+_ONE_OF_SEVERAL = PredicateForm("oneOfSeveral")
 _ORDINALS = {"former": 0, "latter": -1}
 _OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
-_HILT = Form("self")
+_HILT = PredicateForm("self")
 _OBJECT_FIRST = frozenset(
     {"usesOf", "about", "see", "source", "why", "whyNot", "topic", "exceptions", "inHand"}
 )
@@ -57,18 +57,18 @@ class Discourse:
         has_failed: whether the last turn was not understood, so that nothing can be referred to.
     """
 
-    object: Form | None = None
+    object: PredicateForm | None = None
     rule: Rule | None = None
     last: Rule | Question | Command | ToolCommand | None = None
-    named: tuple[Form, ...] = ()
-    pair: tuple[Form, ...] = ()
+    named: tuple[PredicateForm, ...] = ()
+    pair: tuple[PredicateForm, ...] = ()
     has_failed: bool = False
 
     def about(self, name: str) -> Discourse:
         """Return this state after an object of this name was mentioned."""
-        return self.naming(Form(name.replace(" ", "_")))
+        return self.naming(PredicateForm(name.replace(" ", "_")))
 
-    def naming(self, *named: Form, last: Form | None = None) -> Discourse:
+    def naming(self, *named: PredicateForm, last: PredicateForm | None = None) -> Discourse:
         """Return this state after a turn that named these objects; `last` is that of "it"."""
         pair = self.pair
         if len(named) > 1:
@@ -98,7 +98,7 @@ class UnlearnableError(RefusedError):
     """What was said is clear as a whole, but is nothing that Hilt learns."""
 
 
-def resolve(form: Form, discourse: Discourse) -> Form:
+def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """Return the form with every pronoun replaced by its referent.
 
     Raises:
@@ -120,14 +120,14 @@ def resolve(form: Form, discourse: Discourse) -> Form:
     return rest
 
 
-def _ordinal(part: Form, discourse: Discourse) -> Form | None:
+def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     """The referent of "the former" or "the latter", the kind of "one", and the last use."""
     if part == LAST_USE:
         return _last_use(discourse)
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
-        return _noun(known) if known else Form("something")
+        return _noun(known) if known else PredicateForm("something")
     if part.name not in _ORDINALS or part.arguments:
         return None
     if len(discourse.pair) < 2:
@@ -135,7 +135,7 @@ def _ordinal(part: Form, discourse: Discourse) -> Form | None:
     return discourse.pair[_ORDINALS[part.name]]
 
 
-def _last_use(discourse: Discourse) -> Form:
+def _last_use(discourse: Discourse) -> PredicateForm:
     """The use that the last rule or question is about."""
     last = discourse.last
     if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
@@ -143,12 +143,14 @@ def _last_use(discourse: Discourse) -> Form:
     return _use_form(last.affordance, last.material)
 
 
-def _use_form(use: str, material: str | None) -> Form:
-    act = Form(use.replace(" ", "_"))
-    return Form("of", (act, Form(material.replace(" ", "_")))) if material else act
+def _use_form(use: str, material: str | None) -> PredicateForm:
+    act = PredicateForm(use.replace(" ", "_"))
+    return (
+        PredicateForm("of", (act, PredicateForm(material.replace(" ", "_")))) if material else act
+    )
 
 
-def _resolve_they(form: Form, discourse: Discourse) -> Form:
+def _resolve_they(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """The form with "they" as its own object, else once for each of the objects named."""
     as_one = form.mapped(lambda part: IT if part == THEY else None)
     rest = resolve(as_one, replace(discourse, object=THEY))
@@ -157,14 +159,16 @@ def _resolve_they(form: Form, discourse: Discourse) -> Form:
     if not discourse.named:
         raise RefusedError("no_referent", asks=True, word=THEY.name)
     each = [_simplified(rest.mapped(_replacing(THEY, named))) for named in discourse.named]
-    return each[0] if len(each) == 1 else Form("and", tuple(each))
+    return each[0] if len(each) == 1 else PredicateForm("and", tuple(each))
 
 
-def _replacing(old: Form, new: Form) -> Callable[[Form], Form | None]:
+def _replacing(
+    old: PredicateForm, new: PredicateForm
+) -> Callable[[PredicateForm], PredicateForm | None]:
     return lambda part: new if part == old else None
 
 
-def _with_use(form: Form) -> Form | None:
+def _with_use(form: PredicateForm) -> PredicateForm | None:
     """`thatIs(x, implies(x, cutting, high))`, a relative clause, as `usedFor(x, cutting)`."""
     if form.name != "thatIs":
         return None
@@ -172,44 +176,44 @@ def _with_use(form: Form) -> Form | None:
     if clause.name != "implies" or clause.arguments[1].name in {"graspObject", *_OF_USE}:
         raise RefusedError("one_thing_at_a_time")
     _, use, degree = clause.arguments
-    return Form("notUsedFor" if degree.name == "none" else "usedFor", (thing, use))
+    return PredicateForm("notUsedFor" if degree.name == "none" else "usedFor", (thing, use))
 
 
-def _with_tool(form: Form) -> Form | None:
+def _with_tool(form: PredicateForm) -> PredicateForm | None:
     """`use(self, hammer, pound(self, nail))` as `pound(self, nail, hammer)`."""
     if form.name != "use" or len(form.arguments) != 3:
         return None
     _, tool, act = form.arguments
     if not _is_tool_act(act) or len(act.arguments) != 2:
         raise RefusedError("one_thing_at_a_time")
-    return Form(act.name, (*act.arguments, tool))
+    return PredicateForm(act.name, (*act.arguments, tool))
 
 
-def _with_each_material(form: Form) -> Form | None:
+def _with_each_material(form: PredicateForm) -> PredicateForm | None:
     """`of(cutting, both(bread, wood))` as `both(of(cutting, bread), of(cutting, wood))`."""
     if form.name != "of" or form.arguments[1].name not in {"both", "butNot"}:
         return None
     use, several = form.arguments
-    each = (Form("of", (use, material)) for material in several.arguments)
-    return Form(several.name, tuple(part.mapped(_with_each_material) for part in each))
+    each = (PredicateForm("of", (use, material)) for material in several.arguments)
+    return PredicateForm(several.name, tuple(part.mapped(_with_each_material) for part in each))
 
 
-def _resolve_rules(form: Form, discourse: Discourse) -> Form:
+def _resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     match form.name, form.arguments:
         case "and", (one, other):
             # The second rule may speak of the first one's object.
             first = _resolve_rules(one, discourse)
             known = _object_of_rule(first) or discourse.object
             second = _resolve_rules(other, replace(discourse, object=known))
-            return Form("and", (first, second))
+            return PredicateForm("and", (first, second))
         case "implies", _:
             return _resolve_rule(form, discourse)
         case "within", (occasion, rule):
             form = _on_occasion(occasion, rule)
-        case "holding", (Form(arguments=(_, held, *_)) as act, place):
-            return Form("holding", (act, _replace_it(place, held)))
+        case "holding", (PredicateForm(arguments=(_, held, *_)) as act, place):
+            return PredicateForm("holding", (act, _replace_it(place, held)))
         case "how", (act, held):
-            return Form("how", (_replace_it(act, held),))
+            return PredicateForm("how", (_replace_it(act, held),))
         case "first", (thing, act):
             # "Take the mug and pass it to me": the second act must be on the first one's object.
             if IT not in act:
@@ -217,48 +221,52 @@ def _resolve_rules(form: Form, discourse: Discourse) -> Form:
             form = _replace_it(act, thing)
         case _:
             arguments = (_resolve_rules(part, discourse) for part in form.arguments)
-            return Form(form.name, tuple(arguments))
+            return PredicateForm(form.name, tuple(arguments))
     return _resolve_rules(form, discourse)
 
 
-def _on_occasion(occasion: Form, rule: Form) -> Form:
+def _on_occasion(occasion: PredicateForm, rule: PredicateForm) -> PredicateForm:
     """A rule stated with its occasion: "if I want a mug, pass it by the rim"."""
     if rule.name == "and":
-        return Form("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
+        return PredicateForm("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
     if rule.name != "implies":
         raise RefusedError("not_a_rule")
     context, act, degree = rule.arguments
     if context.name != occasion.name or len(occasion.arguments) < 2:
         raise RefusedError("one_thing_at_a_time")
-    return _replace_it(Form("implies", (context, act, degree)), occasion.arguments[1])
+    return _replace_it(PredicateForm("implies", (context, act, degree)), occasion.arguments[1])
 
 
-def _resolve_rule(form: Form, discourse: Discourse) -> Form:
+def _resolve_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     alternatives = _alternatives(form)
     if alternatives:
-        return _resolve_rules(Form("and", alternatives), discourse)
+        return _resolve_rules(PredicateForm("and", alternatives), discourse)
     if form.arguments[1].name == "graspObject":
         return _resolve_action_rule(form, discourse)
     return _replace_it(form, discourse.object) if discourse.object else form
 
 
-def _alternatives(form: Form) -> tuple[Form, ...]:
+def _alternatives(form: PredicateForm) -> tuple[PredicateForm, ...]:
     """The rules that one `implies` over two objects, uses or acts expands to; empty for one."""
     for place, argument in enumerate(form.arguments):
         if argument.name in {"both", "eitherOf", "butNot"}:
             before, after = form.arguments[:place], form.arguments[place + 1 :]
-            rules = [Form("implies", (*before, each, *after)) for each in argument.arguments]
+            rules = [
+                PredicateForm("implies", (*before, each, *after)) for each in argument.arguments
+            ]
             if argument.name == "butNot":
-                rules[1] = Form("implies", (*rules[1].arguments[:-1], Form("none")))
+                rules[1] = PredicateForm(
+                    "implies", (*rules[1].arguments[:-1], PredicateForm("none"))
+                )
             return tuple(rules)
     return ()
 
 
-def _replace_it(form: Form, known: Form) -> Form:
+def _replace_it(form: PredicateForm, known: PredicateForm) -> PredicateForm:
     return form.mapped(lambda part: known if part == IT else None)
 
 
-def _resolve_action_rule(form: Form, discourse: Discourse) -> Form:
+def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """`implies(context, graspObject(self, partOf(part, object)), degree)` about one object."""
     context, act, degree = form.arguments
     actor, place = act.arguments
@@ -267,35 +275,35 @@ def _resolve_action_rule(form: Form, discourse: Discourse) -> Form:
     known = _most_specific(candidates) or discourse.object
     if known is None:
         raise RefusedError("of_which_object", asks=True)
-    act = Form("graspObject", (actor, Form("partOf", (part, known))))
-    return Form("implies", (_with_object(context, known), act, degree))
+    act = PredicateForm("graspObject", (actor, PredicateForm("partOf", (part, known))))
+    return PredicateForm("implies", (_with_object(context, known), act, degree))
 
 
-def _part(place: Form) -> tuple[Form, list[Form]]:
+def _part(place: PredicateForm) -> tuple[PredicateForm, list[PredicateForm]]:
     """The innermost part, and all objects that it is called a part of."""
-    owners: list[Form] = []
+    owners: list[PredicateForm] = []
     while place.name == "partOf":
         place, owner = place.arguments
         owners.append(owner)
     return place, owners
 
 
-def _simplified(form: Form) -> Form:
+def _simplified(form: PredicateForm) -> PredicateForm:
     """The form with nested parts of one object flattened, and uses "on something" as plain uses."""
 
-    def change(part: Form) -> Form | None:
+    def change(part: PredicateForm) -> PredicateForm | None:
         if part.name == "of" and part.arguments[1].name in SOMETHING:
             return part.arguments[0]
         if part.name != "partOf" or part.arguments[0].name != "partOf":
             return None
         innermost, owners = _part(part)
         known = _most_specific(owners)
-        return Form("partOf", (innermost, known)) if known is not None else None
+        return PredicateForm("partOf", (innermost, known)) if known is not None else None
 
     return form.mapped(change)
 
 
-def _grasped_object(context: Form, owners: list[Form]) -> Form:
+def _grasped_object(context: PredicateForm, owners: list[PredicateForm]) -> PredicateForm:
     """The object grasped in a context: the tool, where there is one."""
     arguments = context.arguments
     if len(arguments) == 3 and context.name != "pass":
@@ -308,22 +316,22 @@ def _grasped_object(context: Form, owners: list[Form]) -> Form:
     return held
 
 
-def _is_tool_act(context: Form) -> bool:
+def _is_tool_act(context: PredicateForm) -> bool:
     return context.name not in {"pass", "pickUp", "pointTo", "grasp", "use"}
 
 
-def _with_object(context: Form, known: Form) -> Form:
+def _with_object(context: PredicateForm, known: PredicateForm) -> PredicateForm:
     arguments = tuple(known if argument == IT else argument for argument in context.arguments)
     if len(arguments) == 3 and context.name != "pass":
-        return Form(context.name, (*arguments[:2], known))
+        return PredicateForm(context.name, (*arguments[:2], known))
     if _is_tool_act(context) and _noun(arguments[1]) != _noun(known):
-        return Form(context.name, (*arguments, known))
-    return Form(context.name, (arguments[0], known, *arguments[2:]))
+        return PredicateForm(context.name, (*arguments, known))
+    return PredicateForm(context.name, (arguments[0], known, *arguments[2:]))
 
 
-def _most_specific(candidates: list[Form]) -> Form | None:
+def _most_specific(candidates: list[PredicateForm]) -> PredicateForm | None:
     """The most specific of the candidates, which must be one object; None when all are "it"."""
-    known: Form | None = None
+    known: PredicateForm | None = None
     for candidate in candidates:
         if candidate == IT:
             continue
@@ -336,13 +344,13 @@ def _most_specific(candidates: list[Form]) -> Form | None:
     return known
 
 
-def _noun(form: Form) -> Form:
+def _noun(form: PredicateForm) -> PredicateForm:
     while form.name in {"having", "usedFor", "notUsedFor"}:
         form = form.arguments[0]
     return form
 
 
-def _object_of_rule(form: Form) -> Form | None:
+def _object_of_rule(form: PredicateForm) -> PredicateForm | None:
     if form.name == "and":
         return _object_of_rule(form.arguments[-1])
     if form.name != "implies":
@@ -352,7 +360,7 @@ def _object_of_rule(form: Form) -> Form | None:
     return form.arguments[0]
 
 
-def update_discourse(meaning: Meaning, content: Form, discourse: Discourse) -> Discourse:
+def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discourse) -> Discourse:
     """Return the discourse state after an utterance with a meaning and a predicate form."""
     if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
         return discourse
@@ -383,7 +391,7 @@ def after_offer(choices: Iterable[Meaning | str], discourse: Discourse) -> Disco
     return discourse.accessible.naming(*dict.fromkeys(named))
 
 
-def _named_objects(meaning: Meaning) -> Iterator[Form]:
+def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
     """The objects that a meaning is about, in order."""
     match meaning:
         case Statement(rules=rules):
@@ -391,7 +399,9 @@ def _named_objects(meaning: Meaning) -> Iterator[Form]:
                 yield from _object_form(rule.object, rule.props)
         case Command(target=ObjectReference(used_for=str(use)) as target):
             act = _use_form(use, target.material)
-            yield _with_props(Form("usedFor", (Form("something"), act)), target.props)
+            yield _with_props(
+                PredicateForm("usedFor", (PredicateForm("something"), act)), target.props
+            )
         case Command(target=ObjectReference(object=name, props=props)):
             yield from _object_form(name, props)
         case ToolCommand(patient=name):
@@ -402,19 +412,19 @@ def _named_objects(meaning: Meaning) -> Iterator[Form]:
             return
 
 
-def _object_form(name: str | None, props: tuple[str, ...]) -> Iterator[Form]:
+def _object_form(name: str | None, props: tuple[str, ...]) -> Iterator[PredicateForm]:
     if name is None or name == ANY_OBJECT:
         return
-    yield _with_props(Form(name.replace(" ", "_")), props)
+    yield _with_props(PredicateForm(name.replace(" ", "_")), props)
 
 
-def _with_props(form: Form, props: tuple[str, ...]) -> Form:
+def _with_props(form: PredicateForm, props: tuple[str, ...]) -> PredicateForm:
     for prop in props:
-        form = Form("having", (form, Form(prop.replace(" ", "_"))))
+        form = PredicateForm("having", (form, PredicateForm(prop.replace(" ", "_"))))
     return form
 
 
-def _mentioned_object(form: Form) -> Form | None:
+def _mentioned_object(form: PredicateForm) -> PredicateForm | None:
     """The object that a form is about: the last one named in it."""
     if form.name == "partOf":
         return form.arguments[1]

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from ...ontology.yaml_reader import Field, read_yaml
-from ..grammar.patterns import spellings
+from ...ontology.yaml_reader import YamlValue, read_yaml
+from ..grammar.word_patterns import spellings
 
 Values: TypeAlias = Mapping[str, frozenset[str]]
 """The values of each feature that a clause has."""
@@ -49,7 +49,7 @@ class ClauseWord(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Features:
+class UtteranceFeatures:
     """The features of an utterance by clause.
 
     Attributes:
@@ -104,16 +104,20 @@ class FeatureReader:
     acts: frozenset[str]
     endings: tuple[str, ...]
 
-    def features(self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]) -> Features:
+    def features(
+        self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]
+    ) -> UtteranceFeatures:
         """Return the features of an utterance by its words and the phrases taken out of it."""
         main, condition = (_joined(self._found(_of_clause(words, c))) for c in (MAIN, CONDITION))
-        return self.with_asides(Features(main, condition), removed)
+        return self.with_asides(UtteranceFeatures(main, condition), removed)
 
     def has_feature(self, word: str) -> bool:
         """Whether a word alone has a feature, so that it is no part of a name."""
         return any(len(phrase) == 1 for phrase, _ in self.phrases.get(word, ()))
 
-    def with_asides(self, features: Features, phrases: Iterable[Sequence[str]]) -> Features:
+    def with_asides(
+        self, features: UtteranceFeatures, phrases: Iterable[Sequence[str]]
+    ) -> UtteranceFeatures:
         """Return features with those of further phrases that add nothing to the meaning."""
         found = [value for phrase in phrases for value in self._found(phrase)]
         return replace(features, aside=_joined([features.aside, *found]))
@@ -178,11 +182,11 @@ def load_features(path: Path) -> FeatureReader:
     )
 
 
-def _words(group: Field) -> frozenset[str]:
+def _words(group: YamlValue) -> frozenset[str]:
     return frozenset(" ".join(phrase) for item in group.items() for phrase in spellings(item))
 
 
-def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: Field) -> None:
+def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlValue) -> None:
     if feature in known:
         other = ", ".join(known[feature])
         raise item.fail(f'"{item.text()}" has two values of {feature}: {other} and {value}.')

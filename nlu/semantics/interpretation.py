@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..lexicon.shared_index import SharedIndex
+from ..lexicon.immutable_index import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .coreference import SOMETHING, Discourse, RefusedError, UnlearnableError
 from .fragments import FRAGMENTS, Fragment, complete
@@ -31,7 +31,7 @@ from .meaning import (
     ToolCommand,
     TopicStatement,
 )
-from .predicates import Form
+from .predicates import PredicateForm
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
 
@@ -81,8 +81,8 @@ class Interpreter:
     """
 
     intervals: Mapping[str, Confidence]
-    tool_acts: SharedIndex[str, str]
-    acts: SharedIndex[str, str]
+    tool_acts: ImmutableIndex[str, str]
+    acts: ImmutableIndex[str, str]
     new_acts: frozenset[str] = frozenset()
 
     def with_words(self, words: Sequence[NewWord]) -> Interpreter:
@@ -90,7 +90,7 @@ class Interpreter:
         acts = frozenset(word.word for word in words if word.role == "context")
         return replace(self, new_acts=acts) if acts else self
 
-    def meaning(self, intention: Form, discourse: Discourse) -> Meaning:  # noqa: PLR0911
+    def meaning(self, intention: PredicateForm, discourse: Discourse) -> Meaning:  # noqa: PLR0911
         """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
 
         A fragment refers to the last rule, question or command of the discourse.
@@ -122,13 +122,13 @@ class Interpreter:
             case _:
                 return Acknowledgement(content.name)
 
-    def _statement(self, form: Form) -> Statement:
+    def _statement(self, form: PredicateForm) -> Statement:
         rules = tuple(dict.fromkeys(self._rules(form)))
         if len({replace(rule, confidence=(0, 1)) for rule in rules}) < len(rules):
             raise RefusedError("contradiction", asks=True)
         return Statement(rules)
 
-    def _rules(self, form: Form) -> Iterator[Rule]:
+    def _rules(self, form: PredicateForm) -> Iterator[Rule]:
         """The rules that a form states, in the order they were said."""
         if form.name == "and":
             for part in form.arguments:
@@ -140,7 +140,7 @@ class Interpreter:
         else:
             yield self._functional_rule(form)
 
-    def _correction(self, form: Form, discourse: Discourse) -> Meaning:
+    def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         """The rule that replaces an earlier one, or the retraction of a rule."""
         if form.name == "retractAbout":
             return Retraction(about=_kind_and_properties(form.arguments[0])[0])
@@ -153,7 +153,7 @@ class Interpreter:
             return Statement(tuple(replace(rule, revises=True) for rule in rules))
         return self._fragment(form, discourse)
 
-    def _fragment(self, form: Form, discourse: Discourse) -> Meaning:
+    def _fragment(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         """What a fragment completes: the last rule, question or command."""
         asks = form.name == "asked"
         said = form.arguments[0] if asks else form
@@ -175,7 +175,7 @@ class Interpreter:
             fragment = replace(fragment, confidence=self.intervals[degree[0].name])
         return complete(fragment, discourse)
 
-    def _filled(self, fragment: Fragment, slot: str, value: Form) -> Fragment:
+    def _filled(self, fragment: Fragment, slot: str, value: PredicateForm) -> Fragment:
         """A fragment with the value of its slot."""
         match slot:
             case "target" | "held":
@@ -195,7 +195,7 @@ class Interpreter:
             case _:
                 return replace(fragment, confidence=self.intervals[value.name])
 
-    def _command(self, form: Form) -> Command | ToolCommand:
+    def _command(self, form: PredicateForm) -> Command | ToolCommand:
         if form.name == "not":
             return replace(self._command(form.arguments[0]), negated=True)
         if form.name == "holding":
@@ -218,9 +218,9 @@ class Interpreter:
     def _is_act_on_object(self, name: str) -> bool:
         return name in GOALS or name in self.acts or name in self.new_acts
 
-    def _reference(self, form: Form) -> ObjectReference:
+    def _reference(self, form: PredicateForm) -> ObjectReference:
         names: set[str] = set()
-        used_for: list[Form] = []
+        used_for: list[PredicateForm] = []
         other = False
         while form.name in {"having", "usedFor", "notUsedFor", "other"}:
             if form.name == "other":
@@ -242,7 +242,7 @@ class Interpreter:
             raise RefusedError("which_thing", asks=True)
         return ObjectReference(object=_kind_and_properties(form)[0], props=props, other=other)
 
-    def _command_with_part(self, form: Form) -> Command:
+    def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
         place = form.arguments[1]
         if not isinstance(command, Command):
@@ -256,12 +256,12 @@ class Interpreter:
             raise RefusedError("one_thing_at_a_time")
         return replace(command, part=part)
 
-    def _part_of_object(self, form: Form) -> tuple[str, ObjectReference]:
+    def _part_of_object(self, form: PredicateForm) -> tuple[str, ObjectReference]:
         if form.name != "partOf":
             raise RefusedError("no_part_named")
         return _name(form.arguments[0]), self._reference(form.arguments[1])
 
-    def _tool_command(self, form: Form) -> ToolCommand:
+    def _tool_command(self, form: PredicateForm) -> ToolCommand:
         patient, props = _kind_and_properties(form.arguments[1])
         if patient == ANY_OBJECT or props:
             raise RefusedError("on_what", asks=True, goal=form.name)
@@ -271,13 +271,13 @@ class Interpreter:
             tool = self._reference(form.arguments[2])
         return ToolCommand(form.name, patient, tool)
 
-    def _one_rule(self, form: Form, problem: str = "one_rule_at_a_time") -> Rule:
+    def _one_rule(self, form: PredicateForm, problem: str = "one_rule_at_a_time") -> Rule:
         rules = list(self._rules(form))
         if len(rules) != 1:
             raise RefusedError(problem)
         return rules[0]
 
-    def _functional_rule(self, form: Form) -> FunctionalRule:
+    def _functional_rule(self, form: PredicateForm) -> FunctionalRule:
         noun, use, degree = form.arguments
         confidence = self.intervals[degree.name]
         if use.name in {"usedFor", "notUsedFor"}:
@@ -290,7 +290,7 @@ class Interpreter:
         affordance, material = _use(use)
         return FunctionalRule(name, affordance, confidence, props, material=material)
 
-    def _action_rule(self, form: Form) -> ActionRule:
+    def _action_rule(self, form: PredicateForm) -> ActionRule:
         context, act, degree = form.arguments
         part, owner = act.arguments[1].arguments
         if not self._is_act_on_object(context.name) and context.name not in self.tool_acts:
@@ -300,7 +300,7 @@ class Interpreter:
             raise RefusedError("not_a_rule")  # it is the tool that is held, not what it is used on
         return ActionRule(name, context.name, _name(part), self.intervals[degree.name], props)
 
-    def _question(self, form: Form) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
+    def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         match form.name, form.arguments:
             case (name, ()) if name in _BARE_QUESTIONS:
                 return Question(name)
@@ -319,16 +319,19 @@ class Interpreter:
                 return Question(_QUESTIONS[form.name], speaker=_name(person))
             case "isTrue" | "howSure", (rule, *_):
                 return self._question_on_rule(_QUESTIONS[form.name], rule)
-            case "source", (Form(name="implies" | "and") as rule, *_):
+            case "source", (PredicateForm(name="implies" | "and") as rule, *_):
                 return self._question_on_rule("source", rule)
-            case "source", (Form(name="holding" | "graspObject") as act, *_):
+            case "source", (PredicateForm(name="holding" | "graspObject") as act, *_):
                 return self._question_on_act("source", act)
             case "source", (thing, *_):
                 return Question("source", object=_kind(thing))
-            case "which", (Form(name="usedFor" | "implies", arguments=(thing, use, *_)), *_):
+            case "which", (
+                PredicateForm(name="usedFor" | "implies", arguments=(thing, use, *_)),
+                *_,
+            ):
                 if thing.name in SOMETHING and use.name != "graspObject":
                     return _question_on_use("objects_for", use)
-            case "how", (Form(name="implies", arguments=(act, *_)) | act, *_):
+            case "how", (PredicateForm(name="implies", arguments=(act, *_)) | act, *_):
                 return self._question_on_act("how", act)
             case "why" | "whyNot", reason:
                 return self._question_on_reason(_QUESTIONS[form.name], *reason)
@@ -344,7 +347,7 @@ class Interpreter:
                 pass
         raise RefusedError("unanswerable")
 
-    def _question_on_rule(self, ask: str, form: Form) -> Question:
+    def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
         rule = self._one_rule(form, "one_thing_at_a_time")
         if isinstance(rule, FunctionalRule):
             return Question(
@@ -354,7 +357,7 @@ class Interpreter:
         ask = "how" if ask == "is_used_for" else ask
         return Question(ask, object=rule.object, context=rule.context, part=rule.part)
 
-    def _question_on_act(self, ask: str, act: Form) -> Question:
+    def _question_on_act(self, ask: str, act: PredicateForm) -> Question:
         part = None
         if act.name == "holding":
             act, place = act.arguments
@@ -368,7 +371,9 @@ class Interpreter:
         target = self._reference(act.arguments[1])
         return replace(_question_on_target(ask, target), context=act.name, part=part)
 
-    def _question_on_reason(self, ask: str, form: Form | None = None, *_: Form) -> Question:
+    def _question_on_reason(
+        self, ask: str, form: PredicateForm | None = None, *_: PredicateForm
+    ) -> Question:
         if form is None:
             return Question(ask)
         if form.name == "implies":
@@ -382,7 +387,7 @@ class Interpreter:
         return Question(ask, object=_kind(form))
 
 
-def _use(form: Form) -> tuple[str, str | None]:
+def _use(form: PredicateForm) -> tuple[str, str | None]:
     """The affordance that a form names, and what it is used on, None for anything."""
     material = None
     if form.name == "of":
@@ -396,7 +401,7 @@ def _use(form: Form) -> tuple[str, str | None]:
     return _name(form), material
 
 
-def _question_on_use(ask: str, use: Form) -> Question:
+def _question_on_use(ask: str, use: PredicateForm) -> Question:
     affordance, material = _use(use)
     return Question(ask, affordance=affordance, material=material)
 
@@ -408,7 +413,7 @@ def _question_on_target(ask: str, target: ObjectReference) -> Question:
 _CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
 
 
-def short_answer(form: Form) -> Answer:
+def short_answer(form: PredicateForm) -> Answer:
     """Return what an answer names or chooses: `chosen(knife)`, `chosenUse(cutting)`, `noneOf`.
 
     Raises:
@@ -420,7 +425,7 @@ def short_answer(form: Form) -> Answer:
     return Answer(name, props, is_use=form.name == "chosenUse")
 
 
-def _kind(form: Form) -> str:
+def _kind(form: PredicateForm) -> str:
     """The kind of object that a form names, which must have no further properties."""
     kind, properties = _kind_and_properties(form)
     if properties or kind == ANY_OBJECT:
@@ -428,11 +433,11 @@ def _kind(form: Form) -> str:
     return kind
 
 
-def _part_name(form: Form) -> str:
+def _part_name(form: PredicateForm) -> str:
     return _name(form.arguments[0] if form.name == "partOf" else form)
 
 
-def _kind_and_properties(form: Form) -> tuple[str, tuple[str, ...]]:
+def _kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
     """The kind of object that a form names, or `ANY_OBJECT`, and the properties it requires."""
     props: set[str] = set()
     while form.name == "having":
@@ -443,7 +448,7 @@ def _kind_and_properties(form: Form) -> tuple[str, tuple[str, ...]]:
     return _name(form), tuple(sorted(props))
 
 
-def _name(form: Form) -> str:
+def _name(form: PredicateForm) -> str:
     """The name in a form without arguments, as people spell it.
 
     Raises:
@@ -454,12 +459,12 @@ def _name(form: Form) -> str:
     return form.name.replace("_", " ").rstrip()
 
 
-def _with_use(fragment: Fragment, form: Form) -> Fragment:
+def _with_use(fragment: Fragment, form: PredicateForm) -> Fragment:
     affordance, material = _use(form)
     return replace(fragment, use=affordance, material=material)
 
 
-def _part_and_owner(place: Form) -> tuple[str, str | None]:
+def _part_and_owner(place: PredicateForm) -> tuple[str, str | None]:
     """The part that a fragment names, and the object that it is said to be a part of."""
     if place.name == "graspObject":
         place = place.arguments[1]

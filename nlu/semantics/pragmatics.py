@@ -19,10 +19,10 @@ from ...ontology.evidence_operators import (
     modus_ponens,
     relative_plausibility,
 )
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import YamlValue, read_yaml
 from ..grammar.notation import read_rule
 from .meaning import Confidence
-from .predicates import Form, fill, form_of_term, match
+from .predicates import PredicateForm, fill, form_of_term, match
 
 CERTAIN: Confidence = (1.0, 1.0)
 
@@ -37,8 +37,8 @@ class PragmaticRule:
         interval: how sure the rule is, (lower, upper) in [0, 1].
     """
 
-    act: Form
-    intention: Form
+    act: PredicateForm
+    intention: PredicateForm
     interval: Confidence
 
 
@@ -49,12 +49,12 @@ class Pragmatics:
     rules: tuple[PragmaticRule, ...]
     threshold: float
 
-    def intentions(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
+    def intentions(self, act: PredicateForm, heard: Confidence = CERTAIN) -> list[Intention]:
         """Return all intentions that a speech act may have, the surest first.
 
         How sure it is that this was said is `heard`, (lower, upper) in [0, 1].
         """
-        found: dict[Form, list[Confidence]] = {}
+        found: dict[PredicateForm, list[Confidence]] = {}
         for rule in self._by_act.get(act.name, ()):
             variables = match(rule.act, act)
             if variables is not None:
@@ -64,7 +64,7 @@ class Pragmatics:
         intentions = [Intention(form, each, _certainty(each)) for form, each in fused.items()]
         return sorted(intentions, key=lambda each: -each.certainty)
 
-    def meant(self, act: Form, heard: Confidence = CERTAIN) -> list[Intention]:
+    def meant(self, act: PredicateForm, heard: Confidence = CERTAIN) -> list[Intention]:
         """Return the intentions that are sure enough; unless it is one, Hilt must ask."""
         return [each for each in self.intentions(act, heard) if self.is_enough(each.interval)]
 
@@ -89,7 +89,7 @@ class Intention:
         certainty: the same in one number, in [0, 1]; 0 when it rather is not meant.
     """
 
-    form: Form
+    form: PredicateForm
     interval: Confidence
     certainty: float
 
@@ -105,7 +105,7 @@ def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
     return Pragmatics(rules, entries["threshold"].number(low=0, high=1))
 
 
-def _rule(field: Field) -> PragmaticRule:
+def _rule(field: YamlValue) -> PragmaticRule:
     parts = field.entries(required=("rule", "interval"), optional=())
     left, right = read_rule(parts["rule"])
     try:

@@ -10,26 +10,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
-from ..grammar.terms import Constant, Neutral, Term, Value, spine
+from ..grammar.terms import Constant, NeutralTerm, Term, Value, spine
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class PredicateForm:
     """A name and its arguments, which are forms.
 
-    >>> str(Form("partOf", (Form("blade"), Form("knife"))))
+    >>> str(PredicateForm("partOf", (PredicateForm("blade"), PredicateForm("knife"))))
     'partOf(blade,knife)'
     """
 
     name: str
-    arguments: tuple[Form, ...] = ()
+    arguments: tuple[PredicateForm, ...] = ()
 
     def __str__(self) -> str:
         if not self.arguments:
             return self.name
         return f"{self.name}({','.join(map(str, self.arguments))})"
 
-    def __iter__(self) -> Iterator[Form]:
+    def __iter__(self) -> Iterator[PredicateForm]:
         """This form and all forms within it, from the outside in, left to right."""
         yield self
         for argument in self.arguments:
@@ -40,28 +40,30 @@ class Form:
         """Whether this is a variable of a pattern."""
         return len(self.name) == 1 and self.name.isupper() and not self.arguments
 
-    def mapped(self, change: Callable[[Form], Form | None]) -> Form:
+    def mapped(self, change: Callable[[PredicateForm], PredicateForm | None]) -> PredicateForm:
         """Return the form with parts replaced; `change` returns None for a part to keep."""
         changed = change(self)
         if changed is not None:
             return changed
         if not self.arguments:
             return self
-        return Form(self.name, tuple(argument.mapped(change) for argument in self.arguments))
+        return PredicateForm(
+            self.name, tuple(argument.mapped(change) for argument in self.arguments)
+        )
 
 
-def form_of(value: Value) -> Form:
+def form_of(value: Value) -> PredicateForm:
     """Return the predicate form of a value without free variables.
 
     Raises:
         ValueError: the value is a function.
     """
-    if not isinstance(value, Neutral) or not isinstance(value.head, str):
+    if not isinstance(value, NeutralTerm) or not isinstance(value.head, str):
         raise ValueError("A function is not a predicate form.")
-    return Form(value.head, tuple(form_of(argument) for argument in value.arguments))
+    return PredicateForm(value.head, tuple(form_of(argument) for argument in value.arguments))
 
 
-def form_of_term(term: Term) -> Form:
+def form_of_term(term: Term) -> PredicateForm:
     """Return the predicate form of a term without functions.
 
     Raises:
@@ -70,17 +72,17 @@ def form_of_term(term: Term) -> Form:
     head, arguments = spine(term)
     if not isinstance(head, Constant):
         raise ValueError("A function is not a predicate form.")
-    return Form(head.name, tuple(form_of_term(argument) for argument in arguments))
+    return PredicateForm(head.name, tuple(form_of_term(argument) for argument in arguments))
 
 
 def match(
-    pattern: Form, form: Form, found: Mapping[str, Form] | None = None
-) -> dict[str, Form] | None:
+    pattern: PredicateForm, form: PredicateForm, found: Mapping[str, PredicateForm] | None = None
+) -> dict[str, PredicateForm] | None:
     """Return the bindings of the variables of a pattern, None when it does not match.
 
     A variable that occurs twice, or that is bound in `found`, must match the same form.
     """
-    result: dict[str, Form] | None = dict(found or {})
+    result: dict[str, PredicateForm] | None = dict(found or {})
     if pattern.is_variable:
         return result if result.setdefault(pattern.name, form) == form else None
     if pattern.name != form.name or len(pattern.arguments) != len(form.arguments):
@@ -91,6 +93,6 @@ def match(
     return result
 
 
-def fill(pattern: Form, found: Mapping[str, Form]) -> Form:
+def fill(pattern: PredicateForm, found: Mapping[str, PredicateForm]) -> PredicateForm:
     """Return the pattern with its variables replaced by their bindings."""
     return pattern.mapped(lambda part: found.get(part.name) if part.is_variable else None)

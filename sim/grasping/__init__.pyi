@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from .context import GraspContext, LabelledCloud
+from .context import GraspContext, LabelledPointCloud
 from .planner import RankedGrasps, plan_grasps
 from .sampling import GraspCandidates, sample_grasps
 from .scoring import GraspScores, score_grasps
@@ -11,7 +11,7 @@ __all__ = [
     "GraspScores",
     "GraspSelection",
     "GraspTask",
-    "LabelledCloud",
+    "LabelledPointCloud",
     "RankedGrasps",
     "plan_grasps",
     "sample_grasps",

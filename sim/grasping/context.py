@@ -27,7 +27,7 @@ class PointLabel(IntEnum):
 
 
 @dataclass(frozen=True)
-class LabelledCloud:
+class LabelledPointCloud:
     """The points that grasps of a part of an object are planned on.
 
     Attributes:
@@ -54,7 +54,7 @@ class LabelledCloud:
         table: float,
         centre_of_mass: Array,
         mass: float,
-    ) -> LabelledCloud:
+    ) -> LabelledPointCloud:
         """Join clouds (n, 3) of the part, the other parts of the object, and other objects."""
         groups = [target, other_parts, neighbours]
         labels = np.repeat(np.array(list(PointLabel)), [len(group) for group in groups])
@@ -65,7 +65,7 @@ class LabelledCloud:
         """The points of the part to be grasped (k, 3)."""
         return self.points[self.labels == PointLabel.TARGET]
 
-    def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledCloud:
+    def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledPointCloud:
         """Return fewer, evenly spread points within `reach` [m] of the part.
 
         The voxels of side `cell` [m] grow until at most `limit` points have the same label.
@@ -139,9 +139,9 @@ class GraspContext:
         ]
         return np.sum(moments, axis=0) / sum(masses.values())
 
-    def labelled_cloud(self, table: float) -> LabelledCloud:
+    def labelled_cloud(self, table: float) -> LabelledPointCloud:
         """The points that grasps are planned on, over a table of this height [m]."""
-        return LabelledCloud.of(
+        return LabelledPointCloud.of(
             self.target,
             other_parts=self.other_parts,
             neighbours=self.neighbours,

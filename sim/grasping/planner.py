@@ -18,7 +18,7 @@ from ..poses import Array
 from ..robot.gripper_poses import Grasp
 from ..robot.models import Gripper
 from . import scoring
-from .context import LabelledCloud
+from .context import LabelledPointCloud
 from .sampling import sample_grasps
 from .scoring import GraspScores
 
@@ -74,7 +74,7 @@ class RankedGrasps:
 
 
 def plan_grasps(
-    cloud: LabelledCloud,
+    cloud: LabelledPointCloud,
     gripper: Gripper,
     *,
     rng: np.random.Generator,
@@ -125,7 +125,7 @@ def _spread_out(
     return np.lexsort((cost, rank))[:count]
 
 
-def _refine(scores: GraspScores, fine: LabelledCloud, gripper: Gripper) -> GraspScores:
+def _refine(scores: GraspScores, fine: LabelledPointCloud, gripper: Gripper) -> GraspScores:
     """Add the scores of poses near the best ones."""
     best = scores[_distinct(scores, REFINED, above=-2 * scoring.REJECTION_PENALTY)]
     centred = best.world_from_grip @ _corrections(best)

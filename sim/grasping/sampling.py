@@ -18,7 +18,7 @@ from ..poses import Array
 from ..robot.gripper_poses import hand_orientations
 from ..robot.models import Gripper
 from ..vision.point_clouds import farthest_points, principal_direction
-from .context import LabelledCloud, PointLabel
+from .context import LabelledPointCloud, PointLabel
 
 BIN = 0.002  # [m] along the closing direction
 HALF_BINS = 52  # a section may lie wholly on one side of its sample: 104 mm
@@ -45,7 +45,7 @@ class GraspCandidates:
 
 
 def sample_grasps(
-    cloud: LabelledCloud,
+    cloud: LabelledPointCloud,
     gripper: Gripper,
     *,
     rng: np.random.Generator,
@@ -77,7 +77,7 @@ def sample_grasps(
 
 
 def _candidates(
-    rotation: Array, samples: Array, tips: Array, cloud: LabelledCloud, gripper: Gripper
+    rotation: Array, samples: Array, tips: Array, cloud: LabelledPointCloud, gripper: Gripper
 ) -> GraspCandidates:
     """The cuts through the part that fit between the fingers, for one orientation of the hand."""
     points, starts = rotation.T @ cloud.points.T, samples @ rotation

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .. import poses
 from ..poses import Array
 from ..robot.models import Gripper
-from .context import LabelledCloud, PointLabel
+from .context import LabelledPointCloud, PointLabel
 
 CELLS_X, CELLS_Z = 5, 6  # of a pad's face
 LEVEL = 0.0012  # [m] that a touched cell may lie behind the outermost one
@@ -87,7 +87,7 @@ class GraspScores:
 
 
 def score_grasps(
-    world_from_grip: Array, section_width: Array, cloud: LabelledCloud, gripper: Gripper
+    world_from_grip: Array, section_width: Array, cloud: LabelledPointCloud, gripper: Gripper
 ) -> GraspScores:
     """Score poses (c, 4, 4) of the hand round the target of a cloud.
 
@@ -160,7 +160,7 @@ class HandPointPairs:
 
     @classmethod
     def find(
-        cls, world_from_grip: Array, cloud: LabelledCloud, *, aside: float, ahead: float
+        cls, world_from_grip: Array, cloud: LabelledPointCloud, *, aside: float, ahead: float
     ) -> HandPointPairs:
         """Pair hands (c, 4, 4) with the points within `aside` along x and `ahead` along z [m]."""
         # Single precision, a tenth of a micrometre here, takes half the time.

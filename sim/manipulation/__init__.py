@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Manipulation: grasping, lifting, handing over, putting back, pointing and striking.
 
-`motion` has the motions of the hand, `pick_and_place` the actions made of them, with retries, and
-`striking` drives nails; every action returns a `MotionReport`.
+`hand_motions` has the motions of the hand, `pick_and_place` the actions made of them, with retries,
+and `striking` drives nails; every action returns a `MotionReport`.
 """
 
 import lazy_loader

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-from .motion import FingerContacts, HandMotion, HeldObject
+from .hand_motions import FingerContacts, HandMotion, HeldObject
+from .motion_report import REASONS, MotionReport
 from .pick_and_place import PickAndPlace
-from .report import REASONS, MotionReport
 from .striking import StrikePose, StrikeTarget, Striking, find_strike_poses
 
 __all__ = [

@@ -24,8 +24,8 @@ from ..robot.path_planner import GraspPath, PathPlanner
 from ..scene.world import SleepManager, World
 from ..vision.percept import Percept
 from ..vision.sensors import CachedVision
-from .motion import FingerContacts, HandMotion, HeldObject
-from .report import MotionReport
+from .hand_motions import FingerContacts, HandMotion, HeldObject
+from .motion_report import MotionReport
 
 LIFT_HEIGHT = 0.15  # [m]
 MIN_LIFT = 0.10  # [m], less is not lifted

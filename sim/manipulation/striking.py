@@ -17,17 +17,17 @@ import numpy as np
 from .. import poses
 from ..models.polygons import area, convex_hull
 from ..poses import Array
-from ..robot.collision import Spheres
+from ..robot.collision import CollisionSpheres
 from ..robot.gripper_poses import DOWN
-from ..robot.kinematics import Chain
+from ..robot.kinematics import KinematicChain
 from ..robot.path_planner import PathPlanner
 from ..robot.robot import NAME
 from ..scene.world import World
 from ..vision.percept import Percept
 from ..vision.point_clouds import voxel_downsample
-from .motion import HeldObject
+from .hand_motions import HeldObject
+from .motion_report import MotionReport
 from .pick_and_place import LOST, PickAndPlace
-from .report import MotionReport
 
 POINT_CELL = 0.003  # [m], voxel size of the points in which faces are sought
 LEVEL = 0.003  # [m] above the lowest point, up to which points belong to the face
@@ -255,7 +255,7 @@ def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
     return sorted(good, key=lambda strike: -strike.score)[:MAX_POSES]
 
 
-def hand_points(spheres: Spheres, chain: Chain, hand_from_grip: Array) -> Array:
+def hand_points(spheres: CollisionSpheres, chain: KinematicChain, hand_from_grip: Array) -> Array:
     """Points (m, 3) round the spheres of the hand, in the grip frame [m]."""
     own = spheres.link == len(chain.links) - 1
     centres = poses.transform(poses.inverse(hand_from_grip), spheres.centre[own])

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 from .pictures import GraspMark, save_picture, take_picture
-from .recording import Recorder
+from .recording import WorldRecorder
 
 __all__ = [
     "GraspMark",
-    "Recorder",
+    "WorldRecorder",
     "save_picture",
     "take_picture",
 ]

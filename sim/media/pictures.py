@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from ...ontology.errors import DataError, extra_required
 from .. import poses
 from ..physics.engine import PhysicsEngine
-from ..physics.rendering import Light
+from ..physics.rendering import Lighting
 from ..poses import Array
 from ..vision.camera import Camera
 
@@ -36,7 +36,7 @@ with extra_required("sim", "pillow"):
 Picture = NDArray[np.uint8]
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
-PICTURE_LIGHT = Light(direction=(0.5, -0.9, 1.6), shadow=True)
+PICTURE_LIGHT = Lighting(direction=(0.5, -0.9, 1.6), shadow=True)
 SUPERSAMPLING = 2.0
 TABLE_TOP = ("table", "top")
 CAPTION_BACKGROUND, CAPTION_COLOUR = (252, 250, 246), (52, 44, 38)
@@ -66,7 +66,7 @@ def take_picture(
     engine: PhysicsEngine,
     camera: Camera = OVERVIEW,
     *,
-    light: Light = PICTURE_LIGHT,
+    light: Lighting = PICTURE_LIGHT,
     smoothing: float = SUPERSAMPLING,
     tint: tuple[str, str] | None = None,
 ) -> Picture:

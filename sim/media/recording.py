@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings of a world: GIF or MP4 animations, or some moments side by side in a PNG.
 
-A `Recorder` takes a picture of a world at regular intervals while its `with` block runs; the suffix
-of the file names the format. A world that is not recorded has no cost of it.
+A `WorldRecorder` takes a picture of a world at regular intervals while its `with` block runs; the
+suffix of the file names the format. A world that is not recorded has no cost of it.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ COLOURS = 256  # limit of the GIF format
 STRIP_COLUMNS, STRIP_ROWS = 4, 2
 
 
-class Recorder:
+class WorldRecorder:
     """Records a world into one file.
 
     Args:
@@ -85,7 +85,7 @@ class Recorder:
         self._last: tuple[int, str] | None = None
         self._freezes: list[int] = []  # indices of pictures on which it freezes
 
-    def __enter__(self) -> Recorder:
+    def __enter__(self) -> WorldRecorder:
         self._world.watcher = self._watch
         return self
 

@@ -2,12 +2,12 @@
 from .bodies import JointInfo
 from .contacts import Contact
 from .engine import PhysicsEngine
-from .rendering import Image, Light
+from .rendering import Image, Lighting
 
 __all__ = [
     "Contact",
     "Image",
     "JointInfo",
-    "Light",
+    "Lighting",
     "PhysicsEngine",
 ]

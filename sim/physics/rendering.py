@@ -19,7 +19,7 @@ LINK_SHIFT = 24  # the mask packs body + ((link + 1) << 24) into one number
 
 
 @dataclass(frozen=True)
-class Light:
+class Lighting:
     """The lighting of an image; all amounts in [0, 1]."""
 
     direction: tuple[float, float, float] = (0.4, -0.6, 1.0)
@@ -53,7 +53,7 @@ class Rendering:
         self._client, self._bodies = client, bodies
 
     def render(
-        self, view: Array, projection: Array, width: int, height: int, *, light: Light
+        self, view: Array, projection: Array, width: int, height: int, *, light: Lighting
     ) -> Image:
         """Return what a camera sees, in `width` times `height` pixels.
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 from .gripper_poses import Grasp
-from .kinematics import Chain, read_chain
+from .kinematics import KinematicChain, read_chain
 from .models import Gripper, RobotType, find_robot, load_robots
 from .path_planner import GraspPath, PathPlanner
 from .robot import Robot
 
 __all__ = [
-    "Chain",
     "Grasp",
     "GraspPath",
     "Gripper",
+    "KinematicChain",
     "PathPlanner",
     "Robot",
     "RobotType",

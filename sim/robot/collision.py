@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array
-from .kinematics import Chain
+from .kinematics import KinematicChain
 from .models import Gripper
 
 FINGER_SPHERES = 4  # along each finger
@@ -24,7 +24,7 @@ FINGER_RADIUS = 0.45  # as a share of the finger's width
 
 
 @dataclass(frozen=True)
-class Spheres:
+class CollisionSpheres:
     """Spheres fixed to the links of an arm.
 
     Attributes:
@@ -37,10 +37,10 @@ class Spheres:
     centre: Array
     radius: Array
 
-    def joined(self, other: Spheres) -> Spheres:
+    def joined(self, other: CollisionSpheres) -> CollisionSpheres:
         """These spheres and others."""
         both = zip(vars(self).values(), vars(other).values(), strict=True)
-        return Spheres(*map(np.concatenate, both))
+        return CollisionSpheres(*map(np.concatenate, both))
 
     def placed(self, base_from_link: Array) -> Array:
         """Centres (n, s, 3) for links at `base_from_link` (n, links, 4, 4)."""
@@ -48,14 +48,14 @@ class Spheres:
         return np.einsum("nsij,sj->nsi", at[..., :3, :3], self.centre) + at[..., :3, 3]
 
 
-def arm_spheres(chain: Chain, spheres: Mapping[str, Array]) -> Spheres:
+def arm_spheres(chain: KinematicChain, spheres: Mapping[str, Array]) -> CollisionSpheres:
     """The spheres of `robots.yaml` on their links."""
     link = [chain.links.index(name) for name, each in spheres.items() for _ in each]
     stacked = np.concatenate([np.zeros((0, 4)), *spheres.values()])
-    return Spheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3])
+    return CollisionSpheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3])
 
 
-def finger_spheres(chain: Chain, gripper: Gripper, opening: float) -> Spheres:
+def finger_spheres(chain: KinematicChain, gripper: Gripper, opening: float) -> CollisionSpheres:
     """The fingers of a gripper that is open by `opening` [m]."""
     radius = FINGER_RADIUS * gripper.finger_width
     heights = np.linspace(gripper.palm, gripper.tip - radius, FINGER_SPHERES) + gripper.grip
@@ -64,15 +64,15 @@ def finger_spheres(chain: Chain, gripper: Gripper, opening: float) -> Spheres:
     return hand_spheres(chain, np.array(centre), radius)
 
 
-def hand_spheres(chain: Chain, points: Array, radius: float) -> Spheres:
+def hand_spheres(chain: KinematicChain, points: Array, radius: float) -> CollisionSpheres:
     """Equal spheres at points (n, 3) of the hand frame, such as those of a held object."""
     link = np.full(len(points), len(chain.links) - 1)
-    return Spheres(link, points, np.full(len(points), radius))
+    return CollisionSpheres(link, points, np.full(len(points), radius))
 
 
 def clearance(
-    chain: Chain,
-    spheres: Spheres,
+    chain: KinematicChain,
+    spheres: CollisionSpheres,
     joints: Array,
     *,
     world_from_base: Array,
@@ -108,7 +108,9 @@ def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
     return gap
 
 
-def self_clearance(chain: Chain, held: Spheres, arm: Spheres, joints: Array) -> float:
+def self_clearance(
+    chain: KinematicChain, held: CollisionSpheres, arm: CollisionSpheres, joints: Array
+) -> float:
     """The smallest gap [m] between a held object and the arm, over postures `joints` (n, k) [rad].
 
     Spheres of the arm that move with the hand do not count.

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Forward and inverse kinematics of an arm, vectorised over postures and targets.
 
-A `Chain` is read from the URDF file of a robot. `solve` is damped least squares (Wampler 1986)
-from several starts: a step is dq = J^T (J J^T + d^2 I)^-1 e, with the pose error
-e = (position, rotation vector) and a damping d that grows with the error, so that steps stay short
-near singular postures. Every solution is checked against its target and the joint limits.
+A `KinematicChain` is read from the URDF file of a robot. `solve` is damped least squares (Wampler
+1986) from several starts: a step is dq = J^T (J J^T + d^2 I)^-1 e, with the pose error e =
+(position, rotation vector) and a damping d that grows with the error, so that steps stay short near
+singular postures. Every solution is checked against its target and the joint limits.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class ChainJoint:
 
 
 @dataclass(frozen=True)
-class Solution:
+class IkSolutions:
     """Solutions of inverse kinematics for m targets.
 
     Attributes:
@@ -68,7 +68,7 @@ class Solution:
 
 
 @dataclass(frozen=True)
-class Chain:
+class KinematicChain:
     """The joints from a robot's base to its tip, the fixed ones too, and the link behind each."""
 
     joints: tuple[ChainJoint, ...]
@@ -149,7 +149,7 @@ class Chain:
         """The axes of the moving joints, in their own frames (k, 3)."""
         return np.stack([joint.axis for joint in self.moving])
 
-    def solve(self, base_from_tip: Array, starts: Array) -> Solution:
+    def solve(self, base_from_tip: Array, starts: Array) -> IkSolutions:
         """Solve inverse kinematics for targets (m, 4, 4) from start postures (s, k).
 
         Of several solutions the one closest to the first start is returned.
@@ -162,7 +162,7 @@ class Chain:
         far = np.abs(joints - starts[0]).max(axis=1).reshape(m, s)
         best = np.argmin(np.where(found, far, 1e3 + np.linalg.norm(error, axis=1).reshape(m, s)), 1)
         rows = np.arange(m)
-        return Solution(joints.reshape(m, s, -1)[rows, best], found[rows, best])
+        return IkSolutions(joints.reshape(m, s, -1)[rows, best], found[rows, best])
 
     def _descend(self, joints: Array, targets: Array, *, steps: int = MAX_STEPS) -> Array:
         """Improve `joints` (n, k) in place; return the remaining errors (n, 6)."""
@@ -179,7 +179,7 @@ class Chain:
             joints[busy] = np.clip(joints[busy] + step, self.low, self.high)
         return error
 
-    def track(self, base_from_tip: Array, starts: Array) -> Solution:
+    def track(self, base_from_tip: Array, starts: Array) -> IkSolutions:
         """Solve along m paths of t poses (m, t, 4, 4), each pose from the solution before.
 
         The paths begin at the postures `starts` (m, k) [rad]. A path is found when all its poses
@@ -195,7 +195,7 @@ class Chain:
             found[rows] = _is_small(error) & near
             joints[rows] = after
             path.append(joints.copy())
-        return Solution(np.stack(path, axis=1), found)
+        return IkSolutions(np.stack(path, axis=1), found)
 
 
 def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
@@ -205,7 +205,7 @@ def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
     return np.concatenate([shift, poses.rotation_vector(turn)], axis=1)
 
 
-def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
+def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> KinematicChain:
     """Read the chain of a URDF file from its root link to the link `tip`.
 
     Joints whose names are in `fixed` are fixed at zero.
@@ -226,7 +226,7 @@ def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> Chain:
         tip = _attribute(above[tip], "parent", "link")
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
-    return Chain(tuple(_read_joint(each, fixed) for each in elements), tuple(links))
+    return KinematicChain(tuple(_read_joint(each, fixed) for each in elements), tuple(links))
 
 
 def _damped_step(jacobian: Array, error: Array) -> Array:

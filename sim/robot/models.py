@@ -16,11 +16,11 @@ from types import MappingProxyType
 import numpy as np
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import YamlValue, read_yaml
 from .. import poses
-from ..models.urdf import Attachment, robot_file
+from ..models.urdf import HandAttachment, robot_file
 from ..poses import Array
-from .kinematics import Chain, read_chain
+from .kinematics import KinematicChain, read_chain
 
 ROBOTS_FILE = Path(__file__).with_name("robots.yaml")
 OWN_FILE = ".yaml"
@@ -101,7 +101,7 @@ class RobotType:
     turns: tuple[float, ...]
     gripper: Gripper | None
     spheres: Mapping[str, Array]
-    attachment: Attachment | None = None
+    attachment: HandAttachment | None = None
     speeds: tuple[float, ...] = ()
 
     @cached_property
@@ -110,7 +110,7 @@ class RobotType:
         return robot_file(self.name, self.urdf, attachment=self.attachment, speeds=self.speeds)
 
     @cached_property
-    def arm(self) -> Chain:
+    def arm(self) -> KinematicChain:
         """The kinematic chain from the base to the hand."""
         return read_chain(self.file, self.hand)
 
@@ -156,7 +156,7 @@ def _shipped() -> Mapping[str, RobotType]:
     return MappingProxyType(load_robots())
 
 
-def _read_robot(name: str, field: Field) -> RobotType:
+def _read_robot(name: str, field: YamlValue) -> RobotType:
     entries = field.entries(
         required=("label", "urdf", "hand", "home", "spheres"),
         optional=("turns", "gripper", "attached", "speeds"),
@@ -179,16 +179,16 @@ def _read_robot(name: str, field: Field) -> RobotType:
     return robot
 
 
-def _read_attachment(field: Field) -> Attachment:
+def _read_attachment(field: YamlValue) -> HandAttachment:
     entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
     x, y, z = entries["at"].numbers(count=3, low=-1.0, high=1.0)
     angles = entries["turn_deg"].numbers(count=3) if "turn_deg" in entries else (0.0, 0.0, 0.0)
     roll, pitch, yaw = map(radians, angles)
     link, carrier = entries["link"].text(), entries["carrier"].text()
-    return Attachment(_find_urdf(entries["urdf"]), link, carrier, (x, y, z), (roll, pitch, yaw))
+    return HandAttachment(_find_urdf(entries["urdf"]), link, carrier, (x, y, z), (roll, pitch, yaw))
 
 
-def _find_urdf(field: Field) -> Path:
+def _find_urdf(field: YamlValue) -> Path:
     path = Path(field.source).parent / field.text()
     if not path.is_file():
         from importlib.util import find_spec
@@ -201,7 +201,7 @@ def _find_urdf(field: Field) -> Path:
     return path
 
 
-def _read_gripper(field: Field) -> Gripper:
+def _read_gripper(field: YamlValue) -> Gripper:
     entries = field.entries(
         required=(*_GRIPPER_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
     )
@@ -215,14 +215,14 @@ def _read_gripper(field: Field) -> Gripper:
     )
 
 
-def _pair(field: Field) -> tuple[str, str]:
+def _pair(field: YamlValue) -> tuple[str, str]:
     texts = field.texts()
     if len(texts) != 2:
         raise field.fail(f"expected 2 names, found {len(texts)}.")
     return texts[0], texts[1]
 
 
-def _read_spheres(field: Field) -> Array:
+def _read_spheres(field: YamlValue) -> Array:
     spheres = np.array([each.numbers(count=4, low=-2.0, high=2.0) for each in field.items()])
     spheres.flags.writeable = False
     return spheres

@@ -17,9 +17,9 @@ from .. import poses
 from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..vision.point_clouds import farthest_points
-from .collision import Spheres, clearance, self_clearance
+from .collision import CollisionSpheres, clearance, self_clearance
 from .gripper_poses import Grasp, hand_orientations
-from .kinematics import Solution
+from .kinematics import IkSolutions
 from .robot import Robot, resample, time_path
 
 RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
@@ -87,7 +87,7 @@ class PathPlanner:
             if path is not None:
                 yield path
 
-    def _approaches(self, at: Array) -> Solution:
+    def _approaches(self, at: Array) -> IkSolutions:
         """Straight paths to grip poses (m, 4, 4), with the posture before the grasp."""
         back = at @ poses.translation(0, 0, -RETREAT)
         before = self.inverse_kinematics(back)
@@ -101,7 +101,7 @@ class PathPlanner:
             off = self._straight(at[lost], back[lost], there.joints)
             joints[lost] = np.concatenate([there.joints[:, None], off.joints], axis=1)[:, ::-1]
             found[lost] = there.found & off.found
-        return Solution(joints, found)
+        return IkSolutions(joints, found)
 
     def _free_path(self, grasp: Grasp, approach: Array, up: Array) -> GraspPath | None:
         spheres = self.robot.body_spheres(grasp.opening)
@@ -115,11 +115,11 @@ class PathPlanner:
     def plan_transit(
         self,
         goal: Array,
-        spheres: Spheres,
+        spheres: CollisionSpheres,
         points: Array,
         *,
         gap: float = TRANSIT_GAP,
-        held: Spheres | None = None,
+        held: CollisionSpheres | None = None,
     ) -> Array | None:
         """Plan a path through free space from where the arm is to a posture (k,) [rad].
 
@@ -157,7 +157,7 @@ class PathPlanner:
         path = self._straight(start[None], goal[None], joints[None])
         return np.vstack([joints[None], path.joints[0]]) if path.found[0] else None
 
-    def inverse_kinematics(self, world_from_grip: Array) -> Solution:
+    def inverse_kinematics(self, world_from_grip: Array) -> IkSolutions:
         """Postures for grip poses (m, 4, 4), near the present one where possible."""
         targets = self.robot.base_from_hand(world_from_grip)
         starts = np.vstack([self.robot.joints, self.robot.kind.starts])
@@ -173,7 +173,7 @@ class PathPlanner:
         """The least time (m,) from the present posture to postures (m, k) [s]."""
         return (np.abs(joints - self.robot.joints) / self.robot.chain.speed).max(axis=1)
 
-    def _straight(self, start: Array, end: Array, joints: Array) -> Solution:
+    def _straight(self, start: Array, end: Array, joints: Array) -> IkSolutions:
         longest = np.linalg.norm(end[:, :3, 3] - start[:, :3, 3], axis=1).max(initial=0.0)
         count = max(1, int(np.ceil(longest / STRAIGHT_STEP - ROUNDING)))
         fractions = np.linspace(0.0, 1.0, count + 1)[1:]
@@ -193,7 +193,11 @@ class PathPlanner:
         return answer.joints[0] if answer.found[0] else joints
 
     def _gap(
-        self, spheres: Spheres, path: Array, points: Array, held: Spheres | None = None
+        self,
+        spheres: CollisionSpheres,
+        path: Array,
+        points: Array,
+        held: CollisionSpheres | None = None,
     ) -> float:
         chain, base = self.robot.chain, self.robot.world_from_base
         body = spheres if held is None else spheres.joined(held)

@@ -17,7 +17,7 @@ from .. import poses
 from ..physics.contacts import Contact
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
-from .collision import Spheres, arm_spheres, finger_spheres
+from .collision import CollisionSpheres, arm_spheres, finger_spheres
 from .interruption import Interruption
 from .models import Gripper, RobotType
 
@@ -119,7 +119,7 @@ class Robot:
         base_from_world = poses.inverse(self.world_from_base)
         return base_from_world @ world_from_grip @ poses.inverse(self.hand_from_grip)
 
-    def body_spheres(self, opening: float) -> Spheres:
+    def body_spheres(self, opening: float) -> CollisionSpheres:
         """The spheres of arm and hand when the gripper is open by `opening` [m]."""
         if self.kind.gripper is None:
             return self.spheres

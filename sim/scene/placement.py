@@ -30,7 +30,7 @@ MAX_ROUNDS = 60  # times that all are drawn again
 
 
 @dataclass(frozen=True)
-class Spot:
+class DropPose:
     """The pose at which one object of a scene is dropped.
 
     Attributes:
@@ -44,7 +44,7 @@ class Spot:
     footprint: Array
 
 
-def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Spot, ...]:
+def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
     """Return a spot for every object of a scene, in its order, with the models of all its types.
 
     Raises:
@@ -65,11 +65,11 @@ def _place_loose(
     models: Mapping[str, ObjectModel],
     gap: float,
     rng: np.random.Generator,
-) -> tuple[Spot, ...]:
+) -> tuple[DropPose, ...]:
     pieces = [_lay(placement, models[placement.object], rng) for placement in placements]
     order = sorted(range(len(pieces)), key=lambda i: _sort_key(pieces[i]))
     for _ in range(MAX_ROUNDS):
-        spots: dict[int, Spot] = {}
+        spots: dict[int, DropPose] = {}
         for i in order:
             spot = _find_spot(pieces[i], list(spots.values()), gap, rng)
             if spot is None:
@@ -80,13 +80,13 @@ def _place_loose(
     raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
 
 
-def _mount(placement: Placement, mount: Mount, support: Spot) -> Spot:
+def _mount(placement: Placement, mount: Mount, support: DropPose) -> DropPose:
     """Return the spot of an object that stands in another one."""
     x, y, z = mount.at
     support_from_object = poses.translation(x, y, z - mount.depth)
     at, yaw = support.placement.at, support.placement.yaw
     filled = replace(placement, at=at, yaw=yaw, rest="mounted")
-    return Spot(filled, support.world_from_object @ support_from_object, support.footprint)
+    return DropPose(filled, support.world_from_object @ support_from_object, support.footprint)
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,9 @@ def _sort_key(laid: _Laid) -> tuple[bool, float]:
     return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.footprint, axis=0)))
 
 
-def _find_spot(laid: _Laid, taken: list[Spot], gap: float, rng: np.random.Generator) -> Spot | None:
+def _find_spot(
+    laid: _Laid, taken: list[DropPose], gap: float, rng: np.random.Generator
+) -> DropPose | None:
     fixed = laid.placement.at is not None
     for _ in range(MAX_TRIES):
         spot = _draw_spot(laid, rng)
@@ -130,7 +132,7 @@ def _find_spot(laid: _Laid, taken: list[Spot], gap: float, rng: np.random.Genera
     return None
 
 
-def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
+def _draw_spot(laid: _Laid, rng: np.random.Generator) -> DropPose:
     placement = laid.placement
     yaw = placement.yaw if placement.yaw is not None else float(rng.uniform(-np.pi, np.pi))
     about_vertical = poses.rotation_from_rpy(0, 0, yaw)
@@ -142,7 +144,7 @@ def _draw_spot(laid: _Laid, rng: np.random.Generator) -> Spot:
         at = np.array(placement.at)
     world_from_object = poses.pose(about_vertical @ laid.rotation, (*at, laid.height))
     filled = replace(placement, at=(float(at[0]), float(at[1])), yaw=yaw)
-    return Spot(filled, world_from_object, footprint + at)
+    return DropPose(filled, world_from_object, footprint + at)
 
 
 def _are_clear(first: Array, second: Array, gap: float) -> bool:

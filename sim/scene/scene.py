@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 
 from ...ontology.errors import DataError, UnknownNameError
 from ...ontology.objects import ObjectType
-from ...ontology.yaml_reader import Field, read_yaml
+from ...ontology.yaml_reader import YamlValue, read_yaml
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,7 +41,7 @@ MAX_COUNT = 12  # objects of a random scene: there is no room for more
 
 
 @dataclass(frozen=True)
-class Clutter:
+class ClutterLevel:
     """How full a table is.
 
     Attributes:
@@ -53,7 +53,11 @@ class Clutter:
     gap: float
 
 
-CLUTTER = {"low": Clutter(2, 0.06), "medium": Clutter(4, 0.035), "high": Clutter(7, GAP)}
+CLUTTER = {
+    "low": ClutterLevel(2, 0.06),
+    "medium": ClutterLevel(4, 0.035),
+    "high": ClutterLevel(7, GAP),
+}
 
 
 @dataclass(frozen=True)
@@ -209,7 +213,7 @@ def _clutter(
     return [Placement(name, name) for name in names]
 
 
-def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement:
+def _read_placement(item: YamlValue, objects: Mapping[str, ObjectType]) -> Placement:
     known = set(objects) - set(ROOM)
     if isinstance(item.value, str):
         kind = item.text(choices=known)
@@ -227,7 +231,7 @@ def _read_placement(item: Field, objects: Mapping[str, ObjectType]) -> Placement
     )
 
 
-def _check_names(placements: Sequence[Placement], items: Sequence[Field]) -> None:
+def _check_names(placements: Sequence[Placement], items: Sequence[YamlValue]) -> None:
     seen: set[str] = set()
     for placement, item in zip(placements, items, strict=True):
         if placement.name in {*seen, *RESERVED} and placement.name != placement.object:

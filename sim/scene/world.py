@@ -21,7 +21,7 @@ from ..models.object_models import ObjectModel, object_model
 from ..models.urdf import SOCKET_JOINT
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
-from .placement import Spot, place_objects
+from .placement import DropPose, place_objects
 from .scene import Scene
 
 FLOOR, TABLE = "floor", "table"
@@ -89,7 +89,7 @@ class World(AbstractContextManager["World"]):
             self.engine.bodies.load(name, self.models[name].urdf, world_from_base, fixed=True)
         self.engine.contacts.set_surface(TABLE, rolling=ROLLING_FRICTION)
 
-    def _add(self, spot: Spot) -> None:
+    def _add(self, spot: DropPose) -> None:
         name, model = spot.placement.name, self.models[spot.placement.object]
         mount, support = model.kind.mount, spot.placement.within
         if mount is None or support is None:

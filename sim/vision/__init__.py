@@ -3,8 +3,8 @@
 
 `camera` renders images, `region_of_interest` only the part of them that shows objects. `detector`
 finds objects by the simulator's mask; `learned_detector` by the `classifier` of what `segmentation`
-separates. `noise` degrades percepts, `sensors` chooses the detector, `point_clouds` has the
-operations on points.
+separates. `perception_noise` degrades percepts, `sensors` chooses the detector, `point_clouds` has
+the operations on points.
 """
 
 import lazy_loader

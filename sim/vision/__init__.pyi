@@ -2,8 +2,8 @@
 from .camera import Camera, CameraImage
 from .detector import MaskDetector
 from .learned_detector import LearnedDetector, Recogniser
-from .noise import Noise, NoisyVision
 from .percept import PartPercept, Percept, visible_features
+from .perception_noise import NoiseLevels, NoisyVision
 from .sensors import CachedVision, VisionSensor, open_vision
 
 __all__ = [
@@ -12,7 +12,7 @@ __all__ = [
     "CameraImage",
     "LearnedDetector",
     "MaskDetector",
-    "Noise",
+    "NoiseLevels",
     "NoisyVision",
     "PartPercept",
     "Percept",

@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 
 from .. import poses
 from ..physics.engine import PhysicsEngine
-from ..physics.rendering import Light
+from ..physics.rendering import Lighting
 from ..poses import Array
 
 NEAR, FAR = 0.05, 6.0  # [m], clipping planes
 # Where the renderer samples a pixel, from its upper left corner: at the lower left one. An error
 # of half a pixel would be 1 mm on the table, in another direction for each camera.
 SAMPLE = (0.0, 1.0)
-VISION_LIGHT = Light(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
+VISION_LIGHT = Lighting(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
 
 _TARGET = (0.49, 0.0, 0.03)  # [m], the middle of where objects stand
 _POSITIONS = (
@@ -37,7 +37,7 @@ _POSITIONS = (
 
 
 @dataclass(frozen=True)
-class Window:
+class ImageWindow:
     """A rectangle of an image [pixels], from its first column and row."""
 
     left: int
@@ -112,17 +112,21 @@ class Camera:
         return replace(self, width=self.width // factor, height=self.height // factor)
 
     def capture(
-        self, engine: PhysicsEngine, *, light: Light = VISION_LIGHT, window: Window | None = None
+        self,
+        engine: PhysicsEngine,
+        *,
+        light: Lighting = VISION_LIGHT,
+        window: ImageWindow | None = None,
     ) -> CameraImage:
         """Take an image, or only a window of one."""
-        window = window or Window(0, 0, self.width, self.height)
+        window = window or ImageWindow(0, 0, self.width, self.height)
         view = poses.inverse(self.world_from_camera)
         projection = self._window_matrix(window) @ self.projection
         image = engine.rendering.render(view, projection, window.width, window.height, light=light)
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
         return CameraImage(self, image.colour, depth, image.labels, image.names, window)
 
-    def _window_matrix(self, window: Window) -> Array:
+    def _window_matrix(self, window: ImageWindow) -> Array:
         """The matrix (4, 4) that shifts and scales clip space so that the window fills it."""
         wider, higher = self.width / window.width, self.height / window.height
         across = 1 - 2 * (window.left + window.width / 2) / self.width
@@ -150,7 +154,7 @@ class CameraImage:
     depth: NDArray[np.float32]
     labels: NDArray[np.int32]
     names: Mapping[int, tuple[str, str]]
-    window: Window
+    window: ImageWindow
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""

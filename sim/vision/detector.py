@@ -19,8 +19,8 @@ from ..models.object_models import ObjectModel
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
-from .noise import Noise, with_depth_noise
 from .percept import PartPercept, Percept, visible_features
+from .perception_noise import NoiseLevels, with_depth_noise
 from .point_clouds import voxel_downsample
 from .region_of_interest import RegionOfInterest
 
@@ -50,7 +50,7 @@ class MaskDetector:
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, ObjectModel]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
-    noise: Noise = field(default_factory=Noise)
+    noise: NoiseLevels = field(default_factory=NoiseLevels)
     room: tuple[str, ...] = ()
 
     def capture(self) -> tuple[CameraImage, ...]:
@@ -100,7 +100,7 @@ class MaskDetector:
 
 
 def with_camera_noise(
-    images: Iterable[CameraImage], noise: Noise, step: int
+    images: Iterable[CameraImage], noise: NoiseLevels, step: int
 ) -> tuple[CameraImage, ...]:
     """Return images with the depth noise of the cameras at a time step."""
     return tuple(

@@ -24,8 +24,8 @@ from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
 from .classifier import Classifier, NoveltyDetector
 from .detector import OBSTACLE_SPACING, with_camera_noise
-from .noise import Noise
 from .percept import PartPercept, Percept, visible_features
+from .perception_noise import NoiseLevels
 from .point_clouds import voxel_downsample, voxel_keys
 from .segmentation import (
     TABLE_MARGIN,
@@ -147,7 +147,7 @@ class LearnedDetector:
     engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
     cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
-    noise: Noise = field(default_factory=Noise)
+    noise: NoiseLevels = field(default_factory=NoiseLevels)
     track: Callable[[Percept], str] = attrgetter("object")
     recogniser: Recogniser = field(default_factory=Recogniser.default)
 

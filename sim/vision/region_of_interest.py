@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import Camera, CameraImage, Window
+from .camera import Camera, CameraImage, ImageWindow
 
 PREVIEW_FACTOR = 4  # times fewer pixels along each side
 MARGIN = 12  # pixels round what a preview shows
@@ -67,14 +67,14 @@ class RegionOfInterest:
             preview = camera.downscaled(PREVIEW_FACTOR).capture(self.engine)
         shown = self._object_mask(preview)
         if not shown.any():
-            return camera.capture(self.engine, window=Window(0, 0, 1, 1))
+            return camera.capture(self.engine, window=ImageWindow(0, 0, 1, 1))
         farthest = float(preview.depth[shown].max()) + LONGEST
         image = self._capture(camera, _window(shown, camera), farthest)
         while enlarged := _enlarged(image, self._object_mask(image)):
             image = self._capture(camera, enlarged, farthest)
         return image
 
-    def _capture(self, camera: Camera, window: Window, farthest: float) -> CameraImage:
+    def _capture(self, camera: Camera, window: ImageWindow, farthest: float) -> CameraImage:
         occluders = self._occluders(window, camera, farthest)
         with self.engine.rendering.hidden(self.hidden, but=occluders):
             return camera.capture(self.engine, window=window)
@@ -84,7 +84,9 @@ class RegionOfInterest:
         labels = [label for label, (body, _) in image.names.items() if body in self.objects]
         return np.isin(image.labels, labels)
 
-    def _occluders(self, window: Window, camera: Camera, farthest: float) -> set[tuple[str, str]]:
+    def _occluders(
+        self, window: ImageWindow, camera: Camera, farthest: float
+    ) -> set[tuple[str, str]]:
         """The links that may lie in a window and nearer than the farthest object [m]."""
         corners = self.corners.reshape(-1, 3)
         near = camera.depths(corners).reshape(-1, 8).min(axis=1, initial=np.inf) <= farthest
@@ -97,7 +99,7 @@ class RegionOfInterest:
         return {self.links[index] for index in found}
 
 
-def _window(shown: NDArray[np.bool_], camera: Camera) -> Window:
+def _window(shown: NDArray[np.bool_], camera: Camera) -> ImageWindow:
     """The window of a camera round the pixels in which a preview shows objects."""
     rows, columns = (np.flatnonzero(shown.any(axis=axis)) * PREVIEW_FACTOR for axis in (1, 0))
     return _clipped(
@@ -107,7 +109,7 @@ def _window(shown: NDArray[np.bool_], camera: Camera) -> Window:
     )
 
 
-def _enlarged(image: CameraImage, shown: NDArray[np.bool_]) -> Window | None:
+def _enlarged(image: CameraImage, shown: NDArray[np.bool_]) -> ImageWindow | None:
     """The window of an image, enlarged where objects reach its edge; None where none does."""
     now = image.window
     top, left, bottom, right = (
@@ -121,10 +123,10 @@ def _enlarged(image: CameraImage, shown: NDArray[np.bool_]) -> Window | None:
     return None if enlarged == now else enlarged
 
 
-def _clipped(camera: Camera, first: tuple[int, int], last: tuple[int, int]) -> Window:
+def _clipped(camera: Camera, first: tuple[int, int], last: tuple[int, int]) -> ImageWindow:
     """The window between two corners (column, row), clipped to the image."""
     (left, right), (top, bottom) = (
         (max(0, int(low)), min(size, int(high)))
         for low, high, size in zip(first, last, (camera.width, camera.height), strict=True)
     )
-    return Window(left, top, right - left, bottom - top)
+    return ImageWindow(left, top, right - left, bottom - top)

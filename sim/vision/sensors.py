@@ -19,8 +19,8 @@ from ..poses import Array
 from ..scene.world import FLOOR, TABLE, World
 from .camera import CameraImage
 from .detector import MaskDetector
-from .noise import Noise
 from .percept import Percept
+from .perception_noise import NoiseLevels
 
 SOURCES = ("mask", "learned")
 SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
@@ -75,7 +75,9 @@ class CachedVision:
         return self._images
 
 
-def open_vision(world: World, *, source: str = "mask", noise: Noise | None = None) -> VisionSensor:
+def open_vision(
+    world: World, *, source: str = "mask", noise: NoiseLevels | None = None
+) -> VisionSensor:
     """Open the vision sensor of a world.
 
     The source is "mask", "learned", or "learned:FILE" with classifiers of one's own. Only the depth
@@ -86,7 +88,7 @@ def open_vision(world: World, *, source: str = "mask", noise: Noise | None = Non
         DataError: the file of classifiers cannot be read.
     """
     check_source(source)
-    noise = noise or Noise()
+    noise = noise or NoiseLevels()
     if source == "mask":
         room = (FLOOR, TABLE)  # below everything else: they cannot hide anything
         return MaskDetector(world.engine, world.kinds, world.models, noise=noise, room=room)

@@ -159,15 +159,15 @@ def test_what_a_killed_reader_left_is_removed(tmp_path: Path):
 
 def test_snapshot_can_be_bounded_and_copied(tmp_path: Path):
     """Who only reads can ask what may have to be stopped, and make backups."""
-    from hilt.kb.sparql.results import BooleanResult, Limits
+    from hilt.kb.sparql.results import BooleanResult, QueryLimits
 
     with KnowledgeBase.open(tmp_path / "kb") as kb:
         teach(kb, CUTTING)
         with KnowledgeBase.open(tmp_path / "kb", read_only=True) as reading:
             teach(kb, BLADE)
-            assert reading.query("ASK { ?s hilt:graspedBy ?o }", limits=Limits()) == BooleanResult(
-                False
-            )
+            assert reading.query(
+                "ASK { ?s hilt:graspedBy ?o }", limits=QueryLimits()
+            ) == BooleanResult(False)
             assert backup(reading, tmp_path / "backup") == 1
 
     assert not (tmp_path / "kb" / directory.SNAPSHOTS).exists()

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.diff import compare_bases, find_rule, last_taught_rules, rule_changes
-from hilt.kb.formats.transfer import import_text
+from hilt.kb.formats.import_export import import_text
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.learned_words import Word
+from hilt.kb.learned_words import LearnedWord
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import UnknownNameError, ValidationError
@@ -87,7 +87,7 @@ def test_other_interval_and_status_are_alterations(paper: KnowledgeBase, other: 
 def test_trust_and_words_are_part_of_the_difference(kb: KnowledgeBase, other: KnowledgeBase):
     """Whom each trusts, and which words each learned."""
     kb.set_trust("anna", 0.5)
-    ladle = Word(Atom("object", "ladle"), "ladle", "sam")
+    ladle = LearnedWord(Atom("object", "ladle"), "ladle", "sam")
     other.believe("A ladle.", "x", "sam", [], words=[ladle])
 
     found = compare_bases(kb.reader, other.reader)

@@ -5,11 +5,11 @@ import pytest
 
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.learned_words import LEXICON, Word
+from hilt.kb.learned_words import LEXICON, LearnedWord
 from hilt.kb.rule import Atom, functional
 from hilt.ontology.errors import UnknownNameError
 
-SAW = Word(Atom("object", "saw"), "saw", "sam")
+SAW = LearnedWord(Atom("object", "saw"), "saw", "sam")
 TEXT = "A saw is used for cutting"
 
 

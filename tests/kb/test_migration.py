@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.formats.transfer import export_file, import_file
+from hilt.kb.formats.import_export import export_file, import_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import FORMAT, STEPS, KnowledgeBase, base_format, migrate, version_quad
 from hilt.kb.rdf.terms import Quad

@@ -7,7 +7,7 @@ import pytest
 
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.sparql.results import Limits
+from hilt.kb.sparql.results import QueryLimits
 from hilt.kb.update import update
 from hilt.ontology.errors import QueryError, ValidationError
 
@@ -89,6 +89,6 @@ def test_update_that_takes_too_long_is_stopped(paper: KnowledgeBase):
     )
 
     with pytest.raises(QueryError, match="took longer than 1 s"):
-        update(paper, endless, limits=Limits(seconds=1))
+        update(paper, endless, limits=QueryLimits(seconds=1))
 
     assert paper.sequence == 3

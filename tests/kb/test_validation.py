@@ -16,7 +16,7 @@ from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
 from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import (
-    Finding,
+    ValidationFinding,
     check_invariants,
     check_shapes,
     locate_findings,
@@ -122,7 +122,11 @@ def test_utterance_under_a_wrong_number_is_found(kb: KnowledgeBase):
 
 def test_findings_are_raised_together():
     """One error carries all of them, each once, sorted."""
-    found = [Finding("rule:b", "Second."), Finding("rule:a", "First."), Finding("rule:a", "First.")]
+    found = [
+        ValidationFinding("rule:b", "Second."),
+        ValidationFinding("rule:a", "First."),
+        ValidationFinding("rule:a", "First."),
+    ]
 
     with pytest.raises(ValidationError, match=r"rule:a: First\. \(and 1 more\)") as caught:
         raise_findings(found)
@@ -166,7 +170,7 @@ def test_findings_are_located_in_their_text():
     text = (
         "\n\nrule:1 a hilt:Rule ;\n    hilt:lower 2 .\n<https://w3id.org/hilt/rule/2> a hilt:Rule ."
     )
-    found = [Finding(f"rule:{name}", "Wrong.") for name in (1, 2, 3)]
+    found = [ValidationFinding(f"rule:{name}", "Wrong.") for name in (1, 2, 3)]
 
     assert [one.line for one in locate_findings(found, text)] == [3, 5, 0]
     assert locate_findings(found, text)[0].as_json() == {

@@ -13,7 +13,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
 from hilt.sim import poses
 from hilt.sim.body import MEETING, Body
-from hilt.sim.manipulation.report import REASONS
+from hilt.sim.manipulation.motion_report import REASONS
 from hilt.sim.robot.models import find_robot
 from hilt.sim.scene.scene import Placement, Scene, parse_scene
 from hilt.sim.vision.percept import Percept

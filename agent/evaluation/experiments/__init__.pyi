@@ -3,7 +3,7 @@ from .all_scenarios import AllScenariosExperiment
 from .custom import CustomExperiment
 from .decisions import DecisionExperiment
 from .grasps import GraspExperiment
-from .noise import NoiseExperiment
+from .noise_robustness import NoiseExperiment
 from .paper import PaperExperiment, SituationsExperiment
 from .registry import EXPERIMENTS, make_experiment
 

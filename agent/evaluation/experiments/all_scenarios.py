@@ -27,7 +27,7 @@ from typing import ClassVar, cast
 from ....inference.evidence import EPSILON
 from ....inference.settings import Settings
 from ...execution.outcome import Json
-from ..case import Case, Result
+from ..case import Case, CaseResult
 from ..experiment import Experiment
 from ..scenarios import ACTIONS
 from ..verification.certificate import count_totals, make_certificate
@@ -39,7 +39,7 @@ from ..verification.finite_cases import (
     check_words,
 )
 from ..verification.hypotheses import check_situations, check_teaching
-from ..verification.space import ScenarioSpace
+from ..verification.scenario_space import ScenarioSpace
 from ..verification.weak_orders import WeakOrderBlock, weak_order_blocks
 
 
@@ -78,17 +78,17 @@ class AllScenariosExperiment(Experiment):
             for what, numbers in found
         ]
 
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """Run one block with the code under test."""
         facts, wrong = self._run(case.spec)
         found = f"{len(wrong)} wrong" + (f", the first: {wrong[0]}" if wrong else "")
-        return Result(case.key, not wrong, "check", 0, found, "0 wrong", facts)
+        return CaseResult(case.key, not wrong, "check", 0, found, "0 wrong", facts)
 
-    def summary(self, results: Sequence[Result]) -> Json:
+    def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return the numbers of cases, and of the situations and rules they cover."""
         return count_totals(self._space, self._facts(results))
 
-    def files(self, results: Sequence[Result]) -> Mapping[str, Json]:
+    def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return the certificate."""
         threshold = Settings.load().threshold
         pinned: Json = {"seed": self.seed, "threshold": threshold, "tolerance": EPSILON}
@@ -120,7 +120,7 @@ class AllScenariosExperiment(Experiment):
                 return WeakOrderBlock(self.objects, first, second).verify()
 
     @staticmethod
-    def _facts(results: Sequence[Result]) -> dict[str, list[Json]]:
+    def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:
         """Return kind of cases -> their facts, in the order of the cases."""
         found: dict[str, list[Json]] = defaultdict(list)
         for result in results:

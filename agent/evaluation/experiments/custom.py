@@ -27,13 +27,20 @@ from ....nlu.semantics import meaning
 from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
 from ....ontology.objects import Household, read_household
-from ....ontology.yaml_reader import Field, read_yaml
+from ....ontology.yaml_reader import YamlValue, read_yaml
 from ....sim.scene.scene import graspable, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..case import Case
-from ..scenarios import ACTIONS, CONTEXTS, LEVELS, Scenario, functional_sentence, grasp_sentence
+from ..scenarios import (
+    ACTIONS,
+    CONTEXTS,
+    LEVELS,
+    LearningScenario,
+    functional_sentence,
+    grasp_sentence,
+)
 from .decisions import DecisionExperiment
 
 MAX_SCENES = 10_000
@@ -63,7 +70,7 @@ class CustomExperiment(DecisionExperiment):
         return self._spec.actions
 
     @cached_property
-    def scenarios(self) -> Mapping[str, Scenario]:
+    def scenarios(self) -> Mapping[str, LearningScenario]:
         """The scenario of the file, and its mirror image if requested."""
         return {scenario.name: scenario for scenario in self._spec.scenarios}
 
@@ -86,7 +93,7 @@ class CustomSpec:
     """The content of a file: object types, scenarios, the objects of each scene, and actions."""
 
     kinds: Household
-    scenarios: tuple[Scenario, ...]
+    scenarios: tuple[LearningScenario, ...]
     scenes: tuple[tuple[str, ...], ...]
     actions: tuple[str, ...]
 
@@ -119,16 +126,16 @@ class _ScenarioReader:
     kinds: Household
     language: Language
 
-    def scenario(self, top: Mapping[str, Field]) -> Scenario:
+    def scenario(self, top: Mapping[str, YamlValue]) -> LearningScenario:
         levels = self._levels(top["levels"]) if "levels" in top else LEVELS
         uses = top["affordances"].entries()
         affordances = {name: self._uses(name, spec, levels) for name, spec in uses.items()}
         grasps = top["grasps"].entries() if "grasps" in top else {}
         used = [each for use in affordances.values() for at in use.values() for each in at]
         parts = {name: self._parts(name, spec, levels) for name, spec in grasps.items()}
-        return Scenario("A", affordances, {**{name: {} for name in used}, **parts}, levels)
+        return LearningScenario("A", affordances, {**{name: {} for name in used}, **parts}, levels)
 
-    def _levels(self, spec: Field) -> tuple[str, ...]:
+    def _levels(self, spec: YamlValue) -> tuple[str, ...]:
         """Read the words of confidence, which must be in descending order."""
         name = graspable(self.kinds.objects)[0]
         before = 2.0
@@ -144,7 +151,7 @@ class _ScenarioReader:
             raise spec.fail("expected at least one level.")
         return spec.texts()
 
-    def _uses(self, affordance: str, spec: Field, levels: Sequence[str]) -> Levels:
+    def _uses(self, affordance: str, spec: YamlValue, levels: Sequence[str]) -> Levels:
         found = spec.entries(optional=levels)
         seen: set[str] = set()
         for level, names in found.items():
@@ -158,7 +165,7 @@ class _ScenarioReader:
                     raise item.fail(f'"{affordance}" is not understood as an affordance.')
         return {level: names.texts() for level, names in found.items()}
 
-    def _parts(self, name: str, spec: Field, levels: Sequence[str]) -> dict[str, str]:
+    def _parts(self, name: str, spec: YamlValue, levels: Sequence[str]) -> dict[str, str]:
         if name not in self.kinds.objects:
             raise spec.fail(f'there is no object "{name}".')
         for context, part in spec.entries(optional=CONTEXTS).items():
@@ -166,7 +173,7 @@ class _ScenarioReader:
             self._taught_rule(part, grasp_sentence(name, context, part.value, levels[0]))
         return {context: part.text() for context, part in spec.entries().items()}
 
-    def _taught_rule(self, where: Field, sentence: str) -> meaning.Rule:
+    def _taught_rule(self, where: YamlValue, sentence: str) -> meaning.Rule:
         """Return the rule that a sentence teaches."""
         said = self.language.understand(sentence).meaning
         if isinstance(said, meaning.Statement):
@@ -177,7 +184,7 @@ class _ScenarioReader:
         raise where.fail(f'"{sentence}" is not understood as a statement.{question}')
 
 
-def _scenes(spec: Field, objects: Sequence[str], seed: int) -> Iterator[tuple[str, ...]]:
+def _scenes(spec: YamlValue, objects: Sequence[str], seed: int) -> Iterator[tuple[str, ...]]:
     rng = Random(seed)  # noqa: S311 - scenes, not secrets
     if not spec.items():
         raise spec.fail("expected at least one scene.")

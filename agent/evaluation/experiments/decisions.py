@@ -23,10 +23,10 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ...execution.outcome import Json
-from ..case import Case, Result
+from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..scenarios import ACTIONS, Scenario, command, load_scenarios
-from .ground_truth import GroundTruth, explain_reply, judge_command
+from ..scenarios import ACTIONS, LearningScenario, command, load_scenarios
+from .ground_truth import CorrectChoices, explain_reply, judge_command
 
 GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
 
@@ -49,12 +49,12 @@ class DecisionExperiment(Experiment):
         return tuple(ACTIONS)
 
     @cached_property
-    def scenarios(self) -> Mapping[str, Scenario]:
+    def scenarios(self) -> Mapping[str, LearningScenario]:
         """The scenarios by name."""
         return {scenario.name: scenario for scenario in load_scenarios()}
 
     def commands(
-        self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
+        self, scenario: LearningScenario, name: str, scene: Sequence[str], seed: int
     ) -> Iterator[Case]:
         """Yield a case for each command in a scene: 15 for a scenario of the paper.
 
@@ -65,19 +65,19 @@ class DecisionExperiment(Experiment):
             key = f"{scenario.name}/{name}/{action}/{affordance}"
             yield Case(self.name, key, spec | {"action": action, "affordance": affordance})
 
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """Give the command to an agent that was taught the scenario and has the scene."""
         spec = cast("dict[str, str]", case.spec)
         objects = cast("list[str]", case.spec["scene"])
         scenario = self.scenarios[spec["scenario"]]
-        truth = GroundTruth.from_scenario(scenario, spec["action"], spec["affordance"], objects)
+        truth = CorrectChoices.from_scenario(scenario, spec["action"], spec["affordance"], objects)
         reply = self._reply(case, simulate=self.sim)
         result = judge_command(case, truth, reply)
         if self.sim:  # camera images cannot be reproduced later, so the explanation is kept
             return replace(result, facts=result.facts | {"why": explain_reply(reply)})
         return result
 
-    def explain(self, case: Case, result: Result) -> str:
+    def explain(self, case: Case, result: CaseResult) -> str:
         """Return the proofs: those kept by a simulated run, or else by running the case again."""
         kept = super().explain(case, result)
         return kept or "\n".join(explain_reply(self._reply(case, simulate=False)))
@@ -108,7 +108,7 @@ class DecisionExperiment(Experiment):
         return {name: teach(each, self.new_agent()) for name, each in self.scenarios.items()}
 
 
-def teach(scenario: Scenario, agent: Agent) -> Agent:
+def teach(scenario: LearningScenario, agent: Agent) -> Agent:
     """Tell an agent the sentences of a scenario, and return it."""
     for sentence in scenario.sentences():
         agent.hear(sentence, only="tell")

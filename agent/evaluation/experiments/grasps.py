@@ -9,7 +9,7 @@ from typing import ClassVar, cast
 
 from ...agent import Agent
 from ...config import AgentConfig
-from ..case import Case, Result
+from ..case import Case, CaseResult
 from ..experiment import Experiment
 from ..scenarios import ACTIONS, grasp_sentence, load_scenarios
 from .ground_truth import judge_grasp
@@ -40,7 +40,7 @@ class GraspExperiment(Experiment):
             for seed in range(self.seed, self.seed + self.poses)
         ]
 
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """Teach one grasp rule, command the action, and judge what the robot did."""
         spec = cast("dict[str, str]", case.spec)
         name, context, part = spec["object"], spec["context"], spec["part"]

@@ -17,15 +17,15 @@ from dataclasses import dataclass
 from ....inference.types import Candidate
 from ...dialogue.reply import Reply
 from ...execution.outcome import Decision, ExecutionResult, GoalResult, Json
-from ..case import Case, Kind, Result
-from ..scenarios import CONTEXTS, Scenario
+from ..case import Case, CaseResult, Kind
+from ..scenarios import CONTEXTS, LearningScenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]
 LIFTED_M = 0.10  # how high it must be lifted [m]
 
 
 @dataclass(frozen=True)
-class GroundTruth:
+class CorrectChoices:
     """The right choices for a command in a scene.
 
     Attributes:
@@ -40,8 +40,8 @@ class GroundTruth:
 
     @classmethod
     def from_scenario(
-        cls, scenario: Scenario, action: str, affordance: str, scene: Collection[str]
-    ) -> GroundTruth:
+        cls, scenario: LearningScenario, action: str, affordance: str, scene: Collection[str]
+    ) -> CorrectChoices:
         """Return the ground truth for a command, from the tables of a scenario."""
         best = scenario.best(affordance, scene)
         is_top = best <= scenario.best(affordance, scenario.grasps)
@@ -72,7 +72,7 @@ def describe_choice(chosen: str | None, part: str | None) -> str:
     return f"{chosen or 'nothing'}{f' by the {part}' if part else ''}"
 
 
-def judge_command(case: Case, truth: GroundTruth, reply: Reply) -> Result:
+def judge_command(case: Case, truth: CorrectChoices, reply: Reply) -> CaseResult:
     """Return the result of a command: its decision and, if the robot moved, its execution."""
     found, grasp = _first_choice(reply, "findObject"), _first_choice(reply, "graspObject")
     chosen = found.object if found else None
@@ -94,10 +94,10 @@ def judge_command(case: Case, truth: GroundTruth, reply: Reply) -> Result:
         if not facts["success"]:
             right, found_words = False, f"{found_words}, not carried out"
     expected = truth.describe()
-    return Result(case.key, right, truth.kind, truth.principle, found_words, expected, facts)
+    return CaseResult(case.key, right, truth.kind, truth.principle, found_words, expected, facts)
 
 
-def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> Result:
+def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> CaseResult:
     """Return the result of a command to grasp an object given by name."""
     world = reply.result.world if reply.result else ExecutionResult()
     facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, part)}
@@ -105,7 +105,7 @@ def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> Result:
     facts["success"] = reply.is_done and facts["success"] is True
     touched = ", ".join(world.touched) or "nothing"
     found = f"{touched}, {world.lifted_m:.3f} m, {world.held_s:.1f} s"
-    return Result(case.key, facts["success"] is True, "grasp", 0, found, part, facts)
+    return CaseResult(case.key, facts["success"] is True, "grasp", 0, found, part, facts)
 
 
 def _first_choice(reply: Reply, action: str) -> Candidate | None:
@@ -115,7 +115,7 @@ def _first_choice(reply: Reply, action: str) -> Candidate | None:
     return next(best, None)
 
 
-def _execution_facts(achieved: GoalResult, truth: GroundTruth, *, is_done: bool) -> Json:
+def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bool) -> Json:
     """Return the facts about the object that was taken in the end."""
     world = achieved.world
     best = achieved.decision.object.best if achieved.decision else None

@@ -16,7 +16,7 @@ from typing import ClassVar
 
 from ..case import Case
 from .decisions import DecisionExperiment
-from .ground_truth import GroundTruth
+from .ground_truth import CorrectChoices
 
 PRINCIPLES = {1, 2, 3, 4}
 MAX_SCENES = 255  # the non-empty subsets of eight objects
@@ -56,7 +56,7 @@ class PaperExperiment(DecisionExperiment):
     def _covers(self, scenes: Sequence[frozenset[str]]) -> bool:
         """Whether the scenes test each principle, as in the paper; a single scene cannot."""
         tested = {
-            GroundTruth.from_scenario(scenario, "pointTo", affordance, scene).principle
+            CorrectChoices.from_scenario(scenario, "pointTo", affordance, scene).principle
             for scenario in self.scenarios.values()
             for scene in scenes
             for affordance in scenario.affordances

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-from .comparison import Comparison, compare
+from .comparison import EvaluationComparison, compare
 from .export import write_report
 from .summary import EvaluationReport
 
 __all__ = [
-    "Comparison",
+    "EvaluationComparison",
     "EvaluationReport",
     "compare",
     "write_report",

@@ -20,7 +20,7 @@ NOT_COMPARED = ("results", "wrong", "cpu_s")  # results are compared by case; ti
 
 
 @dataclass(frozen=True)
-class Comparison:
+class EvaluationComparison:
     """The differences between two evaluations.
 
     Attributes:
@@ -55,7 +55,7 @@ class Comparison:
         return table
 
 
-def compare(first: Path, second: Path) -> Comparison:
+def compare(first: Path, second: Path) -> EvaluationComparison:
     """Compare two files, by case if both contain results.
 
     Raises:
@@ -65,7 +65,7 @@ def compare(first: Path, second: Path) -> Comparison:
     counts_a, counts_b = dict(_leaves(a)), dict(_leaves(b))
     both = "results" in a and "results" in b
     cases = _differing(_cases(a), _cases(b)) if both else {}
-    return Comparison(_differing(counts_a, counts_b), cases)
+    return EvaluationComparison(_differing(counts_a, counts_b), cases)
 
 
 def _read(path: Path) -> Json:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 from ...execution.outcome import Json
-from ..case import CaseRun, Result
+from ..case import CaseResult, CaseRun
 from ..experiment import Experiment
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class EvaluationReport:
         return cls(experiment.name, experiment.options, tuple(runs), summary)
 
     @property
-    def results(self) -> tuple[Result, ...]:
+    def results(self) -> tuple[CaseResult, ...]:
         """The results without processor times."""
         return tuple(run.result for run in self.runs)
 

@@ -15,7 +15,7 @@ from typing import Protocol, cast
 
 from ....ontology.errors import WorkersError
 from ...execution.outcome import Json
-from ..case import Case, CaseRun, Result, to_json_line
+from ..case import Case, CaseResult, CaseRun, to_json_line
 from ..experiment import Experiment
 from ..experiments.registry import make_experiment
 
@@ -38,13 +38,13 @@ def run_case(experiment: Experiment, case: Case) -> CaseRun:
         result = experiment.run(case)
     except Exception as error:  # any exception of a case is its result
         found = f"{type(error).__name__}: {error}"
-        result = Result(case.key, False, "error", 0, found, "no error")
+        result = CaseResult(case.key, False, "error", 0, found, "no error")
     return CaseRun(result, process_time() - start)
 
 
 def lost_case(case: Case, reason: str, attempts: int) -> CaseRun:
     """Return the result of a case that no worker has finished."""
-    return CaseRun(Result(case.key, False, "lost", 0, reason, "a result"), 0.0, attempts)
+    return CaseRun(CaseResult(case.key, False, "lost", 0, reason, "a result"), 0.0, attempts)
 
 
 def run_cases(name: str, options: str, cases: Sequence[str]) -> list[str]:
@@ -69,5 +69,5 @@ def _experiment(name: str, options: str) -> Experiment:
 def parse_case_run(line: str, attempts: int) -> CaseRun:
     """Return the result that `run_cases` wrote."""
     document = cast("Json", json.loads(line))
-    result = Result.from_json(cast("Json", document["result"]))
+    result = CaseResult.from_json(cast("Json", document["result"]))
     return CaseRun(result, cast("float", document["cpu_s"]), attempts)

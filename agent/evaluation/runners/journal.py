@@ -25,7 +25,7 @@ from typing import cast
 
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
-from ..case import Case, CaseRun, Result, to_json_line
+from ..case import Case, CaseResult, CaseRun, to_json_line
 from ..experiment import Experiment
 
 JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
@@ -164,7 +164,7 @@ def _read_run(source: str, number: int, line: bytes) -> CaseRun:
     document = _parsed(source, number, line)
     try:
         return CaseRun(
-            Result.from_json(cast("Json", document["result"])),
+            CaseResult.from_json(cast("Json", document["result"])),
             float(cast("float", document["cpu_s"])),
             int(cast("int", document["attempts"])),
         )

@@ -13,7 +13,7 @@ from typing import cast
 
 from ...execution.outcome import Json
 from ..scenarios import ACTIONS, CONTEXTS, LEVELS
-from .space import ScenarioSpace
+from .scenario_space import ScenarioSpace
 
 FORMAT = 1
 OUTCOMES = ("none", "unique", "ties")

@@ -24,7 +24,7 @@ from ...dialogue.translation import request_from_command, rule_from_meaning
 from ...execution.outcome import Json
 from ...execution.perception import PerfectVision
 from ..scenarios import ACTIONS, CONTEXTS, LEVELS
-from .space import CONFIDENCES, Cell, ScenarioSpace, belief, levels_of
+from .scenario_space import CONFIDENCES, RuleTopic, ScenarioSpace, belief, levels_of
 from .taught_agent import (
     GraphStatement,
     TaughtAgent,
@@ -52,7 +52,7 @@ class TaughtSpace:
         return Language.load()
 
     @cached_property
-    def rules(self) -> dict[tuple[Cell, str], Rule]:
+    def rules(self) -> dict[tuple[RuleTopic, str], Rule]:
         """Cell and level -> the rule that its sentence teaches."""
         cells = ((cell, level) for cell in self.space.cells for level in LEVELS)
         return {key: self.rule(self.space.sentence(*key)) for key in cells}
@@ -79,11 +79,11 @@ class TaughtSpace:
             self.rules[cell, level] for cell, code in cells for level in levels_of(code)
         )
 
-    def agent_taught_cell(self, cell: Cell, code: int) -> TaughtAgent:
+    def agent_taught_cell(self, cell: RuleTopic, code: int) -> TaughtAgent:
         """Return an agent that was taught one cell only."""
         return TaughtAgent(self.rules[cell, level] for level in levels_of(code))
 
-    def cell_mask(self, cells: Iterable[Cell]) -> int:
+    def cell_mask(self, cells: Iterable[RuleTopic]) -> int:
         """Return the bit mask of a set of cells."""
         return sum(1 << self.space.index[cell] for cell in set(cells))
 
@@ -95,7 +95,7 @@ def check_words(taught_space: TaughtSpace) -> CheckResult:
     """Check the rules of all sentences, the goals of all commands, and perception of all scenes."""
     space = taught_space.space
     taught = [
-        [space.sentence(*key), space.index[Cell.from_rule(rule)], *astuple(rule.interval)]
+        [space.sentence(*key), space.index[RuleTopic.from_rule(rule)], *astuple(rule.interval)]
         for key, rule in taught_space.rules.items()
     ]
     asked = [_command(taught_space, text) for text, *_ in space.commands()]
@@ -161,7 +161,7 @@ def check_scores(taught_space: TaughtSpace, shift: int) -> CheckResult:
 
 
 def _score(
-    taught_space: TaughtSpace, taught: TaughtAgent, cell: Cell
+    taught_space: TaughtSpace, taught: TaughtAgent, cell: RuleTopic
 ) -> tuple[Candidate | None, list[float]]:
     """Return the candidate of a cell with only its object in the scene, and its row."""
     decided = _decide(taught, cell, [cell.object])
@@ -169,18 +169,18 @@ def _score(
     read = taught_space.cell_mask(decided.read)
     if candidate is None:
         return None, [*NOT_CONCLUDED, 0, read]
-    based_on = taught_space.cell_mask(Cell.from_rule(rule) for rule in candidate.rules)
+    based_on = taught_space.cell_mask(RuleTopic.from_rule(rule) for rule in candidate.rules)
     numbers = [round(n, DIGITS) for n in (*_bounds(candidate), candidate.certainty)]
     return candidate, [*numbers, int(candidate.accepted), based_on, read]
 
 
-def _decide(taught: TaughtAgent, cell: Cell, scene: Sequence[str]) -> TracedDecision:
+def _decide(taught: TaughtAgent, cell: RuleTopic, scene: Sequence[str]) -> TracedDecision:
     if cell.context:
         return taught.decide(cell.context, Target(object=cell.object), scene)
     return taught.decide(FINDING, Target(used_for=cell.argument), scene)
 
 
-def _candidate_of(cell: Cell, decided: TracedDecision) -> Candidate | None:
+def _candidate_of(cell: RuleTopic, decided: TracedDecision) -> Candidate | None:
     """Return the candidate of a cell in a decision; None if no rule applies."""
     inference = decided.part if cell.context else decided.object
     found = [

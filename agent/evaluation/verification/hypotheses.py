@@ -22,7 +22,7 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ..scenarios import ACTIONS, CONTEXTS
 from .finite_cases import CheckResult, TaughtSpace, differences, highest_codes, parts_mask
-from .space import CONFIDENCES, Cell, Codes, ScenarioSpace, code_of
+from .scenario_space import CONFIDENCES, Codes, RuleTopic, ScenarioSpace, code_of
 from .taught_agent import GraphStatement, TaughtAgent, acceptable_candidates, belief_statements
 
 
@@ -61,9 +61,9 @@ def _teach(sentences: Sequence[str]) -> tuple[frozenset[Rule], frozenset[GraphSt
 
 def _read_back(space: ScenarioSpace, rules: frozenset[Rule]) -> list[int]:
     names = {(number, 1.0): level for level, number in CONFIDENCES.items()}
-    levels: dict[Cell, list[str]] = {cell: [] for cell in space.cells}
+    levels: dict[RuleTopic, list[str]] = {cell: [] for cell in space.cells}
     for rule in rules:
-        levels[Cell.from_rule(rule)].append(names[rule.interval.lower, rule.interval.upper])
+        levels[RuleTopic.from_rule(rule)].append(names[rule.interval.lower, rule.interval.upper])
     return [code_of(levels[cell]) for cell in space.cells]
 
 
@@ -118,4 +118,4 @@ def _part_cells(space: ScenarioSpace, action: str, number: int) -> list[int]:
     """Return the cells of the parts of an object for an action; none if it does not grasp."""
     name = space.objects[number]
     contexts = [context for context in CONTEXTS if context == action]
-    return [space.index[Cell(name, part, c)] for c in contexts for part in space.parts[name]]
+    return [space.index[RuleTopic(name, part, c)] for c in contexts for part in space.parts[name]]

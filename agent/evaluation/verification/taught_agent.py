@@ -34,7 +34,7 @@ from ...execution.goal_manager import GoalManager
 from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
 from ...execution.request import Request
-from .space import Cell
+from .scenario_space import RuleTopic
 
 GraphStatement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
 PROVENANCE = (DERIVED_FROM, GENERATED_AT)
@@ -54,7 +54,7 @@ class TracingRule(Rule):
         if name in STATED:
             record = object.__getattribute__(self, "__dict__").get("record")
             if record is not None:  # None during construction
-                record.add(Cell.from_rule(self))
+                record.add(RuleTopic.from_rule(self))
         return object.__getattribute__(self, name)
 
 
@@ -63,7 +63,7 @@ class TracingSource:
 
     def __init__(self, source: RuleSource) -> None:
         self.source = source
-        self.read: set[Cell] = set()
+        self.read: set[RuleTopic] = set()
 
     @property
     def sequence(self) -> int:
@@ -92,7 +92,7 @@ class TracedDecision:
 
     object: Inference | None
     part: Inference | None
-    read: frozenset[Cell]
+    read: frozenset[RuleTopic]
 
 
 class TaughtAgent(AbstractContextManager["TaughtAgent"]):

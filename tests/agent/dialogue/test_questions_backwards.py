@@ -7,7 +7,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
-from hilt.kb.formats.transfer import import_file
+from hilt.kb.formats.import_export import import_file
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 

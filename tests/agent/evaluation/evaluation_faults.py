@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, cast
 
-from hilt.agent.evaluation.case import Case, Result
+from hilt.agent.evaluation.case import Case, CaseResult
 from hilt.agent.evaluation.experiment import Experiment
 
 
@@ -43,13 +43,13 @@ class Squares(Experiment):
         """A case for each number."""
         return [Case(self.name, f"{n:04}", {"number": n}) for n in range(self.count)]
 
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """The square of one number, unless something happens."""
         number = cast(int, case.spec["number"])
         if self.begun(number) <= self.times:
             self._go_wrong(number)
         time.sleep(self.each_s)
-        return Result(case.key, True, "check", 0, str(number**2), str(number**2))
+        return CaseResult(case.key, True, "check", 0, str(number**2), str(number**2))
 
     def begun(self, number: int) -> int:
         """How often a case was begun, with this time."""
@@ -73,6 +73,6 @@ class Broken(Squares):
 
     name: ClassVar[str] = "evaluation_faults:Broken"
 
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """Raise it."""
         raise ValueError("never right")

@@ -20,7 +20,7 @@ from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule
-from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.vision.percept import PartPercept, Percept
 
 POUND = "pound the nail"

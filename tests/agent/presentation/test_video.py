@@ -10,7 +10,7 @@ from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
 from hilt.agent.presentation.video import LEGEND
-from hilt.sim.media.recording import Recorder
+from hilt.sim.media.recording import WorldRecorder
 
 pytestmark = pytest.mark.sim
 
@@ -19,12 +19,12 @@ def test_film_says_what_the_robot_thinks(tmp_path: Path, monkeypatch: pytest.Mon
     """Utterance, nodes, constraint and interval are below; the part is tinted, grasps are drawn."""
     taken: list[tuple[str, tuple[str, str] | None, set[tuple[bool, bool]]]] = []
 
-    def take(recorder: Recorder, at: object = None) -> None:
+    def take(recorder: WorldRecorder, at: object = None) -> None:
         kinds = {(mark.accepted, mark.chosen) for mark in recorder.grasps}
         taken.append((recorder.caption, recorder.tint, kinds))
 
-    monkeypatch.setattr(Recorder, "take", take)
-    monkeypatch.setattr(Recorder, "_write", lambda _: None)
+    monkeypatch.setattr(WorldRecorder, "take", take)
+    monkeypatch.setattr(WorldRecorder, "_write", lambda _: None)
     with Agent.open("memory:", AgentConfig(scene="objects:knife", seed=3)) as agent:
         agent.hear("To pass a knife grab the knife by the blade")
         with agent.filmed(tmp_path / "out.gif"):

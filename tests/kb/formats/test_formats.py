@@ -15,13 +15,13 @@ from rdflib import Graph
 
 from hilt.kb.bulk import importer, row_scan
 from hilt.kb.bulk.exporter import write_statements
-from hilt.kb.formats import transfer
+from hilt.kb.formats import import_export
 from hilt.kb.formats.csv_table import TableWriter, read_table, rule_cells
+from hilt.kb.formats.file_streams import InputStream
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
+from hilt.kb.formats.import_export import export_file, import_file, import_text, read_file
 from hilt.kb.formats.registry import FORMATS
 from hilt.kb.formats.rule_yaml import RuleSheetWriter, read_sheet
-from hilt.kb.formats.streams import InputStream
-from hilt.kb.formats.transfer import export_file, import_file, import_text, read_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
@@ -59,7 +59,7 @@ def contents(base: KnowledgeBase) -> set[object]:
 def streamed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every file is large."""
     monkeypatch.setattr(row_scan, "MAX_SORTED", 0)
-    monkeypatch.setattr(transfer, "MAX_STAGED", 0)
+    monkeypatch.setattr(import_export, "MAX_STAGED", 0)
     monkeypatch.setattr(importer, "_MAX_APPLIED", 0)
 
 
@@ -74,7 +74,7 @@ def test_rules_come_back_from_every_format(name: str, some: list[Rule]):
     base, again = fresh(), fresh()
     teach(base, *some)
     target = io.BytesIO()
-    transfer.write_base(base, target, format=name)
+    import_export.write_base(base, target, format=name)
 
     import_text(again, target.getvalue(), format=name, source=f"x.{name}")
 
@@ -364,7 +364,7 @@ def test_endless_literal_is_refused_early(name: str, head: bytes):
     source = InputStream(endless, "x", most=chosen.most)  # pyright: ignore[reportArgumentType]
 
     with pytest.raises(DataError, match="x"):
-        transfer.count_contents(source, chosen)
+        import_export.count_contents(source, chosen)
 
     assert endless.given < 70 * 2**20
 

@@ -21,7 +21,7 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import functional, grasping
 from hilt.kb.sparql.named_queries import query_names
-from hilt.kb.sparql.results import BooleanResult, Limits, Solutions, Statements
+from hilt.kb.sparql.results import BooleanResult, ConstructResult, QueryLimits, SelectResult
 from hilt.kb.stores.base import Store
 from hilt.kb.stores.http import parse_address
 from hilt.kb.stores.opening import open_store
@@ -248,15 +248,15 @@ def test_query_sees_all_graphs_as_one(store: Store):
 def test_run_answers_every_form(store: Store):
     """Rows, yes or no, and statements, as the methods for each form give them."""
     store.apply(insert=[quad(1), quad(1, H)])
-    limits = Limits(seconds=20)
+    limits = QueryLimits(seconds=20)
 
-    assert store.run("SELECT ?s WHERE { GRAPH ?g { ?s ?p ?o } }", limits) == Solutions(
+    assert store.run("SELECT ?s WHERE { GRAPH ?g { ?s ?p ?o } }", limits) == SelectResult(
         ("s",), ((S,), (S,))
     )
     assert store.run("ASK { ?s ?p 2 }", limits) == BooleanResult(False)
-    assert store.run("CONSTRUCT { ?s ?p 3 } WHERE { ?s ?p ?o }", limits) == Statements.from_quads(
-        [Quad(S, P, 3)]
-    )
+    assert store.run(
+        "CONSTRUCT { ?s ?p 3 } WHERE { ?s ?p ?o }", limits
+    ) == ConstructResult.from_quads([Quad(S, P, 3)])
     with pytest.raises(QueryError):
         store.run("SELECT WHERE {", limits)
 
@@ -267,7 +267,7 @@ def test_run_stops_a_query_that_takes_too_long(store: Store):
     endless = "SELECT (COUNT(*) AS ?n) WHERE { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?n ?o FILTER(?c + ?f + ?i + ?l + ?o < 0) }"  # noqa: E501
 
     with pytest.raises(QueryError, match=r"took longer than 0\.5 s|The endpoint says"):
-        store.run(endless.replace("?n)", "?count)"), Limits(seconds=0.5))
+        store.run(endless.replace("?n)", "?count)"), QueryLimits(seconds=0.5))
 
     assert store.ask("ASK { ?s ?p 7 }")
 

@@ -149,8 +149,8 @@ STREAMER = """
 import sys
 from pathlib import Path
 from hilt.kb import KnowledgeBase
-from hilt.kb.formats import transfer
-transfer.MAX_RULES = 100  # more than these stream
+from hilt.kb.formats import import_export
+import_export.MAX_RULES = 100  # more than these stream
 folder = Path(sys.argv[1])
 kb = KnowledgeBase.open(folder)
 print(kb.sequence, flush=True)
@@ -158,7 +158,7 @@ while True:
     table = folder.with_suffix(f".{kb.sequence}.csv")
     lines = [f"thing {kb.sequence} {n},pass,graspObject,handle,0.9" for n in range(RULES_OF_EACH)]
     table.write_text("\\n".join(["features,contexts,functor,argument,lower", *lines]))
-    transfer.import_file(kb, table)
+    import_export.import_file(kb, table)
     table.unlink()
     print(kb.sequence, flush=True)
 """

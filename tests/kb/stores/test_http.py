@@ -9,22 +9,22 @@ import httpx
 import pytest
 
 from hilt.kb.rdf.terms import Quad
-from hilt.kb.sparql.results import Limits
+from hilt.kb.sparql.results import QueryLimits
 from hilt.kb.stores.http import (
     PASSWORD,
     TOKEN,
     TRIES,
     USER,
-    Address,
-    Response,
-    Transport,
+    EndpointAddress,
+    EndpointResponse,
+    EndpointTransport,
     parse_address,
 )
 from hilt.kb.stores.remote import RemoteStore
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.vocabulary import Iri, iri
 
-ADDRESS = Address("http://h/query", "http://h/update")
+ADDRESS = EndpointAddress("http://h/query", "http://h/update")
 QUAD = Quad(Iri("urn:s"), Iri("urn:p"), 1, iri("graph", "beliefs"))
 Handler = Callable[[httpx.Request], httpx.Response]
 
@@ -32,10 +32,10 @@ Handler = Callable[[httpx.Request], httpx.Response]
 class Served:
     """An endpoint in memory: answers one handler's way, and remembers requests and pauses."""
 
-    def __init__(self, handler: Handler, address: Address = ADDRESS) -> None:
+    def __init__(self, handler: Handler, address: EndpointAddress = ADDRESS) -> None:
         self.requests: list[httpx.Request] = []
         self.pauses: list[float] = []
-        self.transport = Transport(
+        self.transport = EndpointTransport(
             address, pause=self.pauses.append, connection=httpx.MockTransport(self._handle)
         )
         self._handler = handler
@@ -49,9 +49,9 @@ class Served:
         )
         return self._handler(request)
 
-    def post(self, *, may_repeat: bool = True, megabytes: int = 10) -> Response:
+    def post(self, *, may_repeat: bool = True, megabytes: int = 10) -> EndpointResponse:
         """Send something small."""
-        limits = Limits(5, megabytes)
+        limits = QueryLimits(5, megabytes)
         return self.transport.post(
             "http://h/query", form={"query": "ASK {}"}, accept="*/*", limits=limits,
             may_repeat=may_repeat,
@@ -155,7 +155,7 @@ def test_scheme_is_the_one_that_the_server_asks_for(scheme: str):
             return httpx.Response(200, text="in")
         return httpx.Response(401, headers=challenge)
 
-    served = Served(handler, Address("http://h/query", "", user="sam", password="s"))  # noqa: S106
+    served = Served(handler, EndpointAddress("http://h/query", "", user="sam", password="s"))  # noqa: S106
 
     assert [served.post().body for _ in range(2)] == [b"in", b"in"]
     assert "authorization" not in served.requests[0].headers
@@ -166,7 +166,7 @@ def test_token_is_sent_as_bearer():
     """Without waiting to be asked."""
     served = Served(
         in_turn(httpx.Response(200)),
-        Address("http://h/query", "", token="t0ken"),  # noqa: S106
+        EndpointAddress("http://h/query", "", token="t0ken"),  # noqa: S106
     )
     served.post()
 
@@ -175,7 +175,7 @@ def test_token_is_sent_as_bearer():
 
 def test_bulk_goes_by_the_graph_store_protocol():
     """Where its address is known, one request a graph in place of many updates."""
-    address = Address("http://h/query", "http://h/update", "http://h/store")
+    address = EndpointAddress("http://h/query", "http://h/update", "http://h/store")
     served = Served(in_turn(httpx.Response(204)), address)
     store = RemoteStore(served.transport, read_only=False)
 

@@ -13,12 +13,12 @@ import pytest
 from rdflib.query import Result
 
 from hilt.kb.rdf.terms import Literal, Quad
-from hilt.kb.sparql.results import BooleanResult, Solutions, Statements, read_solutions
+from hilt.kb.sparql.results import BooleanResult, ConstructResult, SelectResult, read_solutions
 from hilt.kb.stores.result_formats import FORMATS, write_result
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
 
-ROWS = Solutions(
+ROWS = SelectResult(
     ("a", "b"),
     (
         (Iri("urn:x"), 'a "quoted" <&> text,\n刀'),
@@ -63,7 +63,9 @@ def test_yes_or_no_is_json_or_xml():
 
 def test_statements_are_turtle_with_prefixes():
     """Rows are not."""
-    made = Statements.from_quads([Quad(Iri("https://w3id.org/hilt/object/knife"), Iri("urn:p"), 1)])
+    made = ConstructResult.from_quads(
+        [Quad(Iri("https://w3id.org/hilt/object/knife"), Iri("urn:p"), 1)]
+    )
 
     assert "object:knife <urn:p> 1 ." in write_result(made, "turtle")
     with pytest.raises(QueryError, match="CONSTRUCT or DESCRIBE"):
@@ -72,7 +74,7 @@ def test_statements_are_turtle_with_prefixes():
 
 def test_control_characters_do_not_break_xml():
     """XML has no way to write them, so a mark stands in their place."""
-    written = write_result(Solutions(("a",), (("a\x00b\x0bc",),)), "xml")
+    written = write_result(SelectResult(("a",), (("a\x00b\x0bc",),)), "xml")
 
     assert "a\ufffdb\ufffdc" in written
 

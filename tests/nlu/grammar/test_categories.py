@@ -8,13 +8,13 @@ import pytest
 from hilt.nlu.grammar.categories import type_of
 from hilt.nlu.grammar.combinators import Combination, Combinator
 from hilt.nlu.grammar.notation import read_category
-from hilt.nlu.grammar.types import Basic
-from hilt.ontology.yaml_reader import Field
+from hilt.nlu.grammar.types import BasicType
+from hilt.ontology.yaml_reader import YamlValue
 
 
 def category(text: str):
     """A category from its notation."""
-    return read_category(Field(text, "<text>", 1, 1))
+    return read_category(YamlValue(text, "<text>", 1, 1))
 
 
 def combined(left: str, right: str) -> list[tuple[str, Combination]]:
@@ -66,7 +66,7 @@ def test_a_composed_functor_does_not_apply_again() -> None:
 
 def test_the_type_of_a_functor_is_a_function() -> None:
     """`S/NP` means a function from what NPs mean to what Ss mean."""
-    atoms = {"S": Basic("t"), "NP": Basic("e")}
+    atoms = {"S": BasicType("t"), "NP": BasicType("e")}
 
     assert str(type_of(category("(S\\NP)/NP"), atoms)) == "e -> e -> t"
 
@@ -74,4 +74,4 @@ def test_the_type_of_a_functor_is_a_function() -> None:
 def test_an_undeclared_atom_has_no_type() -> None:
     """The error names it."""
     with pytest.raises(KeyError, match="VP"):
-        type_of(category("VP/NP"), {"NP": Basic("e")})
+        type_of(category("VP/NP"), {"NP": BasicType("e")})

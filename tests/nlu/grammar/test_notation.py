@@ -22,14 +22,14 @@ from hilt.nlu.grammar.notation import (
     read_unary,
 )
 from hilt.nlu.grammar.notation_parser import Start, parse
-from hilt.nlu.grammar.terms import Apply, Bound, Constant, Lambda, normal_form
+from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, normal_form
 from hilt.ontology.errors import DataError
-from hilt.ontology.yaml_reader import Field
+from hilt.ontology.yaml_reader import YamlValue
 
 
-def line(text: str) -> Field:
+def line(text: str) -> YamlValue:
     """A text as it would stand in quotes in line 3 of a file, from column 5 on."""
-    return Field(text, "words.yaml", 3, 5)
+    return YamlValue(text, "words.yaml", 3, 5)
 
 
 @pytest.mark.parametrize("text", ["NP", "NP/N", "(S\\NP)/NP", "S/(S\\NP)", "(S/^C)\\^NP"])
@@ -106,8 +106,10 @@ def test_a_message_lists_everything_that_may_follow(text: str, expected: str) ->
 
 def test_an_inner_variable_hides_an_outer_one() -> None:
     """A name means the nearest function that has it."""
-    assert parse_term("λx.λx.f(x)") == Lambda(Lambda(Apply(Constant("f"), Bound(0))))
-    assert parse_term("λx.(λx.x)(x)") == Lambda(Apply(Lambda(Bound(0)), Bound(0)))
+    assert parse_term("λx.λx.f(x)") == Lambda(Lambda(Application(Constant("f"), BoundVariable(0))))
+    assert parse_term("λx.(λx.x)(x)") == Lambda(
+        Application(Lambda(BoundVariable(0)), BoundVariable(0))
+    )
 
 
 def test_no_line_nests_too_deeply() -> None:
@@ -139,14 +141,14 @@ LINES: list[tuple[Start, str]] = [
 
 def read(text: str, start: Start) -> object:
     """The value of a line, by the parser."""
-    return parse(Field(text, "<test>", 1, 0), start)
+    return parse(YamlValue(text, "<test>", 1, 0), start)
 
 
 def saved(path: Path) -> Path:
     """The file, once all lines were parsed and saved."""
     lines = NotationCache(path)
     for start, text in LINES:
-        lines.add(text, start, parse(Field(text, "<test>", 1, 0), start))
+        lines.add(text, start, parse(YamlValue(text, "<test>", 1, 0), start))
     lines.save()
     return path
 

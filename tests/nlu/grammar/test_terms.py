@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from hilt.nlu.grammar.notation import parse_term
 from hilt.nlu.grammar.terms import (
-    Apply,
-    Bound,
+    Application,
+    BoundVariable,
     Constant,
     Lambda,
     Term,
@@ -21,9 +21,9 @@ from hilt.nlu.grammar.terms import (
     replace_constants,
     show,
 )
-from hilt.nlu.grammar.types import Basic, FunctionType, Type, check_type
+from hilt.nlu.grammar.types import BasicType, FunctionType, Type, check_type
 
-E = Basic("e")
+E = BasicType("e")
 TYPES = st.recursive(st.just(E), lambda inner: st.builds(FunctionType, inner, inner), max_leaves=4)
 SIGNATURE = {
     "a": [E],
@@ -43,8 +43,8 @@ def typed_terms(
     if depth and draw(st.booleans()):
         source = draw(TYPES)
         function = draw(typed_terms(FunctionType(source, wanted), context, depth - 1))
-        return Apply(function, draw(typed_terms(source, context, depth - 1)))
-    known = [Bound(i) for i, each in enumerate(context) if each == wanted]
+        return Application(function, draw(typed_terms(source, context, depth - 1)))
+    known = [BoundVariable(i) for i, each in enumerate(context) if each == wanted]
     known += [Constant(name) for name, (each,) in SIGNATURE.items() if each == wanted]
     if known:
         return draw(st.sampled_from(known))
@@ -56,12 +56,12 @@ def typed_terms(
 def shift(term: Term, by: int, below: int = 0) -> Term:
     """The textbook shift of free variables, to compare with."""
     match term:
-        case Bound(index):
-            return Bound(index + by) if index >= below else term
+        case BoundVariable(index):
+            return BoundVariable(index + by) if index >= below else term
         case Lambda(body):
             return Lambda(shift(body, by, below + 1))
-        case Apply(function, argument):
-            return Apply(shift(function, by, below), shift(argument, by, below))
+        case Application(function, argument):
+            return Application(shift(function, by, below), shift(argument, by, below))
         case Constant():
             return term
 
@@ -69,12 +69,14 @@ def shift(term: Term, by: int, below: int = 0) -> Term:
 def substitute(term: Term, value: Term, index: int = 0) -> Term:
     """The textbook substitution, to compare with."""
     match term:
-        case Bound(found):
+        case BoundVariable(found):
             return value if found == index else term
         case Lambda(body):
             return Lambda(substitute(body, shift(value, 1), index + 1))
-        case Apply(function, argument):
-            return Apply(substitute(function, value, index), substitute(argument, value, index))
+        case Application(function, argument):
+            return Application(
+                substitute(function, value, index), substitute(argument, value, index)
+            )
         case Constant():
             return term
 
@@ -84,12 +86,12 @@ def reduced(term: Term) -> Term:
     match term:
         case Lambda(body):
             return Lambda(reduced(body))
-        case Apply(function, argument):
+        case Application(function, argument):
             head = reduced(function)
             if isinstance(head, Lambda):
                 return reduced(shift(substitute(head.body, shift(argument, 1)), -1))
-            return Apply(head, reduced(argument))
-        case Bound() | Constant():
+            return Application(head, reduced(argument))
+        case BoundVariable() | Constant():
             return term
 
 
@@ -110,7 +112,7 @@ def test_normal_form_is_final(term: Term) -> None:
 @given(typed_terms())
 def test_normal_form_keeps_the_type(term: Term) -> None:
     """Reduction does not change what a term is."""
-    check_type(term if not isinstance(term, Apply) else normal_form(term), E, SIGNATURE)
+    check_type(term if not isinstance(term, Application) else normal_form(term), E, SIGNATURE)
 
 
 @given(

@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu.grammar.categories import AtomicCategory
-from hilt.nlu.grammar.patterns import PatternError
 from hilt.nlu.grammar.terms import Constant, evaluate
+from hilt.nlu.grammar.word_patterns import PatternError
 from hilt.nlu.lexicon.lexicon import Entry, Lexicon, Sense
 
 TERM = Constant("knife")

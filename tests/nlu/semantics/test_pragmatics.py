@@ -9,11 +9,11 @@ import pytest
 
 from hilt.nlu.grammar.notation import parse_term
 from hilt.nlu.semantics.pragmatics import load_pragmatics
-from hilt.nlu.semantics.predicates import Form, form_of_term
+from hilt.nlu.semantics.predicates import PredicateForm, form_of_term
 from hilt.ontology.errors import DataError
 
 
-def form(text: str) -> Form:
+def form(text: str) -> PredicateForm:
     """A form from its notation."""
     return form_of_term(parse_term(text))
 

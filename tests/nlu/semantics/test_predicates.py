@@ -10,39 +10,41 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.nlu.grammar.notation import parse_term
-from hilt.nlu.grammar.terms import Apply, Constant, Term, evaluate
-from hilt.nlu.semantics.predicates import Form, fill, form_of, form_of_term, match
+from hilt.nlu.grammar.terms import Application, Constant, Term, evaluate
+from hilt.nlu.semantics.predicates import PredicateForm, fill, form_of, form_of_term, match
 
 NAMES = st.sampled_from(["knife", "pass", "self", "partOf", "blade"])
 FORMS = st.recursive(
-    st.builds(Form, NAMES),
-    lambda inner: st.builds(Form, NAMES, st.lists(inner, min_size=1, max_size=3).map(tuple)),
+    st.builds(PredicateForm, NAMES),
+    lambda inner: st.builds(
+        PredicateForm, NAMES, st.lists(inner, min_size=1, max_size=3).map(tuple)
+    ),
     max_leaves=8,
 )
 
 
-def form(text: str) -> Form:
+def form(text: str) -> PredicateForm:
     """A form from its notation."""
     return form_of_term(parse_term(text))
 
 
 @given(FORMS)
-def test_a_form_reads_back_from_its_text(written: Form) -> None:
+def test_a_form_reads_back_from_its_text(written: PredicateForm) -> None:
     """What is printed is the notation that is read."""
     assert form(str(written)) == written
 
 
 @given(FORMS)
-def test_forms_and_terms_are_the_same_without_functions(written: Form) -> None:
+def test_forms_and_terms_are_the_same_without_functions(written: PredicateForm) -> None:
     """A form goes through a term and its value unchanged."""
     assert form_of(evaluate(_term(written))) == written
 
 
 @given(FORMS)
-def test_a_variable_matches_every_form(anything: Form) -> None:
+def test_a_variable_matches_every_form(anything: PredicateForm) -> None:
     """Filling a pattern with what it matched gives the form again."""
     pattern = form("want(A,X)")
-    whole = Form("want", (Form("sam"), anything))
+    whole = PredicateForm("want", (PredicateForm("sam"), anything))
 
     found = match(pattern, whole)
 
@@ -68,6 +70,6 @@ def test_a_function_is_no_form() -> None:
         form_of(evaluate(parse_term("λx.x")))
 
 
-def _term(written: Form) -> Term:
+def _term(written: PredicateForm) -> Term:
     """The term that applies a constant to the terms of its arguments."""
-    return reduce(Apply, map(_term, written.arguments), Constant(written.name))
+    return reduce(Application, map(_term, written.arguments), Constant(written.name))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hilt.sim import poses
-from hilt.sim.grasping.context import LabelledCloud, PointLabel
+from hilt.sim.grasping.context import LabelledPointCloud, PointLabel
 from hilt.sim.grasping.planner import RankedGrasps, plan_grasps
 from hilt.sim.grasping.sampling import BIN, sample_grasps
 from hilt.sim.grasping.scoring import REJECTIONS, gravity_lever, hits_table, score_grasps
@@ -34,10 +34,12 @@ def box(middle: tuple[float, float, float], size: tuple[float, float, float]) ->
     return grid[sides | np.isclose(grid[:, 2], high[2])]
 
 
-def bar(*, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING) -> LabelledCloud:
+def bar(
+    *, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING
+) -> LabelledPointCloud:
     """A bar of 10 cm that lies along x."""
     cloud = box(BAR, (0.1, width, 0.022))
-    return LabelledCloud.of(
+    return LabelledPointCloud.of(
         cloud,
         other_parts=others,
         neighbours=near,
@@ -47,7 +49,7 @@ def bar(*, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING) 
     )
 
 
-def plan(cloud: LabelledCloud, seed: int = 0) -> RankedGrasps:
+def plan(cloud: LabelledPointCloud, seed: int = 0) -> RankedGrasps:
     """The grasps of a part."""
     return plan_grasps(cloud, GRIPPER, rng=np.random.default_rng(seed))
 
@@ -92,7 +94,7 @@ def test_other_part_is_never_between_the_pads():
     """With another part on one half of the bar, all grasps keep to the other half."""
     half = box((0.525, 0.0, 0.012), (0.05, 0.02, 0.022))
     target = box((0.475, 0.0, 0.012), (0.05, 0.02, 0.022))
-    scene = LabelledCloud.of(
+    scene = LabelledPointCloud.of(
         target, other_parts=half, table=0.0, centre_of_mass=np.array(BAR), mass=0.1
     )
 
@@ -108,7 +110,9 @@ def test_other_part_is_never_between_the_pads():
 def test_part_wider_than_the_hand_is_too_wide():
     """A cube of 10 cm leaves no grasp, and the reason is its width."""
     cube = box((0.5, 0.0, 0.05), (0.1, 0.1, 0.1))
-    scene = LabelledCloud.of(cube, table=0.0, centre_of_mass=np.array((0.5, 0, 0.05)), mass=0.5)
+    scene = LabelledPointCloud.of(
+        cube, table=0.0, centre_of_mass=np.array((0.5, 0, 0.05)), mass=0.5
+    )
 
     found = plan(scene)
 
@@ -129,7 +133,7 @@ def test_part_walled_in_by_others_is_blocked():
 
 def test_part_hardly_seen_gives_no_grasp_and_no_reason():
     """Too few points give an empty plan."""
-    few = LabelledCloud.of(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
+    few = LabelledPointCloud.of(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
 
     found = plan(few)
 
@@ -176,7 +180,9 @@ def test_slope_leads_to_the_widest_place():
     angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     rim = np.column_stack([0.5 + 0.03 * np.cos(angle), 0.03 * np.sin(angle), 0 * angle])
     disc = np.vstack([rim + np.array((0, 0, z)) for z in np.linspace(0.005, 0.02, 12)])
-    scene = LabelledCloud.of(disc, table=0.0, centre_of_mass=np.array((0.5, 0, 0.01)), mass=0.1)
+    scene = LabelledPointCloud.of(
+        disc, table=0.0, centre_of_mass=np.array((0.5, 0, 0.01)), mass=0.1
+    )
     beside = poses.pose(DOWN, (0.508, 0.0, 0.012))[None]
 
     scores = score_grasps(beside, np.array([0.06]), scene, GRIPPER)
@@ -188,7 +194,9 @@ def test_slope_leads_to_the_widest_place():
 def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
     """A hand that just reaches a plate scores less than one 3 mm deeper, all else alike."""
     plate = box((0.5, 0.0, 0.03), (0.1, 0.02, 0.002))
-    scene = LabelledCloud.of(plate, table=0.0, centre_of_mass=np.array((0.5, 0, 0.03)), mass=0.1)
+    scene = LabelledPointCloud.of(
+        plate, table=0.0, centre_of_mass=np.array((0.5, 0, 0.03)), mass=0.1
+    )
     bottom = 0.029 + GRIPPER.pad_length / 2  # height of the grip when the pads end with the plate
     hands = np.stack([poses.pose(DOWN, (0.5, 0, bottom - z)) for z in (0.0, 0.003)])
 
@@ -199,7 +207,7 @@ def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
 
 def test_object_that_would_turn_in_the_hand_is_not_rejected():
     """A heavy bar held far from its middle scores little, but more than nothing."""
-    far = LabelledCloud.of(
+    far = LabelledPointCloud.of(
         bar().target, table=0.0, centre_of_mass=np.array((0.6, 0.0, 0.012)), mass=0.6
     )
 

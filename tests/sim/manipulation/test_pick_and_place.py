@@ -12,7 +12,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.body import Body
 from hilt.sim.grasping.selection import MAX_ATTEMPTS
-from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.robot.robot import NAME
 from hilt.sim.scene.scene import Placement, Scene, parse_scene
 from hilt.sim.vision.camera import Camera, CameraImage

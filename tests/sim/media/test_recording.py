@@ -14,7 +14,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.media import pictures, recording
 from hilt.sim.media.pictures import OVERVIEW, GraspMark, add_caption, save_picture, take_picture
-from hilt.sim.media.recording import Recorder, caption, strip
+from hilt.sim.media.recording import WorldRecorder, caption, strip
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 
@@ -33,7 +33,7 @@ def world() -> Iterator[World]:
 
 def recorded(world: World, path: Path, captions: tuple[str, ...]) -> Path:
     """A recording of 0.5 s for each caption, at 4 pictures a second."""
-    with Recorder(world, path, camera=SMALL, rate=4, speed=1) as recorder:
+    with WorldRecorder(world, path, camera=SMALL, rate=4, speed=1) as recorder:
         for caption in captions:
             recorder.caption = caption
             world.step(120)
@@ -135,7 +135,7 @@ def test_nothing_is_rendered_when_nobody_records(
 
 def test_failed_run_leaves_no_file(world: World, tmp_path: Path):
     """When what is recorded fails, nothing is written and nobody watches any more."""
-    with pytest.raises(ZeroDivisionError), Recorder(world, tmp_path / "out.gif", camera=SMALL):
+    with pytest.raises(ZeroDivisionError), WorldRecorder(world, tmp_path / "out.gif", camera=SMALL):
         _ = 1 / 0
 
     assert not (tmp_path / "out.gif").exists()
@@ -145,7 +145,7 @@ def test_failed_run_leaves_no_file(world: World, tmp_path: Path):
 def test_unknown_ending_is_refused_at_once(world: World):
     """What cannot be written is told before anything is recorded."""
     with pytest.raises(DataError, match=r"expected a file ending in .gif, .mp4, .png"):
-        Recorder(world, Path("out.avi"))
+        WorldRecorder(world, Path("out.avi"))
 
 
 def test_mp4_holds_the_pictures(world: World, tmp_path: Path):
@@ -166,7 +166,7 @@ def test_mp4_without_its_encoder_is_told(world: World, monkeypatch: pytest.Monke
     monkeypatch.setattr(recording, "find_spec", lambda _: None)
 
     with pytest.raises(MissingExtraError, match=r'"imageio-ffmpeg" is not installed'):
-        Recorder(world, Path("out.mp4"))
+        WorldRecorder(world, Path("out.mp4"))
 
 
 def test_long_caption_is_broken_into_lines():
@@ -199,7 +199,7 @@ def test_caption_keeps_its_own_lines():
 def test_recording_tints_and_draws_what_it_is_told(world: World, tmp_path: Path):
     """From the moment it is told, the part is tinted and the grasps are drawn; not before."""
     at = poses.translation(*world.pose("mug")[:3, 3])
-    with Recorder(world, tmp_path / "out.png", camera=SMALL) as recorder:
+    with WorldRecorder(world, tmp_path / "out.png", camera=SMALL) as recorder:
         for tint, grasps in (
             (None, ()),
             (("mug", "barrel"), ()),

@@ -13,13 +13,13 @@ from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim.models.object_models import object_model
 from hilt.sim.models.polygons import distance
-from hilt.sim.scene.placement import LIMITS, REACH, Spot, place_objects
+from hilt.sim.scene.placement import LIMITS, REACH, DropPose, place_objects
 from hilt.sim.scene.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 
 OBJECTS = load_objects()
 
 
-def arranged(scene: Scene) -> tuple[Spot, ...]:
+def arranged(scene: Scene) -> tuple[DropPose, ...]:
     """Where the objects of a scene are put."""
     return place_objects(scene, {name: object_model(OBJECTS[name]) for name in scene.types})
 

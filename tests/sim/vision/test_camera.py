@@ -12,7 +12,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import object_model
 from hilt.sim.physics.engine import PhysicsEngine
-from hilt.sim.vision.camera import SAMPLE, Camera, CameraImage, Window, cameras_round_table
+from hilt.sim.vision.camera import SAMPLE, Camera, CameraImage, ImageWindow, cameras_round_table
 
 CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
 BLOCK = object_model(load_objects()["block"])
@@ -98,7 +98,7 @@ def test_window_shows_its_part_of_the_image():
     with PhysicsEngine() as engine:
         engine.bodies.load("block", BLOCK.urdf, fixed=True)
         whole = CAMERA.capture(engine)
-        view = CAMERA.capture(engine, window=Window(300, 200, 90, 70))
+        view = CAMERA.capture(engine, window=ImageWindow(300, 200, 90, 70))
 
     mask = np.zeros_like(whole.labels, dtype=bool)
     mask[200:270, 300:390] = True

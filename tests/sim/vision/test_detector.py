@@ -12,8 +12,8 @@ from hilt.sim import poses
 from hilt.sim.scene.scene import graspable, parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.detector import FULL_CONFIDENCE, MaskDetector, smooth_depth
-from hilt.sim.vision.noise import Noise
 from hilt.sim.vision.percept import PartPercept, Percept, visible_features
+from hilt.sim.vision.perception_noise import NoiseLevels
 
 OBJECTS = load_objects()
 ROWS, COLUMNS = np.mgrid[0:30, 0:40]
@@ -117,7 +117,7 @@ def test_obstacles_are_the_other_objects(world: World, vision: MaskDetector):
 @pytest.mark.sim
 def test_depth_noise_blurs_clouds_and_comes_from_its_seed(world: World):
     """With 2 mm of depth noise points still leave their part, the same ones each time."""
-    noise = Noise(depth_m=0.002, seed=4)
+    noise = NoiseLevels(depth_m=0.002, seed=4)
     detector = MaskDetector(world.engine, world.kinds, world.models, noise=noise)
 
     (percept,) = detector.search(["object:mug"])

@@ -14,7 +14,7 @@ from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import NAME, Robot
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import FLOOR, TABLE, World
-from hilt.sim.vision.camera import Camera, CameraImage, Window
+from hilt.sim.vision.camera import Camera, CameraImage, ImageWindow
 from hilt.sim.vision.detector import MaskDetector
 from hilt.sim.vision.region_of_interest import RegionOfInterest
 
@@ -90,5 +90,5 @@ def test_empty_table_is_a_single_pixel():
     with PhysicsEngine() as engine:
         view = RegionOfInterest.around((), engine, room=()).capture(camera)
 
-    assert view.window == Window(0, 0, 1, 1)
+    assert view.window == ImageWindow(0, 0, 1, 1)
     assert shown(view) == {}

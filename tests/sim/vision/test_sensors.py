@@ -10,7 +10,7 @@ from hilt.ontology.errors import UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
-from hilt.sim.vision.noise import Noise, NoisyVision
+from hilt.sim.vision.perception_noise import NoiseLevels, NoisyVision
 from hilt.sim.vision.sensors import SOURCES, open_vision
 
 pytestmark = pytest.mark.sim
@@ -41,7 +41,7 @@ def test_every_source_names_objects_as_the_world_does(world: World, source: str)
 @pytest.mark.parametrize("source", SOURCES)
 def test_every_source_works_with_noise(world: World, source: str):
     """With 1 mm of depth noise all objects are detected, but perhaps not a nail."""
-    noise = Noise(depth_m=0.001, seed=1)
+    noise = NoiseLevels(depth_m=0.001, seed=1)
 
     percepts = NoisyVision(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
         ALL

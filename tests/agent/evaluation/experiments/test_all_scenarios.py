@@ -14,11 +14,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.agent.evaluation.case import Case, Result, to_json_line
+from hilt.agent.evaluation.case import Case, CaseResult, to_json_line
 from hilt.agent.evaluation.experiments.all_scenarios import AllScenariosExperiment
 from hilt.agent.evaluation.verification.finite_cases import TaughtSpace, check_scores
 from hilt.agent.evaluation.verification.hypotheses import check_teaching
-from hilt.agent.evaluation.verification.space import Cell, ScenarioSpace, belief
+from hilt.agent.evaluation.verification.scenario_space import RuleTopic, ScenarioSpace, belief
 from hilt.agent.evaluation.verification.taught_agent import TaughtAgent, TracingSource
 from hilt.agent.evaluation.verification.weak_orders import (
     OpaqueScore,
@@ -37,7 +37,7 @@ SMALL = AllScenariosExperiment(objects=2, affordances=2, taught=2, traced=2)
 
 
 @pytest.fixture(scope="module")
-def results() -> list[Result]:
+def results() -> list[CaseResult]:
     """What comes of the verification for two objects and two affordances."""
     sent = [Case.from_json(json.loads(to_json_line(case.as_json()))) for case in SMALL.cases()]
     return [SMALL.run(case) for case in sent]
@@ -220,7 +220,7 @@ def test_trace_notes_what_is_read_of_a_rule():
 
         assert rule.support == Interval(0.5, 1)
 
-    assert traced.read == {Cell("mug", "containing")}
+    assert traced.read == {RuleTopic("mug", "containing")}
 
 
 def test_decision_reads_only_what_is_on_the_table():
@@ -229,7 +229,7 @@ def test_decision_reads_only_what_is_on_the_table():
     with TaughtAgent(rules) as taught:
         decided = taught.decide("pointTo", Target(used_for="cutting"), ["knife"])
 
-    assert decided.read == {Cell("knife", "cutting")}
+    assert decided.read == {RuleTopic("knife", "cutting")}
 
 
 @pytest.mark.parametrize(

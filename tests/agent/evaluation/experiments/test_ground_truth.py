@@ -6,12 +6,16 @@ from collections.abc import Iterator
 import pytest
 
 from hilt.agent.agent import Agent
-from hilt.agent.evaluation.case import Case, Result
-from hilt.agent.evaluation.experiments.ground_truth import GroundTruth, judge_command, judge_grasp
+from hilt.agent.evaluation.case import Case, CaseResult
+from hilt.agent.evaluation.experiments.ground_truth import (
+    CorrectChoices,
+    judge_command,
+    judge_grasp,
+)
 from hilt.agent.evaluation.scenarios import load_scenarios
 from hilt.agent.execution.perception import PerfectVision
 from hilt.ontology.objects import load_objects
-from hilt.sim.manipulation.report import MotionReport
+from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.scene.scene import scene_with
 from hilt.sim.vision.percept import Percept
 
@@ -75,10 +79,10 @@ def agent(hand: Hand) -> Iterator[Agent]:
         yield taught
 
 
-def passed(agent: Agent) -> Result:
+def passed(agent: Agent) -> CaseResult:
     """What "pass me something used for cutting" comes to."""
     reply = agent.hear("pass me something used for cutting")
-    return judge_command(CASE, GroundTruth.from_scenario(A, "pass", "cutting", SCENE), reply)
+    return judge_command(CASE, CorrectChoices.from_scenario(A, "pass", "cutting", SCENE), reply)
 
 
 def test_right_thing_by_the_right_part_is_a_success(agent: Agent):

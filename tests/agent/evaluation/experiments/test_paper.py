@@ -8,8 +8,8 @@ from typing import cast
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, CaseRun, Result, to_json_line
-from hilt.agent.evaluation.experiments.ground_truth import GroundTruth
+from hilt.agent.evaluation.case import Case, CaseResult, CaseRun, to_json_line
+from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices
 from hilt.agent.evaluation.experiments.paper import PaperExperiment, SituationsExperiment
 from hilt.agent.evaluation.experiments.registry import make_experiment
 from hilt.agent.evaluation.reports.summary import EvaluationReport
@@ -20,11 +20,11 @@ A, B = load_scenarios()
 EVERY = 101  # a prime, so that a slice of the situations meets every action, affordance and size
 
 
-def truth(case: Case) -> GroundTruth:
+def truth(case: Case) -> CorrectChoices:
     """What the table of its scenario allows for a case."""
     spec = cast("dict[str, str]", case.spec)
     scenario = {"A": A, "B": B}[spec["scenario"]]
-    return GroundTruth.from_scenario(scenario, spec["action"], spec["affordance"], spec["scene"])
+    return CorrectChoices.from_scenario(scenario, spec["action"], spec["affordance"], spec["scene"])
 
 
 def test_a_scenario_is_32_sentences():
@@ -59,15 +59,15 @@ def test_truth_is_read_off_the_table(
     scenario: str, affordance: str, scene: list[str], objects: set[str], principle: int
 ):
     """The best object of the scene, and which of the four principles says so."""
-    found = GroundTruth.from_scenario(scenario, "pointTo", affordance, scene)
+    found = CorrectChoices.from_scenario(scenario, "pointTo", affordance, scene)
 
     assert (found.objects, found.principle) == (objects, principle)
 
 
 def test_truth_allows_only_the_part_for_the_action():
     """A knife is right by its blade when it is passed, and by its handle when it is picked up."""
-    passed = GroundTruth.from_scenario(A, "pass", "cutting", ["knife"])
-    picked = GroundTruth.from_scenario(A, "pickUp", "cutting", ["knife"])
+    passed = CorrectChoices.from_scenario(A, "pass", "cutting", ["knife"])
+    picked = CorrectChoices.from_scenario(A, "pickUp", "cutting", ["knife"])
 
     assert passed.allows("knife", "blade") and not passed.allows("knife", "handle")
     assert picked.allows("knife", "handle") and not picked.allows("knife", None)
@@ -128,16 +128,16 @@ def test_agent_that_was_taught_otherwise_is_wrong(monkeypatch: pytest.MonkeyPatc
 def test_results_survive_json():
     """A case and a result come back from their own lines."""
     case = PaperExperiment(scenes=1).cases()[0]
-    result = Result(case.key, True, "tie", 3, "mug", "glass or mug", {"ties": ["mug", "glass"]})
+    result = CaseResult(case.key, True, "tie", 3, "mug", "glass or mug", {"ties": ["mug", "glass"]})
 
     assert Case.from_json(json.loads(to_json_line(case.as_json()))) == case
-    assert Result.from_json(json.loads(to_json_line(result.as_json()))) == result
+    assert CaseResult.from_json(json.loads(to_json_line(result.as_json()))) == result
 
 
 def test_report_tells_decisions_from_what_the_hand_did():
     """A slipped thing is a failure of the run, not of the principle by which it was chosen."""
     slipped = {"decided": True, "success": False, "right_part": True}
-    result = Result("A/0/pass/cutting", False, "unique", 1, "knife", "knife", slipped)
+    result = CaseResult("A/0/pass/cutting", False, "unique", 1, "knife", "knife", slipped)
 
     counted = EvaluationReport("paper", {"seed": 7}, (CaseRun(result, 2.0),)).as_json()
 

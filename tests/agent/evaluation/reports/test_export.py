@@ -13,8 +13,8 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, CaseRun, Result
-from hilt.agent.evaluation.experiments.noise import NoiseExperiment
+from hilt.agent.evaluation.case import Case, CaseResult, CaseRun
+from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
 from hilt.agent.evaluation.reports.comparison import compare
 from hilt.agent.evaluation.reports.export import write_report
@@ -84,7 +84,7 @@ def test_page_needs_nothing_else(paper):
 def test_page_shows_what_is_wrong_and_escapes_it(paper):
     """A wrong case stands out, and its texts are text."""
     experiment, cases, _ = paper
-    result = Result("A/<b>", False, "unique", 1, "<i>mug</i>", "knife", {"why": ["1 < 2"]})
+    result = CaseResult("A/<b>", False, "unique", 1, "<i>mug</i>", "knife", {"why": ["1 < 2"]})
     wrong = EvaluationReport("paper", {}, (CaseRun(result, 0.1),))
 
     text = render_page(experiment, [Case("paper", "A/<b>", cases[0].spec)], wrong)
@@ -152,7 +152,7 @@ def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys
     """Counts and cases that differ are named; the exit code says that there are some."""
     experiment, cases, report = paper
     (first, *others) = report.runs
-    worse = CaseRun(Result(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
+    worse = CaseRun(CaseResult(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
     write_report(tmp_path / "a.json", *paper)
     write_report(
         tmp_path / "b.json",

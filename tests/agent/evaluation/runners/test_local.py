@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from evaluation_faults import Squares
 
-from hilt.agent.evaluation.case import Result
+from hilt.agent.evaluation.case import CaseResult
 from hilt.agent.evaluation.experiment import Experiment
 from hilt.agent.evaluation.experiments.registry import make_experiment
 from hilt.agent.evaluation.runners.base import Runner
@@ -16,7 +16,7 @@ from hilt.agent.evaluation.runners.local import ProcessRunner, SerialRunner
 from hilt.ontology.errors import DataError, UnknownNameError, WorkersError
 
 
-def results(experiment: Experiment, runner: Runner) -> list[Result]:
+def results(experiment: Experiment, runner: Runner) -> list[CaseResult]:
     """What comes of an experiment."""
     return [each.result for each in run_experiment(experiment, runner=runner)]
 

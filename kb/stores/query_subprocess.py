@@ -3,7 +3,8 @@
 
 pyoxigraph cannot stop a query, so a query with limits runs in a worker process over a snapshot of
 the store, and that process is killed when it takes too long. It is kept for the next query, and
-reads a new snapshot when the store has changed. Requests and answers are documented in `worker`.
+reads a new snapshot when the store has changed. Requests and answers are documented in
+`query_worker`.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from typing import IO, cast
 from ...ontology.errors import QueryError, StoreError
 from ..sparql.results import (
     BooleanResult,
-    Limits,
+    ConstructResult,
+    QueryLimits,
     QueryResult,
-    Statements,
     read_boolean,
     read_solutions,
 )
@@ -29,7 +30,7 @@ from ..sparql.results import (
 # Kinds of answers.
 ROWS, BOOLEAN, TRIPLES, REPORT = "rows", "boolean", "triples", "report"
 WRONG_QUERY, FAILED, TOO_LARGE = "wrong query", "failed", "too large"
-QUERY_WORKER = f"{__package__}.worker"
+QUERY_WORKER = f"{__package__}.query_worker"
 MAX_SHARE = 4  # an answer takes several times its size here; it may have 1/4 of the memory
 
 
@@ -43,7 +44,7 @@ class WorkerProcess:
         self._megabytes = 0
         self._lock = threading.Lock()
 
-    def run(self, source: Path, query: str, limits: Limits) -> QueryResult:
+    def run(self, source: Path, query: str, limits: QueryLimits) -> QueryResult:
         """The answer of a query over a snapshot, or a file of N-Quads.
 
         Raises:
@@ -57,9 +58,9 @@ class WorkerProcess:
             return BooleanResult(read_boolean(body))
         from .rdf_text import read_triples  # pyoxigraph, only when it is needed
 
-        return Statements.from_quads(read_triples(body, source=str(source)))
+        return ConstructResult.from_quads(read_triples(body, source=str(source)))
 
-    def request(self, limits: Limits, **fields: str | list[str]) -> tuple[str, bytes]:
+    def request(self, limits: QueryLimits, **fields: str | list[str]) -> tuple[str, bytes]:
         """Send a request; the kind of the answer, and its body. Errors as for `run`."""
         line = json.dumps({**fields, "megabytes": limits.megabytes}).encode() + b"\n"
         with self._lock:
@@ -80,7 +81,7 @@ class WorkerProcess:
                     pipe.close()
         self._process = None
 
-    def _answer(self, request: bytes, limits: Limits) -> tuple[str, bytes]:
+    def _answer(self, request: bytes, limits: QueryLimits) -> tuple[str, bytes]:
         """Send a request and read its answer; the process is killed when the time is over."""
         process = self._started(limits)
         stopped = threading.Event()
@@ -103,7 +104,7 @@ class WorkerProcess:
         finally:
             timer.cancel()
 
-    def _started(self, limits: Limits) -> subprocess.Popen[bytes]:
+    def _started(self, limits: QueryLimits) -> subprocess.Popen[bytes]:
         is_running = self._process is not None and self._process.poll() is None
         if self._process is None or not is_running or self._megabytes != limits.megabytes:
             self.close()
@@ -117,7 +118,7 @@ class WorkerProcess:
         return self._process
 
 
-def _exit_error(code: int, limits: Limits, *, was_stopped: bool) -> QueryError:
+def _exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryError:
     """Why the process ended: its time was over, or the system killed it."""
     if was_stopped:
         return limits.time_error()
@@ -127,7 +128,7 @@ def _exit_error(code: int, limits: Limits, *, was_stopped: bool) -> QueryError:
 
 
 def _exchange(
-    process: subprocess.Popen[bytes], request: bytes, limits: Limits
+    process: subprocess.Popen[bytes], request: bytes, limits: QueryLimits
 ) -> tuple[str, bytes]:
     to, answers = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
     to.write(request)

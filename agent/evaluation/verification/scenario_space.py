@@ -34,7 +34,7 @@ Codes = tuple[int, ...]  # a learning scenario: a code in [0, 16) for each cell
 
 
 @dataclass(frozen=True, order=True)
-class Cell:
+class RuleTopic:
     """The topic of a rule, without its confidence.
 
     Attributes:
@@ -48,7 +48,7 @@ class Cell:
     context: str = ""
 
     @classmethod
-    def from_rule(cls, rule: Rule) -> Cell:
+    def from_rule(cls, rule: Rule) -> RuleTopic:
         """Return the cell of a rule."""
         name = rule.argument.name if rule.argument else ""
         return cls(rule.object or "*", name, rule.context or "")
@@ -75,15 +75,17 @@ class ScenarioSpace:
         return cls(names, tuple(scenario.affordances)[:affordances], parts)
 
     @cached_property
-    def cells(self) -> tuple[Cell, ...]:
+    def cells(self) -> tuple[RuleTopic, ...]:
         """All cells: those of affordances by object, then those of grasps."""
-        functional = (Cell(name, each) for name in self.objects for each in self.affordances)
+        functional = (RuleTopic(name, each) for name in self.objects for each in self.affordances)
         held = ((name, context) for name in self.objects for context in CONTEXTS)
-        grasps = (Cell(name, part, context) for name, context in held for part in self.parts[name])
+        grasps = (
+            RuleTopic(name, part, context) for name, context in held for part in self.parts[name]
+        )
         return (*functional, *grasps)
 
     @cached_property
-    def index(self) -> Mapping[Cell, int]:
+    def index(self) -> Mapping[RuleTopic, int]:
         """Cell -> its index in `cells`."""
         return {cell: number for number, cell in enumerate(self.cells)}
 
@@ -92,7 +94,7 @@ class ScenarioSpace:
         """The code of a cell that is taught at every level."""
         return 2 ** len(LEVELS) - 1
 
-    def sentence(self, cell: Cell, level: str) -> str:
+    def sentence(self, cell: RuleTopic, level: str) -> str:
         """Return the sentence that teaches a cell at a level."""
         if cell.context:
             return grasp_sentence(cell.object, cell.context, cell.argument, level)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import graspable
-from hilt.sim.vision.noise import Noise, NoisyVision, relabelled, with_depth_noise
 from hilt.sim.vision.percept import PartPercept, Percept, visible_features
+from hilt.sim.vision.perception_noise import NoiseLevels, NoisyVision, relabelled, with_depth_noise
 
 OBJECTS = load_objects()
 KINDS = graspable(OBJECTS)
@@ -43,7 +43,7 @@ def percept(name: str, kind: str) -> Percept:
 CROWD = Crowd(tuple(percept(f"{KINDS[i % 8]} {i}", KINDS[i % 8]) for i in range(COUNT)))
 
 
-def seen(noise: Noise, features: Sequence[str] = ALL) -> dict[str, Percept]:
+def seen(noise: NoiseLevels, features: Sequence[str] = ALL) -> dict[str, Percept]:
     """The percepts of the crowd with noise."""
     found = NoisyVision(CROWD, noise, OBJECTS).search(features)
     return {percept.name: percept for percept in found}
@@ -52,7 +52,7 @@ def seen(noise: Noise, features: Sequence[str] = ALL) -> dict[str, Percept]:
 @given(shares, shares, shares, st.integers(0, 2**31 - 1))
 def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: float, seed: int):
     """Misperception depends on nothing but the amounts and the seed."""
-    noise = Noise(missed, confused, doubt, seed=seed)
+    noise = NoiseLevels(missed, confused, doubt, seed=seed)
     detector = NoisyVision(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
 
     first, second = detector.search(ALL), detector.search(ALL)
@@ -63,20 +63,20 @@ def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: floa
 
 def test_without_noise_nothing_changes():
     """No noise changes nothing."""
-    facts = {p.name: (p.object, p.confidence, p.parts) for p in seen(Noise()).values()}
+    facts = {p.name: (p.object, p.confidence, p.parts) for p in seen(NoiseLevels()).values()}
     assert facts == {p.name: (p.object, p.confidence, p.parts) for p in CROWD.percepts}
 
 
 def test_objects_are_missed_as_often_as_asked():
     """With missed=0.2, a fifth of all objects is missed."""
-    left = seen(Noise(missed=0.2, seed=1))
+    left = seen(NoiseLevels(missed=0.2, seed=1))
 
     assert len(left) / COUNT == pytest.approx(0.8, abs=0.06)
 
 
 def test_objects_are_confused_as_often_as_asked():
     """With confused=0.3, three in ten objects are taken for another type that can be grasped."""
-    found = seen(Noise(confused=0.3, seed=1))
+    found = seen(NoiseLevels(confused=0.3, seed=1))
 
     wrong = [p for name, p in found.items() if name.rsplit(" ", 1)[0] != p.object]
     assert len(wrong) / COUNT == pytest.approx(0.3, abs=0.06)
@@ -85,7 +85,7 @@ def test_objects_are_confused_as_often_as_asked():
 
 def test_confused_object_is_found_as_what_it_is_relabelled():
     """A search for knives finds all that seems a knife, and no knife that seems something else."""
-    noise = Noise(confused=0.3, seed=1)
+    noise = NoiseLevels(confused=0.3, seed=1)
 
     knives = seen(noise, ["object:knife"])
 
@@ -95,7 +95,7 @@ def test_confused_object_is_found_as_what_it_is_relabelled():
 
 def test_confidence_falls_by_no_more_than_asked():
     """With confidence=0.4 percepts keep between 60 and 100 % of theirs."""
-    kept = [percept.confidence for percept in seen(Noise(confidence=0.4, seed=1)).values()]
+    kept = [percept.confidence for percept in seen(NoiseLevels(confidence=0.4, seed=1)).values()]
 
     assert 0.6 <= min(kept) < 0.62
     assert 0.98 < max(kept) <= 1.0
@@ -104,7 +104,7 @@ def test_confidence_falls_by_no_more_than_asked():
 
 def test_object_keeps_its_noise_whatever_is_searched():
     """Whether other objects are looked for as well makes no difference to one of them."""
-    noise = Noise(missed=0.3, confidence=0.5, seed=3)
+    noise = NoiseLevels(missed=0.3, confidence=0.5, seed=3)
     alone, among = seen(noise, ["object:mug"]), seen(noise)
 
     assert alone
@@ -123,7 +123,7 @@ def test_relabelled_percept_has_the_parts_of_the_other_type():
 def test_depth_noise_is_new_in_every_image():
     """Noise depends on the step and the camera, and is repeatable."""
     depth = np.ones((50, 60), dtype=np.float32)
-    noise = Noise(depth_m=0.002, seed=5)
+    noise = NoiseLevels(depth_m=0.002, seed=5)
 
     first = with_depth_noise(depth, noise, "camera 1", 10)
 
@@ -131,13 +131,13 @@ def test_depth_noise_is_new_in_every_image():
     assert (first != with_depth_noise(depth, noise, "camera 1", 11)).any()
     assert (first != with_depth_noise(depth, noise, "camera 2", 10)).any()
     assert np.std(first) == pytest.approx(0.002, rel=0.05)
-    assert with_depth_noise(depth, Noise(), "camera 1", 10) is depth
+    assert with_depth_noise(depth, NoiseLevels(), "camera 1", 10) is depth
 
 
 @pytest.mark.parametrize("text", ["", "missed=0.1", "missed=0.1, depth_m=0.002,confused=1"])
 def test_noise_is_read_from_text(text: str):
     """Each amount of the text is read."""
-    noise = Noise.parse(text, seed=2)
+    noise = NoiseLevels.parse(text, seed=2)
 
     for item in filter(None, text.split(",")):
         name, _, number = item.strip().partition("=")
@@ -158,4 +158,4 @@ def test_noise_is_read_from_text(text: str):
 def test_wrong_noise_is_an_error(text: str, problem: str):
     """The error says what was expected."""
     with pytest.raises(DataError, match=problem):
-        Noise.parse(text)
+        NoiseLevels.parse(text)

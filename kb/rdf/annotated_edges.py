@@ -29,7 +29,7 @@ _BOUNDS = (rule_mapping.LOWER, rule_mapping.UPPER)
 _LOCAL = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
-class Edge(NamedTuple):
+class AnnotatedEdge(NamedTuple):
     """A statement that is annotated; it need not be asserted."""
 
     subject: Iri
@@ -37,16 +37,16 @@ class Edge(NamedTuple):
     object: Term
 
 
-class Reified(NamedTuple):
+class Reification(NamedTuple):
     """The statement that a node reifies an edge."""
 
     subject: Iri
     predicate: Iri
-    edge: Edge
+    edge: AnnotatedEdge
     graph: Iri | None = None
 
 
-def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> list[Quad]:
+def expand_annotations(statements: Iterable[Quad | Reification], *, source: str) -> list[Quad]:
     """Statements, with every annotated edge replaced by the properties of a rule.
 
     Raises:
@@ -58,7 +58,7 @@ def expand_annotations(statements: Iterable[Quad | Reified], *, source: str) -> 
         if quad.subject in edges:
             about[quad.subject].append((quad.predicate, quad.object))
     annotated = {edge for several in edges.values() for edge in several}
-    kept = [q for q in plain if q.subject not in edges and Edge(*q[:3]) not in annotated]
+    kept = [q for q in plain if q.subject not in edges and AnnotatedEdge(*q[:3]) not in annotated]
     for number, (node, several) in enumerate(edges.items()):
         name = iri("rule", f"annotation-{number}") if node.startswith(BLANK) else node
         kept += (Quad(name, key, value, BELIEFS) for key, value in _completed(about[node], several))
@@ -86,10 +86,10 @@ _PLAIN_EDGES = frozenset((*_FUNCTORS, term("affords")))
 
 
 def _split_edges(
-    statements: Iterable[Quad | Reified], source: str
-) -> tuple[list[Quad], dict[Iri, list[Edge]]]:
+    statements: Iterable[Quad | Reification], source: str
+) -> tuple[list[Quad], dict[Iri, list[AnnotatedEdge]]]:
     plain: list[Quad] = []
-    edges: dict[Iri, list[Edge]] = {}
+    edges: dict[Iri, list[AnnotatedEdge]] = {}
     for one in statements:
         if isinstance(one, Quad):
             plain.append(one)
@@ -101,7 +101,9 @@ def _split_edges(
     return plain, edges
 
 
-def _completed(found: list[tuple[Iri, Term]], edges: Sequence[Edge]) -> Iterator[tuple[Iri, Term]]:
+def _completed(
+    found: list[tuple[Iri, Term]], edges: Sequence[AnnotatedEdge]
+) -> Iterator[tuple[Iri, Term]]:
     """The properties of a rule, completed from its edges."""
     yield from found
     there = {key for key, _ in found}

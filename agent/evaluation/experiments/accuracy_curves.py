@@ -15,7 +15,7 @@ from math import sqrt
 from typing import cast
 
 from ...execution.outcome import Json
-from ..case import Result
+from ..case import CaseResult
 
 FUSIONS = ("yager", "dempster", "cautious", "mean")
 THRESHOLDS = ("0", "0.005", "0.01", "0.02")
@@ -25,7 +25,7 @@ SENSORS = ("missed", "confused", "confidence")
 
 
 @dataclass(frozen=True)
-class Curve:
+class AccuracyCurve:
     """Accuracy as a function of one kind of noise.
 
     Attributes:
@@ -52,33 +52,33 @@ SHARES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5)
 _BY_THRESHOLD = {f"Λ = {value}": f"threshold={value}" for value in THRESHOLDS}
 _BY_FUSION = {name: f"fusion={name}" for name in FUSIONS}
 
-CURVES: Mapping[str, Curve] = {
+CURVES: Mapping[str, AccuracyCurve] = {
     curve.name: curve
     for curve in (
-        Curve("missed", "share of objects that are not detected", SHARES),
-        Curve("confused", "share of objects detected as another type", SHARES),
-        Curve(
+        AccuracyCurve("missed", "share of objects that are not detected", SHARES),
+        AccuracyCurve("confused", "share of objects detected as another type", SHARES),
+        AccuracyCurve(
             "confidence",
             "largest loss of detection confidence",
             (0.0, 0.2, 0.4, 0.6, 0.8, 0.95),
             _BY_THRESHOLD,
             frozenset(list(_BY_THRESHOLD)[:3]),  # above .0148 "occasionally" is rejected
         ),
-        Curve(
+        AccuracyCurve(
             "speech",
             "share of misrecognised words",
             (0.0, 0.02, 0.05, 0.1, 0.2),
             {name: name for name in GARBLINGS},
             frozenset(GARBLINGS),
         ),
-        Curve(
+        AccuracyCurve(
             "trust",
             "trust in a second teacher, who says the opposite",
             (0.0, 0.25, 0.5, 0.75, 0.9, 1.0),
             _BY_FUSION,
             frozenset(FUSIONS),
         ),
-        Curve(
+        AccuracyCurve(
             "wrong",
             "share of rules that a second, fully trusted teacher contradicts",
             (0.0, 0.1, 0.25, 0.5, 1.0),
@@ -89,7 +89,7 @@ CURVES: Mapping[str, Curve] = {
 }
 
 
-def curve_points(results: Sequence[Result]) -> list[Json]:
+def curve_points(results: Sequence[CaseResult]) -> list[Json]:
     """Return the curves of the results: a point for each line and value, with its interval."""
     found: dict[str, dict[str, dict[float, list[Json]]]] = {}
     for result in results:

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.rule_lines import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
-from hilt.kb.bulk.statements import RuleBlock, line_reader
+from hilt.kb.bulk.nquads_reader import RuleBlock, line_reader
+from hilt.kb.bulk.rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Literal, Quad, Term

@@ -12,14 +12,14 @@ import pytest
 
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import functional
-from hilt.kb.sparql.results import BooleanResult, Limits, Solutions
+from hilt.kb.sparql.results import BooleanResult, QueryLimits, SelectResult
 from hilt.ontology.errors import QueryError
 
 from ..conftest import BLADE, CUTTING, HIGH, teach
 
 CROSS = "SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?n ?o } ORDER BY ?a ?o"
 USES = "SELECT ?s { ?s hilt:usedFor ?o } ORDER BY ?s"
-PLENTY = Limits(seconds=20)
+PLENTY = QueryLimits(seconds=20)
 
 
 @pytest.fixture(params=["memory", "folder"])
@@ -43,7 +43,7 @@ def test_bounded_query_sees_what_was_just_told(told: KnowledgeBase):
 
     after = told.query(USES, limits=PLENTY)
 
-    assert isinstance(before, Solutions) and isinstance(after, Solutions)
+    assert isinstance(before, SelectResult) and isinstance(after, SelectResult)
     assert (len(before), len(after)) == (1, 2)
 
 
@@ -53,7 +53,7 @@ def test_bounded_query_sees_what_was_just_told(told: KnowledgeBase):
 def test_limits_that_cannot_be_kept_are_refused(limits: tuple[float, int]):
     """No time, endless time, no memory, more memory than there is anywhere."""
     with pytest.raises(QueryError, match=r"The (time|memory) of a query is"):
-        Limits(*limits)
+        QueryLimits(*limits)
 
 
 def test_query_that_is_nested_too_deeply_is_stopped(told: KnowledgeBase):
@@ -70,7 +70,7 @@ def test_query_that_takes_too_long_is_stopped(told: KnowledgeBase):
     start = time.monotonic()
 
     with pytest.raises(QueryError, match=r"longer than 0\.7 s and was stopped"):
-        told.query(CROSS, limits=Limits(seconds=0.7))
+        told.query(CROSS, limits=QueryLimits(seconds=0.7))
 
     assert time.monotonic() - start < 5
     assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == BooleanResult(True)
@@ -79,7 +79,7 @@ def test_query_that_takes_too_long_is_stopped(told: KnowledgeBase):
 def test_query_that_takes_too_much_memory_is_stopped(told: KnowledgeBase):
     """The process that works on it ends, not this one."""
     with pytest.raises(QueryError, match="more than 30 MB and was stopped"):
-        told.query(CROSS, limits=Limits(seconds=60, megabytes=30))
+        told.query(CROSS, limits=QueryLimits(seconds=60, megabytes=30))
 
     assert told.query("ASK { ?s ?p ?o }", limits=PLENTY) == BooleanResult(True)
 
@@ -105,7 +105,7 @@ def test_base_is_written_while_a_query_runs(tmp_path: Path):
 
         def ask() -> None:
             try:
-                kb.query(CROSS, limits=Limits(seconds=1.5))
+                kb.query(CROSS, limits=QueryLimits(seconds=1.5))
             except QueryError as error:
                 ended.append(str(error))
 

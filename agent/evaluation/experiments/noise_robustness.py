@@ -24,11 +24,11 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ...execution.outcome import Json
-from ..case import Case, Result
+from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..scenarios import ACTIONS, Scenario, command, load_scenarios
-from .ground_truth import GroundTruth
-from .noise_curves import CURVES, OUTCOMES, Curve, curve_points
+from ..scenarios import ACTIONS, LearningScenario, command, load_scenarios
+from .accuracy_curves import CURVES, OUTCOMES, AccuracyCurve, curve_points
+from .ground_truth import CorrectChoices
 
 OTHER = "eve"  # the second teacher
 Outcome = Literal["right", "wrong", "declined"]
@@ -77,7 +77,7 @@ class NoiseExperiment(Experiment):
             for trial in range(self.trials)
         ]
 
-    def run(self, case: Case) -> Result:
+    def run(self, case: Case) -> CaseResult:
         """Teach a scenario, give the 15 commands, and count the outcomes."""
         curve = CURVES[str(case.spec["curve"])]
         line, value = str(case.spec["line"]), cast("float", case.spec["value"])
@@ -91,21 +91,21 @@ class NoiseExperiment(Experiment):
         is_right = not must or counted["right"] == len(outcomes)
         found = f"{counted['right']} of {len(outcomes)} right"
         expected = "all right" if must else "any number"
-        return Result(case.key, is_right, "check", 0, found, expected, facts)
+        return CaseResult(case.key, is_right, "check", 0, found, expected, facts)
 
-    def summary(self, results: Sequence[Result]) -> Json:
+    def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return the curves, and whether they agree with the claim of the paper."""
         curves = curve_points(results)
         return {"curves": curves, "claim": _claim(curves)}
 
-    def files(self, results: Sequence[Result]) -> Mapping[str, Json]:
+    def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return the curves as a file."""
         return {"curves.json": self.summary(results)}
 
 
 @dataclass(frozen=True)
 class _Trial:
-    curve: Curve
+    curve: AccuracyCurve
     line: str
     value: float
     trial: int
@@ -123,12 +123,12 @@ class _Trial:
                 with taught.in_scene(scene, simulate=self.sim) as agent:
                     said = self._recognised(command(action, affordance), rng.random())
                     reply = agent.hear(said, only="do", keep=False)
-                truth = GroundTruth.from_scenario(self._scenario, action, affordance, objects)
+                truth = CorrectChoices.from_scenario(self._scenario, action, affordance, objects)
                 description = f'"{said}" with {", ".join(objects)} there: {reply.said}'
                 yield _outcome(truth, reply), f"{description} Right would be {truth.describe()}."
 
     @cached_property
-    def _scenario(self) -> Scenario:
+    def _scenario(self) -> LearningScenario:
         return _scenarios()[self.trial % 2]
 
     def _recognised(self, text: str, chance: float) -> str:
@@ -152,7 +152,7 @@ class _Trial:
         return _contradicted(self._scenario.name, trust, share, choices, f"{self.seed}/{number}")
 
 
-def _outcome(truth: GroundTruth, reply: Reply) -> Outcome:
+def _outcome(truth: CorrectChoices, reply: Reply) -> Outcome:
     decision = reply.result.decision if reply.result else None
     best = decision.object.best if decision else None
     # By its name: an object detected as another type still is what it is.
@@ -214,12 +214,12 @@ def _taught_by(sentences: Sequence[str], *, noise: str = "", choices: str = "") 
     return taught
 
 
-def _named(name: str) -> Scenario:
+def _named(name: str) -> LearningScenario:
     (scenario,) = (each for each in _scenarios() if each.name == name)
     return scenario
 
 
-def _count_of_uses(scenario: Scenario) -> int:
+def _count_of_uses(scenario: LearningScenario) -> int:
     """Return how many sentences, which come first, are about affordances."""
     levels = (each for uses in scenario.affordances.values() for each in uses.values())
     return sum(map(len, levels))

@@ -28,7 +28,7 @@ class _Log(Generic[Key, Item]):
         self.size += 1
 
 
-class SharedIndex(Mapping[Key, Item]):
+class ImmutableIndex(Mapping[Key, Item]):
     """A mapping from each key to its first item, which also has the later ones."""
 
     def __init__(self, items: Iterable[tuple[Key, Item]] = ()) -> None:
@@ -36,9 +36,9 @@ class SharedIndex(Mapping[Key, Item]):
         self._size = 0
         self._append(items)
 
-    def with_items(self, items: Iterable[tuple[Key, Item]]) -> SharedIndex[Key, Item]:
+    def with_items(self, items: Iterable[tuple[Key, Item]]) -> ImmutableIndex[Key, Item]:
         """Return this index with further items; an item that a key has already is left out."""
-        added = SharedIndex[Key, Item]()
+        added = ImmutableIndex[Key, Item]()
         added._log = self._log if self._log.size == self._size else self._copied()
         added._size = self._size
         added._append(items)

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
 
-from ...ontology.yaml_reader import Field, read_yaml
-from .features import ASIDE, CONDITION, MAIN, Features, Values
+from ...ontology.yaml_reader import YamlValue, read_yaml
+from .features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
 from .meaning import (
     ActionRule,
     Command,
@@ -40,7 +40,7 @@ _LIKELY = 0.5  # a rule whose upper bound is below states that something is not 
 
 
 @dataclass(frozen=True)
-class Row:
+class LicenceRow:
     """A row of the table: for the kinds of meaning `of`, with these features, what follows.
 
     Attributes:
@@ -52,7 +52,7 @@ class Row:
     clauses: Mapping[str, Values]
     then: str
 
-    def applies(self, kinds: frozenset[str], features: Features) -> bool:
+    def applies(self, kinds: frozenset[str], features: UtteranceFeatures) -> bool:
         """Whether the row decides on a meaning of some kinds with these features."""
         return not self.of.isdisjoint(kinds) and all(
             _has_one(features.of(clause), feature, values)
@@ -69,17 +69,17 @@ class Licence:
         degrees: for each feature and value the interval that bounds the one of a rule.
     """
 
-    rows: Sequence[Row]
+    rows: Sequence[LicenceRow]
     degrees: Mapping[tuple[str, str], Confidence]
 
-    def outcome(self, meaning: Meaning, features: Features) -> str:
+    def outcome(self, meaning: Meaning, features: UtteranceFeatures) -> str:
         """Return `ACCEPT`, or the name of the answer that asks whether this is meant."""
         kinds = kinds_of(meaning)
         if not kinds:
             return ACCEPT
         return next(row.then for row in self.rows if row.applies(kinds, features))
 
-    def weakened(self, meaning: Meaning, features: Features) -> Meaning:
+    def weakened(self, meaning: Meaning, features: UtteranceFeatures) -> Meaning:
         """Return a meaning whose rules are as sure as their features allow."""
         if not isinstance(meaning, Statement):
             return meaning
@@ -144,7 +144,7 @@ def load_licence(
     return Licence(rows, bounds)
 
 
-def _row(field: Field, features: Values) -> Row:
+def _row(field: YamlValue, features: Values) -> LicenceRow:
     parts = field.entries(required=("of", "then"), optional=_CLAUSES)
     clauses = {
         clause: {
@@ -154,10 +154,10 @@ def _row(field: Field, features: Values) -> Row:
         for clause in _CLAUSES
         if clause in parts
     }
-    return Row(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
+    return LicenceRow(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
 
 
-def _known(field: Field, names: Values | frozenset[str]) -> dict[str, Field]:
+def _known(field: YamlValue, names: Values | frozenset[str]) -> dict[str, YamlValue]:
     return field.entries(optional=names)
 
 

@@ -2,7 +2,7 @@
 """Seeded perception noise: missed and confused objects, lower confidence, noisy depths.
 
 Section 4.1 of the paper measures without sensor noise and attributes further errors in the world
-to it. `Noise` holds its amounts; `NoisyVision` applies it to the percepts of any detector. An
+to it. `NoiseLevels` holds its amounts; `NoisyVision` applies it to the percepts of any detector. An
 object is misperceived in the same way in every search of a run, so that a seed gives the same run.
 Depth noise is applied by the cameras and drawn anew for every image.
 """
@@ -26,7 +26,7 @@ _MAX = {"missed": 1.0, "confused": 1.0, "confidence": 1.0, "depth_m": 0.05}
 
 
 @dataclass(frozen=True)
-class Noise:
+class NoiseLevels:
     """The amounts of perception noise.
 
     Attributes:
@@ -36,8 +36,8 @@ class Noise:
         depth_m: standard deviation of each pixel's depth [m].
         seed: of all random numbers.
 
-    >>> Noise.parse("missed=0.1,confused=0.05", seed=7)
-    Noise(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, seed=7)
+    >>> NoiseLevels.parse("missed=0.1,confused=0.05", seed=7)
+    NoiseLevels(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, seed=7)
     """
 
     missed: float = 0.0
@@ -54,7 +54,7 @@ class Noise:
                 raise DataError(problem, source="noise")
 
     @classmethod
-    def parse(cls, text: str, *, seed: int = 0) -> Noise:
+    def parse(cls, text: str, *, seed: int = 0) -> NoiseLevels:
         """Read the text of `--noise`, such as "missed=0.1,confused=0.05"; empty for no noise.
 
         Raises:
@@ -98,7 +98,7 @@ class NoisyVision:
     """
 
     detector: Detector
-    noise: Noise
+    noise: NoiseLevels
     objects: Mapping[str, ObjectType]
 
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
@@ -137,7 +137,7 @@ def relabelled(percept: Percept, kind: ObjectType) -> Percept:
 
 
 def with_depth_noise(
-    depth: NDArray[np.float32], noise: Noise, camera: str, step: int
+    depth: NDArray[np.float32], noise: NoiseLevels, camera: str, step: int
 ) -> NDArray[np.float32]:
     """Return a depth image (height, width) [m] of a camera with the depth noise of a time step."""
     if not noise.depth_m:

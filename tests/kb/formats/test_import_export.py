@@ -15,7 +15,7 @@ from rdflib import Dataset, Graph
 from rdflib.compare import isomorphic
 
 from hilt.kb.bulk.exporter import statements
-from hilt.kb.formats.transfer import (
+from hilt.kb.formats.import_export import (
     export_file,
     import_file,
     import_text,

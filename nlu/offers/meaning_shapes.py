@@ -44,7 +44,7 @@ _ROLES_OF_KEYS: Mapping[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class Shape:
+class MeaningShape:
     """A meaning with slots, as compact JSON; a slot is a string that begins with `?`."""
 
     text: str
@@ -79,7 +79,7 @@ class Shape:
         return {key: _filled(value, values) for key, value in self.template.items()}
 
 
-def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) -> Shape:
+def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) -> MeaningShape:
     """Return the shape that a meaning has, seen from an utterance with these mentions.
 
     Args:
@@ -120,7 +120,7 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
             return f"?last.{key}"
         return "?it" if key == "object" and value == mentions.it else value
 
-    return Shape(json.dumps(change("", meaning, meaning), separators=(",", ":")))
+    return MeaningShape(json.dumps(change("", meaning, meaning), separators=(",", ":")))
 
 
 def _is_last(last: Rule | None, within: Json) -> bool:

@@ -9,21 +9,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.agent.evaluation.case import Case, Result
-from hilt.agent.evaluation.experiments.noise import NoiseExperiment, garble
-from hilt.agent.evaluation.experiments.noise_curves import (
+from hilt.agent.evaluation.case import Case, CaseResult
+from hilt.agent.evaluation.experiments.accuracy_curves import (
     CURVES,
     clustered_interval,
     curve_points,
     wilson_interval,
 )
+from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment, garble
 from hilt.ontology.errors import UnknownNameError
 
 RUN = NoiseExperiment(trials=1)
 WORDS = ("knife", "mug", "cutting")
 
 
-def run(curve: str, line: str, value: float, trial: int = 0) -> Result:
+def run(curve: str, line: str, value: float, trial: int = 0) -> CaseResult:
     """One trial at one point."""
     spec = {"curve": curve, "line": line, "value": value, "trial": trial}
     return RUN.run(Case("noise", f"{curve}/{line}/{value:g}/{trial}", spec))
@@ -86,7 +86,7 @@ def test_curves_have_a_point_for_each_line_and_value():
     facts = {"commands": 15, "right": 12, "wrong": 2, "declined": 1}
     keys = [f"trust/{line}/{value}/{trial}" for line in ("yager", "mean") for value in (0, 0.5)
             for trial in (0, 1)]  # fmt: skip
-    results = [Result(key, True, "check", 0, "", "", facts) for key in keys]
+    results = [CaseResult(key, True, "check", 0, "", "", facts) for key in keys]
 
     (curve,) = curve_points(results)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The worker process of `sandbox`, run as `python -m hilt.kb.stores.worker`.
+"""The worker process of `query_subprocess`, run as `python -m hilt.kb.stores.query_worker`.
 
 It reads one request a line from stdin, as JSON: `source` (a snapshot's folder, or a file of
 N-Quads), `query`, and `megabytes`, its memory beyond what it needs to open the source. It answers
@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 
 from ...ontology.errors import QueryError, StoreError
 from .oxigraph import OxigraphStore, load_file, open_snapshot
-from .sandbox import FAILED, TOO_LARGE, WRONG_QUERY
+from .query_subprocess import FAILED, TOO_LARGE, WRONG_QUERY
 
 Answer = Callable[[dict[str, Any]], "tuple[str, bytes]"]
 

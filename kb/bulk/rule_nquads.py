@@ -26,7 +26,7 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, RULE, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status, atoms_text, id_from_content
-from .statements import RuleBlock
+from .nquads_reader import RuleBlock
 
 Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
 

@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 from ...inference.affordance import FIND, Affordances
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
-from ...ontology.actions import FIXED, Actions, ActionTree, Condition, Loop
+from ...ontology.actions import FIXED, Actions, ActionTree, Loop, Precondition
 from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError, MotionInterruptedError
 from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
 from ..protocols import Motion, Vision
-from . import answers
+from . import answer_selection
 from .outcome import (
     Constraint,
     Decision,
@@ -32,7 +32,7 @@ from .outcome import (
     WalkStep,
 )
 from .perception import percept_as_observation
-from .primitives import PrimitiveExecutor, Task
+from .primitives import PrimitiveExecutor, PrimitiveTask
 from .request import PATIENT, Argument, Request, review_arguments
 
 GRASP = "graspObject"
@@ -54,7 +54,7 @@ class ExecutionContext:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundObject:
     """What was found for a target, and the inference that chose it."""
 
     percept: Percept
@@ -82,7 +82,7 @@ class TreeExecutor:
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
         self._setbacks: list[SpokenAnswer] = []
-        self._found: dict[Target, Found] = {}
+        self._found: dict[Target, FoundObject] = {}
         self._rejected: dict[str, FailedCandidate] = {}
 
     def result(self, answer: SpokenAnswer) -> GoalResult:
@@ -97,7 +97,7 @@ class TreeExecutor:
         try:
             self._context.interruption.wait()
         except MotionInterruptedError:
-            return answers.stopped(None)
+            return answer_selection.stopped(None)
         goal = self._goal(arguments)
         features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
@@ -178,7 +178,9 @@ class TreeExecutor:
         }
         percept = found.percept if found else None
         bound = _constraint(inference)
-        return self._primitives.perform(Task(action, arguments, percept, part, bound, things))
+        return self._primitives.perform(
+            PrimitiveTask(action, arguments, percept, part, bound, things)
+        )
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
 
@@ -211,7 +213,7 @@ class TreeExecutor:
         tries: Sequence[int],
     ) -> int | None:
         """The index of the first branch of a tree that handles a failure and has tries left."""
-        if failure.cause == answers.INTERRUPTED:
+        if failure.cause == answer_selection.INTERRUPTED:
             return None
         for index, branch in enumerate(tree.otherwise):
             is_possible = bool(branch.steps) or tries[index] > 0
@@ -244,7 +246,7 @@ class TreeExecutor:
                 return SpokenAnswer(key, {"object": name}, "failed", "required")
         return None
 
-    def _holds(self, condition: Condition, argument: Argument | None) -> bool:
+    def _holds(self, condition: Precondition, argument: Argument | None) -> bool:
         if condition.kind == "sees":
             return bool(self._context.vision.search([f"object:{_named(argument)}"]))
         found = self._found.get(argument) if isinstance(argument, Target) else None
@@ -306,9 +308,9 @@ class TreeExecutor:
         if best is None and self._excluded(arguments):
             return SpokenAnswer("nothing_other", {}, "failed", "not_found")
         if best is None:
-            return answers.not_found(target, inference)
+            return answer_selection.not_found(target, inference)
         percept = next(each for each in percepts if each.name == best.name)
-        self._found[target] = Found(percept, best, inference)
+        self._found[target] = FoundObject(percept, best, inference)
         if self._primitives and target != patient:
             self._primitives.tool, self._primitives.patient = best.object, _named(patient)
         return None
@@ -324,7 +326,9 @@ class TreeExecutor:
             return None, SpokenAnswer("no_part", slots, "failed", "no_part")
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if part is None and unsure:
-            return None, answers.not_sure_how(self._request.action, percept.object, unsure[0])
+            return None, answer_selection.not_sure_how(
+                self._request.action, percept.object, unsure[0]
+            )
         return part, None
 
     def _lacks(self, percept: Percept, part: str) -> bool:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.nlu import Language
-from hilt.nlu.semantics.features import Features
-from hilt.nlu.semantics.licence import ACCEPT, KINDS, bounded, load_licence
+from hilt.nlu.semantics.features import UtteranceFeatures
+from hilt.nlu.semantics.licence_table import ACCEPT, KINDS, bounded, load_licence
 from hilt.nlu.semantics.meaning import ActionRule, FunctionalRule, Retraction, Statement
 from hilt.ontology.errors import DataError
 
@@ -23,9 +23,9 @@ DEGREES = {"sometimes": (0.5, 1.0)}
 INTERVALS = st.tuples(st.floats(0, 1), st.floats(0, 1)).map(lambda pair: (min(pair), max(pair)))
 
 
-def features(**values: str) -> Features:
+def features(**values: str) -> UtteranceFeatures:
     """The features of a main clause."""
-    return Features({name: frozenset({value}) for name, value in values.items()})
+    return UtteranceFeatures({name: frozenset({value}) for name, value in values.items()})
 
 
 @pytest.mark.parametrize("feature", [{"agent": "other"}, {"tense": "past"}, {"modality": "weak"}])
@@ -74,12 +74,15 @@ FEATURES = st.sampled_from(
 
 @given(INTERVALS, FEATURES, FEATURES)
 def test_a_further_feature_never_makes_a_rule_surer(
-    language: Language, interval: tuple[float, float], one: Features, other: Features
+    language: Language,
+    interval: tuple[float, float],
+    one: UtteranceFeatures,
+    other: UtteranceFeatures,
 ) -> None:
     """That is, "I think most shoes .." is no surer than "I think shoes .."."""
     licence = language.parser.licence
     rule = Statement((FunctionalRule("shoe", "pounding", interval),))
-    both = Features({**one.main, **other.main}, aside=one.main)
+    both = UtteranceFeatures({**one.main, **other.main}, aside=one.main)
 
     (alone,) = licence.weakened(rule, one).rules
     (joined,) = licence.weakened(rule, both).rules
