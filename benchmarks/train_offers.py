@@ -33,9 +33,12 @@ from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shap
 from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import LEAST, OfferModel
 from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
+from hilt.nlu.parsing.parser import UtteranceContext
+from hilt.nlu.semantics.coreference import Discourse
 from hilt.nlu.semantics.meaning import Json
 
 OFFERS_FILE = Path(__file__).parents[1] / "ontology" / "english" / "offers.json"
+OUT_OF_THE_BLUE = UtteranceContext("sam", "self", Discourse())
 FOLDS = 5
 RUN = 20  # neighbouring lines that stay together
 
@@ -317,7 +320,7 @@ def measure(
         example = choice.example
         ranked = offers.ranked(example.mentions)[:3]
         start = time.process_time()
-        offered = offers.of_mentions(example.mentions)
+        offered = offers.of_mentions(example.mentions, OUT_OF_THE_BLUE)
         seconds = time.process_time() - start
         yield Result(
             example,

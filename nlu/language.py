@@ -203,24 +203,26 @@ class Language:
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         found = self.utterance_parser.understand(text, context, accepted)
-        question = self._offered(text, context.discourse.accessible, found.meaning)
+        question = self._offered(text, context, found.meaning)
         found = replace(found, meaning=question) if question else found
         if not isinstance(found.meaning, AskBack):
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
 
-    def _offered(self, text: str, discourse: Discourse, said: Meaning) -> AskBack | None:
+    def _offered(self, text: str, context: UtteranceContext, said: Meaning) -> AskBack | None:
         """The question which meaning an utterance has that was not understood."""
-        tokens = tokenize(text, self.builder.contractions)
         match said:
             case Misunderstanding(where=where, expected=()) if where == text.strip():
                 return None  # it was understood as a whole
-            case Misunderstanding() | AskBack(choices=()):
-                return self.offers.question(tokens, discourse)
-            case AskBack(choices=(str(),)) if is_misspelled(tokens, self.offers.known):
-                return self.offers.question(tokens, discourse)
+            case Misunderstanding() | AskBack(choices=() | (str(),)):
+                tokens = tokenize(text, self.builder.contractions)
             case _:
                 return None
+        is_slip = isinstance(said, AskBack) and bool(said.choices)
+        if is_slip and not is_misspelled(tokens, self.offers.known):
+            return None
+        at_point = replace(context, discourse=context.discourse.accessible)
+        return self.offers.question(tokens, at_point)
 
     @cached_property
     def offers(self) -> Offers:
@@ -252,10 +254,9 @@ class Language:
         words = tokenize(text, self.builder.contractions).words
         return load_choice_words(_folder(self.name) / "offers.yaml").chosen(words, count)
 
-    def _meaning_of(self, sentence: str, discourse: Discourse) -> Meaning:
-        """The meaning of a sentence at some point of a conversation, without offers."""
-        context = UtteranceContext("sam", "self", discourse)
-        return self.utterance_parser.understand(sentence, context, ()).meaning
+    def _meaning_of(self, text: str, context: UtteranceContext) -> Meaning:
+        """The meaning of a text that somebody says at some point, without offers."""
+        return self.utterance_parser.understand(text, context, ()).meaning
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from ...kb.history import Utterance
-from ...kb.rule import Rule
+from ...kb.rule import Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
 from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply
@@ -108,21 +109,26 @@ def _taught_by(speaker: str, known: Knowledge) -> Iterator[Utterance]:
 
 
 def _exceptions(question: Question, known: Knowledge) -> Answered:
-    rules = known.base.rules(object=question.object) if question.object else known.topic
-    rules = rules or known.base.rules()
-    found = tuple(dict.fromkeys(_exceptions_to(rules, known.base.rules())))
+    others = known.base.rules(object=question.object) if question.object else known.base.rules()
+    rules = others if question.object else known.topic or others
+    found = tuple(dict.fromkeys(_exceptions_to(rules, others)))
     if not found:
         return spoken("no_exceptions", done=True), ()
     said = tuple(known.describe(rule) for rule in found)
     return spoken("exceptions", done=True, rules=said), found
 
 
-def _exceptions_to(rules: Iterable[Rule], others: Sequence[Rule]) -> Iterator[Rule]:
+def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Rule]:
     """The rules that hold for some of the same things and deny what a rule asserts."""
+    of_conclusion = defaultdict[tuple[Atom | None, str | None], list[Rule]](list)
+    for other in others:
+        of_conclusion[other.argument, other.object].append(other)
+        if other.object is not None:
+            of_conclusion[other.argument, None].append(other)
     for rule in rules:
-        for other in others:
+        for other in of_conclusion[rule.argument, rule.object]:
             is_special = other.features >= rule.features and other.contexts >= rule.contexts
-            if is_special and other.argument == rule.argument and other.asserts != rule.asserts:
+            if is_special and other.asserts != rule.asserts:
                 yield other
 
 

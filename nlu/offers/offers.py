@@ -19,6 +19,7 @@ from ...ontology.errors import UnknownNameError
 from ..generation.templates import AnswerTemplates
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
+from ..parsing.parser import UtteranceContext
 from ..semantics.coreference import Discourse
 from ..semantics.meaning import AskBack, Command, Confidence, Meaning, Statement, ToolCommand
 from .candidates import CandidateMeaning, candidates
@@ -62,7 +63,7 @@ class Offers:
         tool_acts: the acts done with a tool, each with the affordance that the tool must have.
         answers: the words of the question.
         realize: returns the sentence for a meaning.
-        meaning_of: returns the meaning of a sentence at some point of a conversation.
+        meaning_of: returns the meaning of a text that somebody says at some point.
     """
 
     model: OfferModel
@@ -72,11 +73,11 @@ class Offers:
     tool_acts: Mapping[str, str]
     answers: AnswerTemplates
     realize: Callable[[Meaning], str]
-    meaning_of: Callable[[str, Discourse], Meaning]
+    meaning_of: Callable[[str, UtteranceContext], Meaning]
 
-    def question(self, tokens: Tokens, discourse: Discourse) -> AskBack | None:
+    def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | None:
         """Return the question which of some meanings was meant, None when none is to be offered."""
-        choices = self.meanings(tokens, discourse)
+        choices = self.meanings(tokens, context)
         if not choices:
             return None
         said = [self._aloud(meaning) for meaning in choices]
@@ -85,43 +86,45 @@ class Offers:
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
         return AskBack(self.answers.say("offers", choices=numbered), choices)
 
-    def meanings(self, tokens: Tokens, discourse: Discourse) -> tuple[Meaning, ...]:
+    def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
-        mentions = self.mentions(tokens, discourse)
-        said = self.of_segments(mentions, discourse)
+        mentions = self.mentions(tokens, context.discourse)
+        said = self.of_segments(mentions, context)
         if said or not self._is_text(tokens):
             return said
-        corrected = self.of_corrected(tokens, discourse)
+        corrected = self.of_corrected(tokens, context)
         if corrected:
             return corrected
-        return self.of_mentions(mentions)
+        return self.of_mentions(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
         found = find_mentions(tokens, self.known, self.degrees, discourse)
         return replace(found, features=self.checks.signs(found))
 
-    def of_corrected(self, tokens: Tokens, discourse: Discourse) -> tuple[Meaning, ...]:
+    def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""
         texts = corrected_texts(tokens, self.known)
-        meanings = dict.fromkeys(self.meaning_of(text, discourse) for text in texts)
-        found = (each for each in meanings if self._is_understood(each))
+        meanings = dict.fromkeys(self.meaning_of(text, context) for text in texts)
+        found = (each for each in meanings if self._is_understood(each, context))
         return tuple(islice(found, MAX_OFFERS))
 
-    def of_segments(self, mentions: Mentions, discourse: Discourse) -> tuple[Meaning, ...]:
+    def of_segments(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meaning of the first segment beside which nothing else is meant."""
         tokens = mentions.tokens
         if len(tokens.items) > MAX_TOKENS:
             return ()
         spans = (each for each in segments(tokens) if self.checks.adds_nothing(each, mentions))
         for span in islice(spans, MAX_SEGMENTS):
-            meaning = self.meaning_of(tokens.span(*span), discourse)
+            meaning = self.meaning_of(tokens.span(*span), context)
             around = rest_of(tokens, span)
-            if self.checks.is_licensed_beside(meaning, around) and self._is_understood(meaning):
+            if self.checks.is_licensed_beside(meaning, around) and self._is_understood(
+                meaning, context
+            ):
                 return (meaning,)
         return ()
 
-    def of_mentions(self, mentions: Mentions) -> tuple[Meaning, ...]:
+    def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
         found: list[Meaning] = []
         for probability, candidate in self.ranked(mentions):
@@ -133,7 +136,7 @@ class Offers:
                 continue
             checked = self.checks.checked(meaning, mentions)
             is_new = checked and _content(checked) not in map(_content, found)
-            if checked and is_new and self._is_understood(checked):
+            if checked and is_new and self._is_understood(checked, context):
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
@@ -157,9 +160,11 @@ class Offers:
             return False
         return len({token.word for token in self.known.unknown(tokens)}) <= MAX_NEW_WORDS
 
-    def _is_understood(self, meaning: Meaning) -> bool:
+    def _is_understood(self, meaning: Meaning, context: UtteranceContext) -> bool:
+        """Whether the sentence for a meaning is understood as it, said out of the blue."""
+        alone = replace(context, discourse=Discourse())
         try:
-            return self.meaning_of(self.realize(meaning), Discourse()) == meaning
+            return self.meaning_of(self.realize(meaning), alone) == meaning
         except UnknownNameError:
             return False
 
