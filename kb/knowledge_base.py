@@ -77,6 +77,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     rules_at_nodes = _delegated("reader", RuleReader.rules_at_nodes)
     rules = _delegated("reader", RuleReader.rules)
     rules_with_premises_of = _delegated("reader", RuleReader.rules_with_premises_of)
+    count_and_some_rules = _delegated("reader", RuleReader.count_and_some_rules)
     rule = _delegated("reader", RuleReader.rule)
     utterance = _delegated("reader", RuleReader.utterance)
     history = _delegated("reader", RuleReader.history)

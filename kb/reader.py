@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from heapq import nsmallest
 from itertools import islice
 from typing import TypeAlias, cast
 
@@ -86,6 +87,19 @@ class RuleReader:
         ]
         found = self._with_properties([(key, value) for key, value in wanted if value is not None])
         return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
+
+    def count_and_some_rules(
+        self, most: int, *, speaker: str | None = None
+    ) -> tuple[int, list[Rule]]:
+        """The number of active rules (of a speaker), and at most `most` of them, as `rules` orders.
+
+        Only these are read, so that it is quick on a large base.
+        """
+        by = [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
+        nodes = self.nodes_with([*by, (rule_mapping.STATUS, rule_mapping.status_iri("active"))])
+        some = ((node, self.properties(node)) for node in nsmallest(most, nodes))
+        rules = sorted(self.read_rules(some), key=lambda rule: (rule.utterance or 0, rule.id))
+        return len(nodes), rules
 
     def rules_with_premises_of(self, rule: Rule) -> list[Rule]:
         """The active rules of the same speaker with the same premises, as `rules` orders them.
@@ -181,7 +195,7 @@ class RuleReader:
         The time depends on how many rules have the first of them.
         """
         if not self.store.has_cheap_patterns:
-            return {node for node, _ in _gathered(self.store.select(_having_query(wanted)))}
+            return {cast(Iri, node) for (node,) in self.store.select(_having_query(wanted, ""))}
         pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(rule_mapping.STATUS, None)]
         first, *others = pairs
         found = {quad.subject for quad in self.store.quads(None, *first, BELIEFS)}
@@ -220,12 +234,12 @@ def _optional_iri(kind: str, name: str | None) -> Iri | None:
     return rule_mapping.atom_iri(atom) if atom else None
 
 
-def _having_query(wanted: Sequence[tuple[Iri, Iri]]) -> str:
-    """The query for all properties of the rules that have all of these."""
+def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?value") -> str:
+    """The query for the rules that have all of these properties, and for what is read of them."""
     pairs = " ; ".join(f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted)
     having = f"?rule {pairs or f'{as_sparql(rule_mapping.STATUS)} ?status'} ."
-    inside = f"{having} ?rule ?property ?value ."
-    return f"SELECT ?rule ?property ?value WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
+    inside = f"{having} ?rule {read} ." if read else having
+    return f"SELECT ?rule {read} WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
 
 
 def _gathered(rows: Iterable[tuple[Term | None, ...]]) -> list[NodeProperties]:

@@ -9,7 +9,7 @@ also one that is refused or not understood.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -17,9 +17,8 @@ from typing import Any
 from ...inference.types import Target
 from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
-from ...kb.rule import Atom, Rule
+from ...kb.rule import Atom
 from ...nlu.language import Language
-from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
@@ -28,18 +27,13 @@ from ..execution.answer_selection import use_slot
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
 from ..execution.request import Request
+from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
 from .conversation import Conversation, DialogueTurn
 from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
-from .teaching import (
-    lesson_from_statement,
-    rules_to_retract,
-    word_for_person,
-    word_from_base,
-    word_to_keep,
-)
+from .teaching import word_for_person, word_from_base
 from .translation import choosing, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
@@ -86,6 +80,7 @@ class DialogueManager:
         self._conversation = Conversation(
             base, language.with_words(words), visible, holding=holding, seed=seed, other=other
         )
+        self._beliefs = BeliefRevision(base, self._conversation)
         self._clarification = ClarificationDialogue(self._conversation, self.hear, self._respond)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
@@ -95,9 +90,9 @@ class DialogueManager:
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
-            meaning.Statement: self._learn,
-            meaning.Retraction: self._forget,
-            meaning.TopicStatement: self._open_topic,
+            meaning.Statement: self._beliefs.learn,
+            meaning.Retraction: self._beliefs.forget,
+            meaning.TopicStatement: self._beliefs.open_topic,
             meaning.Command: self._carry_out_command,
             meaning.ToolCommand: self._carry_out_command,
             meaning.Question: self._answer,
@@ -166,102 +161,6 @@ class DialogueManager:
         reply = self._listeners[type(said)](turn, said)
         self._conversation.last_said = reply.said
         return reply
-
-    # --- Statements and retractions -----------------------------------------------------------
-
-    def _learn(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
-        conversation = self._conversation
-        if not conversation.trusts(turn.speaker):
-            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
-        taught = lesson_from_statement(
-            self._base, said, turn.speaker, turn.heard, conversation.topic
-        )
-        trust = self._base.trust(turn.speaker)
-        weight = trust.lower if trust else 0.0
-        words = (*turn.understood.new_words, *self._new_names(said, turn))
-        describe = conversation.knowledge(turn).describe
-        echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
-        spoken = " ".join(map(conversation.say, echo))
-        self._base.believe(
-            turn.understood.text,
-            turn.understood.content,
-            turn.speaker,
-            taught.rules,
-            supersedes=[rule.id for rule in taught.supersedes],
-            words=[word_to_keep(word, turn.speaker) for word in words],
-            kind=turn.understood.kind,
-            answer=spoken,
-            heard=turn.heard,
-        )
-        conversation.learn_words(words)
-        told = tuple(self._base.rule(rule.id) for rule in taught.rules)
-        conversation.set_topic(told)
-        return replace(conversation.reply(turn, spoken), rules=told)
-
-    def _new_names(self, said: meaning.Statement, turn: DialogueTurn) -> Iterator[NewWord]:
-        """The names of objects that "it" stands for and that no statement has used before."""
-        known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
-        for name in dict.fromkeys(rule.object for rule in said.rules):
-            if name not in known and not self.language.lexicon.name_categories(name):
-                yield NewWord(name, "object", name)
-
-    def _forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
-        conversation = self._conversation
-        rules = rules_to_retract(self._base, said, turn.speaker, conversation.topic)
-        own = [rule for rule in rules if rule.speaker == turn.speaker]
-        if rules and not own:
-            return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
-        if not own:
-            return conversation.answered(turn, "nothing_to_forget", "failed")
-        if said == meaning.Retraction() and (conversation.just_acted or not conversation.topic):
-            return self._ask_to_forget(turn, own)
-        return self._retract(turn, own)
-
-    def _ask_to_forget(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
-        """Ask whether a rule is meant that was not spoken of just now."""
-        self._conversation.open_question = OpenQuestion(
-            turn.speaker, lambda: self._retract(turn, rules)
-        )
-        described = self._conversation.knowledge(turn).describe(rules[-1])
-        return self._conversation.answered(turn, "forget_what", "asked", rule=described)
-
-    def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
-        conversation = self._conversation
-        phrases = tuple(map(conversation.knowledge(turn).describe, rules))
-        spoken = conversation.say(SpokenAnswer("forgotten", {"rules": phrases}))
-        understood = turn.understood
-        self._base.believe(
-            understood.text,
-            understood.content,
-            turn.speaker,
-            (),
-            retracts=[rule.id for rule in rules],
-            kind="correction",
-            answer=spoken,
-        )
-        conversation.topic, conversation.retracted = (), tuple(rules)
-        return replace(conversation.reply(turn, spoken), rules=conversation.retracted)
-
-    def _open_topic(self, turn: DialogueTurn, said: meaning.TopicStatement) -> Reply:
-        """Ask about what the speaker wants to speak of, which may be a new thing."""
-        conversation = self._conversation
-        if not conversation.trusts(turn.speaker):
-            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
-        words = turn.understood.new_words
-        spoken = conversation.say(SpokenAnswer("topic", {"object": said.topic}))
-        self._base.believe(
-            turn.understood.text,
-            turn.understood.content,
-            turn.speaker,
-            (),
-            words=[word_to_keep(word, turn.speaker) for word in words],
-            kind="topic",
-            answer=spoken,
-            heard=turn.heard,
-        )
-        conversation.learn_words(words)
-        conversation.open_question = OpenQuestion(turn.speaker)
-        return conversation.reply(turn, spoken)
 
     # --- Commands -----------------------------------------------------------------------------
 

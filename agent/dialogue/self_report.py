@@ -13,8 +13,11 @@ from ...nlu.semantics.meaning import Command, Question, ToolCommand
 from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply
 
-MOST_LISTED = 3
-"""So many rules are told one by one; of more only the objects are named."""
+MOST_LISTED = 5
+"""So many rules are told one by one; of more only some objects are named."""
+
+MOST_NAMED, MOST_READ = 3, 20
+"""So many objects are named, which so many of the rules are about."""
 
 _TAUGHT = frozenset({"statement", "correction"})
 
@@ -69,25 +72,29 @@ def _repeated(_: Question, known: Knowledge) -> Answered:
 
 
 def _known(_: Question, known: Knowledge) -> Answered:
-    rules = known.base.rules()
-    return _listed("known", rules, known) if rules else (spoken("nothing_known", done=True), ())
+    count, rules = known.base.count_and_some_rules(MOST_READ)
+    if not rules:
+        return spoken("nothing_known", done=True), ()
+    return _listed("known", count, rules, known)
 
 
 def _told(question: Question, known: Knowledge) -> Answered:
     speaker = known.base.match_speaker(question.speaker or "")
-    rules = known.base.rules(speaker=speaker)
+    count, rules = known.base.count_and_some_rules(MOST_READ, speaker=speaker)
     if not rules:
         return spoken("told_nothing", done=True, speaker=speaker), ()
-    return _listed("told", rules, known, speaker=speaker)
+    return _listed("told", count, rules, known, speaker=speaker)
 
 
-def _listed(key: str, rules: Sequence[Rule], known: Knowledge, **slots: str) -> Answered:
-    """The rules themselves, or what they are about if there are many."""
-    if len(rules) <= MOST_LISTED:
+def _listed(
+    key: str, count: int, rules: Sequence[Rule], known: Knowledge, **slots: str
+) -> Answered:
+    """The rules themselves, or what some of them are about if there are many."""
+    if count <= MOST_LISTED:
         said = tuple(known.describe(rule) for rule in rules)
         return spoken(key, done=True, rules=said, **slots), tuple(rules)
-    objects = tuple(dict.fromkeys(rule.object or "thing" for rule in rules))[:MOST_LISTED]
-    number = str(len(rules))
+    objects = tuple(dict.fromkeys(rule.object or "thing" for rule in rules))[:MOST_NAMED]
+    number = str(count)
     return spoken(f"{key}_many", done=True, number=number, objects=objects, **slots), ()
 
 
@@ -96,7 +103,8 @@ def _last_told(question: Question, known: Knowledge) -> Answered:
     last = next(_taught_by(speaker, known), None)
     if last is None:
         return spoken("told_nothing", done=True, speaker=speaker), ()
-    rules = tuple(rule for rule in known.base.rules(speaker=speaker) if rule.id in last.asserts)
+    asserted = map(known.base.rule, last.asserts)
+    rules = tuple(r for r in asserted if r.status == "active" and r.speaker == speaker)
     key = "source" if rules else "told_but_retracted"
     return spoken(key, done=True, speaker=speaker, texts=last.text), rules
 

@@ -79,7 +79,7 @@ def lesson_from_statement(
     """Return what a statement teaches to a base."""
     rules = tuple(rule_from_meaning(each, speaker, heard) for each in said.rules)
     before = _earlier(base, rules)
-    word_from_base = {rule.id for rule in before}
+    known = {rule.id for rule in before}
     corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
     supersedes = tuple(
         dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic))
@@ -87,7 +87,7 @@ def lesson_from_statement(
     return Lesson(
         rules,
         supersedes,
-        not supersedes and all(rule.id in word_from_base for rule in rules),
+        not supersedes and all(rule.id in known for rule in rules),
     )
 
 

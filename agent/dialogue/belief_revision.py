@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Belief revision: statements are believed, retracted rules are no longer, topics are opened."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from ...kb.knowledge_base import KnowledgeBase
+from ...kb.rule import Rule
+from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.semantics import meaning
+from ..execution.outcome import SpokenAnswer
+from .conversation import Conversation, DialogueTurn
+from .open_question import OpenQuestion
+from .reply import Reply
+from .teaching import lesson_from_statement, rules_to_retract, word_to_keep
+
+
+class BeliefRevision:
+    """Changes what Hilt believes by what is said in a conversation.
+
+    Args:
+        base: where beliefs and the history are kept.
+        conversation: the conversation in which it is said.
+    """
+
+    def __init__(self, base: KnowledgeBase, conversation: Conversation) -> None:
+        self._base, self._conversation = base, conversation
+
+    def learn(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
+        """Believe what a trusted speaker states, and return the reply that says what that is."""
+        conversation = self._conversation
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        taught = lesson_from_statement(
+            self._base, said, turn.speaker, turn.heard, conversation.topic
+        )
+        trust = self._base.trust(turn.speaker)
+        weight = trust.lower if trust else 0.0
+        words = (*turn.understood.new_words, *self._new_names(said, turn))
+        describe = conversation.knowledge(turn).describe
+        echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
+        spoken = " ".join(map(conversation.say, echo))
+        self._base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            taught.rules,
+            supersedes=[rule.id for rule in taught.supersedes],
+            words=[word_to_keep(word, turn.speaker) for word in words],
+            kind=turn.understood.kind,
+            answer=spoken,
+            heard=turn.heard,
+        )
+        conversation.learn_words(words)
+        told = tuple(self._base.rule(rule.id) for rule in taught.rules)
+        conversation.set_topic(told)
+        return replace(conversation.reply(turn, spoken), rules=told)
+
+    def forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
+        """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
+        conversation = self._conversation
+        rules = rules_to_retract(self._base, said, turn.speaker, conversation.topic)
+        own = [rule for rule in rules if rule.speaker == turn.speaker]
+        if rules and not own:
+            return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
+        if not own:
+            return conversation.answered(turn, "nothing_to_forget", "failed")
+        if said == meaning.Retraction() and (conversation.just_acted or not conversation.topic):
+            return self._ask_to_forget(turn, own)
+        return self._retract(turn, own)
+
+    def open_topic(self, turn: DialogueTurn, said: meaning.TopicStatement) -> Reply:
+        """Ask about what the speaker wants to speak of, which may be a new thing."""
+        conversation = self._conversation
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        words = turn.understood.new_words
+        spoken = conversation.say(SpokenAnswer("topic", {"object": said.topic}))
+        self._base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            (),
+            words=[word_to_keep(word, turn.speaker) for word in words],
+            kind="topic",
+            answer=spoken,
+            heard=turn.heard,
+        )
+        conversation.learn_words(words)
+        conversation.open_question = OpenQuestion(turn.speaker)
+        return conversation.reply(turn, spoken)
+
+    def _new_names(self, said: meaning.Statement, turn: DialogueTurn) -> Iterator[NewWord]:
+        """The names of objects that "it" stands for and that no statement has used before."""
+        known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
+        for name in dict.fromkeys(rule.object for rule in said.rules):
+            if name not in known and not self._conversation.language.lexicon.name_categories(name):
+                yield NewWord(name, "object", name)
+
+    def _ask_to_forget(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
+        """Ask whether a rule is meant that was not spoken of just now."""
+        self._conversation.open_question = OpenQuestion(
+            turn.speaker, lambda: self._retract(turn, rules)
+        )
+        described = self._conversation.knowledge(turn).describe(rules[-1])
+        return self._conversation.answered(turn, "forget_what", "asked", rule=described)
+
+    def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
+        conversation = self._conversation
+        phrases = tuple(map(conversation.knowledge(turn).describe, rules))
+        spoken = conversation.say(SpokenAnswer("forgotten", {"rules": phrases}))
+        understood = turn.understood
+        self._base.believe(
+            understood.text,
+            understood.content,
+            turn.speaker,
+            (),
+            retracts=[rule.id for rule in rules],
+            kind="correction",
+            answer=spoken,
+            heard=turn.heard,
+        )
+        conversation.topic, conversation.retracted = (), tuple(rules)
+        return replace(conversation.reply(turn, spoken), rules=conversation.retracted)
