@@ -22,6 +22,7 @@ from ..semantics.meaning import (
     Rule,
     Statement,
     ToolCommand,
+    is_contradictory,
 )
 
 MAX_SEGMENTS = 4
@@ -88,9 +89,7 @@ def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
     distinct = tuple(dict.fromkeys(_self_repaired(rules)))
     if len({rule.revises for rule in distinct}) > 1:
         return None
-    if len({replace(rule, confidence=(0, 1)) for rule in distinct}) < len(distinct):
-        return None
-    return Statement(distinct)
+    return None if is_contradictory(distinct) else Statement(distinct)
 
 
 def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:

@@ -264,7 +264,7 @@ class _Attempt:
             answer = clarify.of_new_words(readings[:1], tokens, self._accepted)
         else:
             answer = clarify.of_misspelling(unknown, self._accepted)
-        if answer is None and unknown:
+        if answer is None and unknown and not (refusal and refusal.asks):
             answer = clarify.of_unknown_words(tokens, unknown)
         answer = answer or clarify.of_failure(chart, tokens, refusal)
         return _understanding(tokens, context, answer, readings=len(accepted))

@@ -30,6 +30,7 @@ from .meaning import (
     Statement,
     ToolCommand,
     TopicStatement,
+    is_contradictory,
 )
 from .predicates import PredicateForm
 
@@ -124,7 +125,7 @@ class Interpreter:
 
     def _statement(self, form: PredicateForm) -> Statement:
         rules = tuple(dict.fromkeys(self._rules(form)))
-        if len({replace(rule, confidence=(0, 1)) for rule in rules}) < len(rules):
+        if is_contradictory(rules):
             raise RefusedError("contradiction", asks=True)
         return Statement(rules)
 

@@ -8,7 +8,8 @@ pair (lower, upper) in [0, 1]. `as_json` follows the meaning schema of `docs/lan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 Json = dict[str, object]
@@ -83,6 +84,29 @@ class ActionRule(_Record):
 
 
 Rule = FunctionalRule | ActionRule
+
+
+def is_contradictory(rules: Sequence[Rule]) -> bool:
+    """Return whether of some rules, in the order they were said, one contradicts another.
+
+    Two rules do that are the same but for their confidence. A rule on grasping that follows one on
+    an action with the same grip, "to pass it grab the rim and never grab the rim", is about that
+    action, too.
+    """
+    said: dict[Rule, Confidence] = {}
+    for rule in rules:
+        bare = replace(rule, confidence=(0.0, 1.0))
+        about = [each for each in said if each == bare or _restates(bare, each)]
+        if any(said[each] != rule.confidence for each in about):
+            return True
+        said[bare] = rule.confidence
+    return False
+
+
+def _restates(general: Rule, rule: Rule) -> bool:
+    if not (isinstance(general, ActionRule) and isinstance(rule, ActionRule)):
+        return False
+    return general.context == "grasp" and replace(rule, context="grasp") == general
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,18 @@ def test_a_possible_use_is_a_less_sure_rule(language: Language) -> None:
     )
 
 
+def test_two_hedges_are_asked_about(language: Language) -> None:
+    """A use that perhaps may be is no rule; with one of the two words it is a less sure one."""
+    licence = language.parser.licence
+    both = features(modality="weak", attitude="perhaps")
+
+    assert licence.outcome(USE, both) != ACCEPT
+    assert licence.outcome(USE, features(attitude="perhaps")) == ACCEPT
+    assert licence.weakened(USE, features(attitude="perhaps")) == licence.weakened(
+        USE, features(modality="weak")
+    )
+
+
 def test_other_meanings_need_no_licence(language: Language) -> None:
     """A retraction of what was said last is no matter of who does it."""
     assert language.parser.licence.outcome(Retraction(), features(agent="other")) == ACCEPT
@@ -66,7 +78,7 @@ def test_a_bound_never_makes_a_rule_surer(
 
 
 FEATURES = st.sampled_from(
-    [features(), *(features(attitude=each) for each in ("think", "hedged", "certain"))]
+    [features(), *(features(attitude=each) for each in ("think", "hedged", "perhaps", "certain"))]
     + [features(quantifier=each) for each in ("most", "partial")]
     + [features(modality="weak")]
 )

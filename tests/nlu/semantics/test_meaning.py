@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hilt.nlu import (
@@ -19,8 +21,11 @@ from hilt.nlu import (
     Statement,
     ToolCommand,
 )
+from hilt.nlu.semantics.meaning import is_contradictory
 
 RULE = FunctionalRule("knife", "cutting", (0.95, 1.0))
+RIM = ActionRule("mug", "pass", "rim", (0.95, 1.0))
+NEVER = (0.0, 0.05)
 RULE_JSON = {
     "rule": "functional", "object": "knife", "affordance": "cutting", "confidence": [0.95, 1.0],
 }  # fmt: skip
@@ -77,3 +82,24 @@ def test_a_target_is_one_thing(wrong: dict[str, object]) -> None:
     """Either an object, or a use it has, or a use it has not."""
     with pytest.raises(ValueError, match="exactly one"):
         ObjectReference(**wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("context", ["pass", "grasp"])
+def test_the_same_grip_and_never_is_a_contradiction(context: str) -> None:
+    """Whether the action is repeated or not: "to pass it grab the rim and never grab the rim"."""
+    assert is_contradictory((RIM, replace(RIM, context=context, confidence=NEVER)))
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        (RIM, replace(RIM, context="pickUp", confidence=NEVER)),
+        (RIM, replace(RIM, part="handle", confidence=NEVER)),
+        (replace(RIM, context="grasp", confidence=NEVER), RIM),
+        (RULE, replace(RULE, material="bread", confidence=NEVER)),
+        (RIM, replace(RIM, context="grasp")),
+    ],
+)
+def test_exceptions_are_no_contradictions(rules: tuple[ActionRule | FunctionalRule, ...]) -> None:
+    """Another action, part or material, and what restricts a general rule said before."""
+    assert not is_contradictory(rules)
