@@ -24,7 +24,7 @@ from ..ontology.errors import ValidationError
 from .agent import Agent
 from .dialogue.reply import Reply
 from .presentation import console as shown
-from .presentation.text import printable
+from .presentation.plain_text import printable
 
 QUIT = "/quit"
 QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
@@ -52,7 +52,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
 
 @dataclass
 class Chat:
-    """The state of a conversation.
+    """A chat on a terminal or through a pipe: answers each line, and runs slash commands.
 
     Attributes:
         agent: the agent.

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import DataError, HiltError
-from ..ontology.yaml_reader import YamlValue, read_yaml
+from ..ontology.yaml_reader import YamlNode, read_yaml
 
 if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --help` is fast
     from ..inference.settings import Settings
@@ -264,7 +264,7 @@ def _fits(value: object, option: ConfigOption) -> bool:
     return isinstance(value, option.kind) or (value is None and option.default is None)
 
 
-def _read(value: YamlValue, option: ConfigOption, folder: Path) -> Any:
+def _read(value: YamlNode, option: ConfigOption, folder: Path) -> Any:
     if option.kind is int:
         return value.integer(low=0)
     if option.kind is bool:
@@ -277,7 +277,7 @@ def _read(value: YamlValue, option: ConfigOption, folder: Path) -> Any:
     return str(folder / value.text()) if is_scene_file else value.text()
 
 
-def _read_texts(value: YamlValue, option: ConfigOption) -> tuple[str, ...]:
+def _read_texts(value: YamlNode, option: ConfigOption) -> tuple[str, ...]:
     texts = value.items() if isinstance(value.value, tuple) else (value,)
     for each in texts if option.name == "contexts" else ():
         try:

@@ -28,7 +28,7 @@ AFTERWARDS = ("pick up the knife", "pass me something used for rolling")
 
 
 @dataclass(frozen=True)
-class RunningExample:
+class ExampleReplies:
     """The replies of the running example.
 
     Attributes:
@@ -61,16 +61,16 @@ class RunningExample:
         }
 
 
-def run(agent: Agent, progress: Console, folder: Path) -> RunningExample:
+def run(agent: Agent, progress: Console, folder: Path) -> ExampleReplies:
     """Run the example and write its pictures."""
     with _progress(progress) as step:
         lessons = tuple(step(text, agent) for text in LESSONS)
         passed = step(COMMAND, agent, folder)
         afterwards = tuple(step(text, agent) for text in AFTERWARDS)
-    return RunningExample(lessons, (passed, *afterwards), agent.simulate)
+    return ExampleReplies(lessons, (passed, *afterwards), agent.simulate)
 
 
-def show(example: RunningExample, out: Console, agent: Agent) -> None:
+def show(example: ExampleReplies, out: Console, agent: Agent) -> None:
     """Print the dialogue, the rules, the executions and the decisions."""
     out.print(Panel("Teaching", style="cyan", expand=False))
     for reply in example.lessons:

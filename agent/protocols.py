@@ -69,7 +69,7 @@ class Motion(Protocol):
 
 
 @runtime_checkable
-class Skills(Protocol):
+class ExtraPrimitives(Protocol):
     """Further primitives of a robot beside those of `Motion`; optional.
 
     Their names are among the `abilities`, and action trees name them in `primitives`.
@@ -92,7 +92,7 @@ class Skills(Protocol):
 
 
 @runtime_checkable
-class Hand(Protocol):
+class ReleasingMotion(Protocol):
     """A motion that can empty its hand without an action tree; optional."""
 
     @property

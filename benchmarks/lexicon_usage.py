@@ -37,7 +37,7 @@ from hilt.nlu.lexicon.lexicon import Entry
 from hilt.nlu.lexicon.loader import LexiconBuilder
 from hilt.nlu.parsing import strategies
 from hilt.nlu.parsing.derivation import subderivations
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 """The files that may be pruned; what is in all others is structure."""
@@ -179,7 +179,7 @@ class Spelling(NamedTuple):
     """A spelling in a file, and where it stands."""
 
     file: str
-    field: YamlValue
+    field: YamlNode
 
     @property
     def key(self) -> tuple[str, int, int]:
@@ -192,7 +192,7 @@ class Usage:
 
     def __init__(self) -> None:
         self.spellings: dict[tuple[str, int, int], Spelling] = {}
-        self.lines: dict[tuple[str, int, int], YamlValue] = {}
+        self.lines: dict[tuple[str, int, int], YamlNode] = {}
         self.uses: Counter[Use] = Counter()
         self.line_uses: Counter[tuple[str, int, int]] = Counter()
         self._of_entry: dict[object, list[tuple[Spelling, tuple[str, int, int], Any]]] = (
@@ -201,7 +201,7 @@ class Usage:
         self._markers: dict[str, list[Spelling]] = defaultdict(list)
 
     def add_spelling(
-        self, field: YamlValue, line: YamlValue | None, key: object, pieces: Any
+        self, field: YamlNode, line: YamlNode | None, key: object, pieces: Any
     ) -> None:
         """Know that an entry comes from a spelling and a line of `is`."""
         spelling = Spelling(Path(field.source).name, field)
@@ -212,7 +212,7 @@ class Usage:
             self.lines[place] = line
         self._of_entry[key].append((spelling, place, pieces))
 
-    def add_marker(self, kind: str, field: YamlValue) -> None:
+    def add_marker(self, kind: str, field: YamlNode) -> None:
         """Know a discourse marker of a kind."""
         spelling = Spelling(Path(field.source).name, field)
         self.spellings[spelling.key] = spelling
@@ -307,7 +307,7 @@ class Recorder:
         usage, builder = self.usage, LexiconBuilder
         read_word, add_head = builder._read_word, builder._read_construction
 
-        def word(self: LexiconBuilder, field: YamlValue) -> None:
+        def word(self: LexiconBuilder, field: YamlNode) -> None:
             before = len(self.lexicon._senses)
             read_word(self, field)
             parts = field.entries(required=("says",), optional=("is", "like"))
@@ -320,7 +320,7 @@ class Recorder:
                     entry = sense.entry()
                     usage.add_spelling(says, line, (entry.says, entry.category, entry.term), None)
 
-        def construction(self: LexiconBuilder, field: YamlValue) -> None:
+        def construction(self: LexiconBuilder, field: YamlNode) -> None:
             add_head(self, field)
             from hilt.nlu.grammar.constructions import Construction, pieces_of
             from hilt.nlu.grammar.notation import read_entry
@@ -337,7 +337,7 @@ class Recorder:
                             key = (head.text, made.category, made.functor())
                         usage.add_spelling(says, line, key, (made.pieces, made.anchor))
 
-        def phrases(self: DiscourseMarkers, kind: str, field: YamlValue) -> DiscourseMarkers:
+        def phrases(self: DiscourseMarkers, kind: str, field: YamlNode) -> DiscourseMarkers:
             for each in field.items():
                 usage.add_marker(kind, each)
             return with_phrases(self, kind, field)

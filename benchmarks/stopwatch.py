@@ -13,7 +13,7 @@ from hilt.sim.physics.bodies import Bodies
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import KinematicChain
 from hilt.sim.robot.path_planner import PathPlanner
-from hilt.sim.vision.detector import MaskDetector
+from hilt.sim.vision.mask_detector import MaskDetector
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("stepping", PhysicsEngine, "step"),

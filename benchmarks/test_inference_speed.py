@@ -20,7 +20,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
-from hilt.agent.evaluation.scenarios import load_scenarios
+from hilt.agent.evaluation.learning_scenarios import load_scenarios
 from hilt.inference import Affordances, Goal, Observation, Target
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom

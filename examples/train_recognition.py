@@ -21,9 +21,9 @@ from hilt.ontology.objects import ObjectType, load_household
 from hilt.sim.scene.scene import Placement, Scene, graspable, scene_with
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
-from hilt.sim.vision.classifier import NoveltyDetector, train_classifier
-from hilt.sim.vision.detector import MaskDetector
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point_inputs
+from hilt.sim.vision.mask_detector import MaskDetector
+from hilt.sim.vision.neural_classifier import NoveltyDetector, train_classifier
 from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
 

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Affordance inference: what observed objects afford, and how certain that is.
 
-evidence     operators on belief intervals: conjunction, modus ponens, fusion, and lambda
-types        goals, targets, observations; candidates and inferences as results
-affordance   inference at the nodes of an action tree
-decision     acceptance and ranking of candidates
-proof        derivation trees of intervals
-settings     operators and thresholds
-taxonomy     the is-a hierarchy along which rules are inherited
-explanation  proofs as text, reasons for rejection, counterfactuals
+interval_operators  operators on belief intervals: conjunction, modus ponens, fusion, and lambda
+types               goals, targets, observations; candidates and inferences as results
+affordance          inference at the nodes of an action tree
+decision            acceptance and ranking of candidates
+proof               derivation trees of intervals
+settings            operators and thresholds
+taxonomy            the is-a hierarchy along which rules are inherited
+explanation         proofs as text, reasons for rejection, counterfactuals
 abduction, induction, conflicts
              hypotheses for a conclusion, rules by analogy, contradictory rules
 

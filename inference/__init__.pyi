@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .affordance import Affordances, RuleSource
-from .evidence import Operators
+from .interval_operators import Operators
 from .settings import Settings
 from .types import Candidate, Conclusion, Goal, Inference, Observation, Target
 

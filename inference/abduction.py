@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from ..kb.formats.value_notation import read_atom
 from ..kb.interval import Interval
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
-from .evidence import relative_plausibility
+from .interval_operators import relative_plausibility
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
 from .types import Conclusion

@@ -8,7 +8,7 @@ equal conclusions, and lambda against the threshold of the context (section 2).
 
 Rules with the same antecedent are fused before modus ponens: the antecedent is one piece of
 evidence and would otherwise be counted once for each rule. With perfect detection both orders give
-the same result. A `NodeContext` selects the rules of one node for one goal.
+the same result. A `NodeRules` selects the rules of one node for one goal.
 
 A use may have a material, which is a context of its rule: a saw is used for cutting wood. Which
 rules apply depends on whether the goal names a material:
@@ -32,7 +32,7 @@ from typing import Protocol
 from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import USED_FOR, Atom, Rule
 from ..ontology.actions import Actions
-from .decision import ApplicableRules, DecisionRule
+from .decision import DecisionRule, ObjectRules
 from .proof import Proof, derive, rule_proof, unknown_proof
 from .settings import Settings
 from .taxonomy import FLAT, Taxonomy
@@ -104,13 +104,13 @@ class Affordances:
             return decision.ranked(found)
         return decision.ranked(found, list(self._absent_candidates(here, observations, decision)))
 
-    def _node_context(self, node: str, goal: Goal) -> NodeContext:
+    def _node_context(self, node: str, goal: Goal) -> NodeRules:
         """Return the context of a node, after dropping cached rules that are out of date."""
         sequence = self.source.sequence
         if sequence != self._sequence:
             self._rules.clear()
             self._sequence = sequence
-        return NodeContext(node, goal, self._rules_at, self.taxonomy)
+        return NodeRules(node, goal, self._rules_at, self.taxonomy)
 
     def _rules_at(self, key: str) -> Sequence[Rule]:
         if key not in self._rules:
@@ -118,13 +118,13 @@ class Affordances:
         return self._rules[key]
 
     def _object_candidate(
-        self, here: NodeContext, seen: Observation, decision: DecisionRule
+        self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Candidate:
         """Return how surely an object is what the command asks for."""
         target = here.goal.target
         shown = implied_atoms(seen.atoms, self.taxonomy)
         steps = [_evidence(atom, here, seen, shown) for atom in here.named_features]
-        argument, applied = None, ApplicableRules()
+        argument, applied = None, ObjectRules()
         for conclusion, is_negated in target.wanted:
             argument = conclusion.argument
             applied = here.concluding(conclusion, shown)
@@ -136,7 +136,7 @@ class Affordances:
         return decision.candidate(seen, argument, steps, applied)
 
     def _argument_candidates(
-        self, here: NodeContext, seen: Observation, decision: DecisionRule
+        self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Iterator[Candidate]:
         """Yield the parts (or other arguments) that the rules of the nearest context name."""
         shown = implied_atoms(seen.atoms, self.taxonomy)
@@ -152,7 +152,7 @@ class Affordances:
                 return
 
     def _absent_candidates(
-        self, here: NodeContext, observations: Sequence[Observation], decision: DecisionRule
+        self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
     ) -> Iterator[Candidate]:
         """Yield candidates for objects that rules name but that are not in view."""
         shown = [implied_atoms(seen.atoms, self.taxonomy) for seen in observations]
@@ -167,11 +167,11 @@ class Affordances:
             for name, rules in groups.items():
                 nothing = Observation(name, name, {})
                 steps = [self._conclude(rules, here, nothing, {})]
-                applied = ApplicableRules(tuple(rules))
+                applied = ObjectRules(tuple(rules))
                 yield decision.candidate(nothing, wanted, steps, applied, is_absent=True)
 
     def _conclude(
-        self, rules: Sequence[Rule], here: NodeContext, seen: Observation, shown: ImpliedAtoms
+        self, rules: Sequence[Rule], here: NodeRules, seen: Observation, shown: ImpliedAtoms
     ) -> Proof:
         """Return the proof of one conclusion from its rules; unknown if there are none."""
         if not rules:
@@ -204,7 +204,7 @@ def _evidence_atoms(rule: Rule) -> frozenset[Atom]:
     return frozenset(a for a in rule.features | rule.contexts if a.kind != MATERIAL)
 
 
-def _evidence(atom: Atom, here: NodeContext, seen: Observation, shown: ImpliedAtoms) -> Proof:
+def _evidence(atom: Atom, here: NodeRules, seen: Observation, shown: ImpliedAtoms) -> Proof:
     """Return the evidence for an antecedent; an action on the path of the node is certain."""
     if atom in shown:
         origin = shown[atom][1]
@@ -223,7 +223,7 @@ def _kind_of(origin: Atom, atom: Atom) -> str:
     return "" if origin == atom else f", which is a kind of {atom.name}"
 
 
-class NodeContext:
+class NodeRules:
     """The rules that apply at one node for one goal; shared by all objects observed there.
 
     `rules_at` returns the rules stored under a key.
@@ -289,7 +289,7 @@ class NodeContext:
             self._selected[key] = rules
         return self._selected[key]
 
-    def concluding(self, wanted: Conclusion, shown: ImpliedAtoms) -> ApplicableRules:
+    def concluding(self, wanted: Conclusion, shown: ImpliedAtoms) -> ObjectRules:
         """Return the rules of the nearest context that conclude what is wanted of an object."""
         arguments = implied_atoms([wanted.argument], self.taxonomy) if wanted.argument else None
         for key in self.keys_of(wanted):
@@ -299,7 +299,7 @@ class NodeContext:
             applied = nearest_rules(rules, shown, arguments or {})
             if applied.rules:
                 return applied
-        return ApplicableRules()
+        return ObjectRules()
 
     @cached_property
     def _held(self) -> frozenset[Atom]:
@@ -336,15 +336,15 @@ def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:
 
 def nearest_rules(
     rules: Sequence[Rule], shown: ImpliedAtoms, arguments: ImpliedAtoms | None = None
-) -> ApplicableRules:
+) -> ObjectRules:
     """Return the nearest of the rules whose features are all observed."""
     fitting = [rule for rule in rules if rule.features <= shown.keys()]
     if not fitting:
-        return ApplicableRules()
+        return ObjectRules()
     pairs = [(rule, _distance(rule, shown, arguments or {})) for rule in fitting]
     least = min(distance for _, distance in pairs)
     near = tuple(rule for rule, distance in pairs if distance == least)
-    return ApplicableRules(near, least, tuple(rule for rule, far in pairs if far > least))
+    return ObjectRules(near, least, tuple(rule for rule, far in pairs if far > least))
 
 
 def _distance(rule: Rule, shown: ImpliedAtoms, arguments: ImpliedAtoms) -> int:

@@ -15,7 +15,7 @@ from itertools import combinations
 
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
-from .evidence import EPSILON
+from .interval_operators import EPSILON
 
 Json = dict[str, object]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
-from .evidence import EPSILON, Operators, certainty
+from .interval_operators import EPSILON, Operators, certainty
 from .proof import LEAVES, Proof, derive
 from .types import Candidate, Inference, Observation, Verdict
 
@@ -22,7 +22,7 @@ _REASONS: Mapping[Verdict, str] = {
 
 
 @dataclass(frozen=True)
-class ApplicableRules:
+class ObjectRules:
     """The rules that apply to an object.
 
     Attributes:
@@ -49,7 +49,7 @@ class DecisionRule:
         seen: Observation,
         argument: Atom | None,
         steps: Sequence[Proof],
-        applied: ApplicableRules,
+        applied: ObjectRules,
         *,
         is_absent: bool = False,
     ) -> Candidate:

@@ -15,7 +15,7 @@ from typing import Literal
 
 from ..kb.interval import VACUOUS, Interval
 from ..kb.rule import Rule
-from .evidence import Operators
+from .interval_operators import Operators
 
 Step = Literal["seen", "given", "told", "unknown", "and", "not", "fuse", "modus ponens"]
 Json = dict[str, object]

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from ..kb.rule import Atom
 from ..ontology.errors import DataError, HiltError, UnknownNameError
-from ..ontology.yaml_reader import YamlValue, read_yaml
-from .evidence import Operators
+from ..ontology.yaml_reader import YamlNode, read_yaml
+from .interval_operators import Operators
 
 SETTINGS_FILE = Path(__file__).parents[1] / "ontology" / "settings.yaml"
 STAGES = ("rules", "conclusions")
@@ -80,7 +80,7 @@ class Settings:
             name, equals, value = choice.partition("=")
             if not equals:
                 raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
-            chosen = _chosen(chosen, name.strip(), YamlValue(_plain(value), choice, 0, 0))
+            chosen = _chosen(chosen, name.strip(), YamlNode(_plain(value), choice, 0, 0))
         return chosen
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
@@ -93,7 +93,7 @@ class Settings:
         return max((next(own, self.threshold), *asked))
 
 
-def _chosen(settings: Settings, name: str, value: YamlValue) -> Settings:
+def _chosen(settings: Settings, name: str, value: YamlNode) -> Settings:
     """Return settings with one setting replaced."""
     first, _, context = name.partition(".")
     if first == THRESHOLD:
@@ -110,7 +110,7 @@ def _chosen(settings: Settings, name: str, value: YamlValue) -> Settings:
     raise value.fail(str(UnknownNameError("choice", name, known)))
 
 
-def _with_thresholds(settings: Settings, spec: YamlValue) -> Settings:
+def _with_thresholds(settings: Settings, spec: YamlNode) -> Settings:
     keys = spec.entries(required={"default"}, optional={"contexts"})
     settings = _with_threshold(settings, "", keys["default"].number(low=0, high=1))
     contexts = keys["contexts"].entries() if "contexts" in keys else {}

@@ -21,7 +21,7 @@ _TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of
 
 
 @dataclass(frozen=True)
-class RuleChange:
+class UtteranceChanges:
     """An utterance with the rules that it changed, as they are now.
 
     Attributes:
@@ -90,12 +90,12 @@ class BaseDifference:
         return found
 
 
-def rule_changes(base: RuleReader, *, since: int = 0) -> Iterator[RuleChange]:
+def rule_changes(base: RuleReader, *, since: int = 0) -> Iterator[UtteranceChanges]:
     """The utterances after a number, with the rules that each changed."""
     for utterance in base.history(since=since):
         changed = (utterance.asserts, utterance.retracts, utterance.supersedes)
         told, retracted, superseded = (tuple(map(base.rule, ids)) for ids in changed)
-        yield RuleChange(utterance, told, retracted, superseded)
+        yield UtteranceChanges(utterance, told, retracted, superseded)
 
 
 def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:

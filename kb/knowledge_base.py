@@ -28,9 +28,9 @@ from .rdf.terms import Quad, Term
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
 from .sparql.named_queries import named_query
+from .sparql.query_text import Bindings, bind_variables, delete_insert, join_updates, query_form
 from .sparql.results import BooleanResult, ConstructResult, QueryLimits, QueryResult, SelectResult
 from .sparql.safety import refuse_external_access
-from .sparql.text import Bindings, bind_variables, delete_insert, join_updates, query_form
 from .stores.base import Store
 from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads

@@ -24,7 +24,7 @@ from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Term, as_sparql
 from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query, node_iri
-from .sparql.text import bind_variables
+from .sparql.query_text import bind_variables
 from .stores.base import Store
 
 BASE_NODE = Iri("https://w3id.org/hilt/base")

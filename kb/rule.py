@@ -44,7 +44,7 @@ _SPEAKER = re.compile(r"[^\W_](?:[\w .'@+-]*[\w.])?")
 
 @dataclass(frozen=True, slots=True, order=True)
 class Atom:
-    """One term of a rule: an object, a part, a property, ...
+    """One atomic premise or conclusion of a rule: an object, a part, a property, ...
 
     >>> print(Atom("object", "wine glass"))
     object:wine glass

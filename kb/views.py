@@ -30,7 +30,7 @@ _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
 @dataclass(frozen=True)
 class RuleView:
-    """The rules that were active in a view, in the order in which they were last said."""
+    """The rules that held at some time or for one speaker, in the order they were last said."""
 
     all: tuple[Rule, ...]
 

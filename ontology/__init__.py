@@ -9,7 +9,7 @@ confidence          degrees of confidence and their intervals: "often" is [0.75,
 evidence_operators  modus ponens, fusion and certainty of belief intervals
 yaml_reader         YAML values with positions, for precise error messages
 errors              all exceptions of Hilt
-cache               the user's cache folder
+disk_cache          the user's cache folder
 garbage_collection  a pause of Python's garbage collector
 
 >>> from hilt.ontology import load_objects

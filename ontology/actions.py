@@ -16,7 +16,7 @@ from functools import cached_property
 from pathlib import Path
 
 from .errors import UnknownNameError
-from .yaml_reader import YamlValue, read_yaml
+from .yaml_reader import YamlNode, read_yaml
 
 ACTIONS_FILE = Path(__file__).with_name("actions.yaml")
 MAX_REPEAT = 100
@@ -38,7 +38,7 @@ CONDITIONS = ("sees", "holds")
 
 
 @dataclass(frozen=True)
-class AffordanceArgument:
+class ArgumentByAffordance:
     """An argument given by what it must afford instead of by an object.
 
     Attributes:
@@ -124,7 +124,7 @@ class ActionTree:
 
     name: str
     parameters: tuple[str, ...]
-    defaults: Mapping[str, str | AffordanceArgument]
+    defaults: Mapping[str, str | ArgumentByAffordance]
     steps: tuple[Step | Loop, ...]
     requires: tuple[Precondition, ...] = ()
     otherwise: tuple[FailureBranch, ...] = ()
@@ -215,7 +215,7 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
     return Actions(primitives, trees)
 
 
-def _parameters(spec: YamlValue) -> tuple[str, ...]:
+def _parameters(spec: YamlNode) -> tuple[str, ...]:
     return spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)["parameters"].texts()
 
 
@@ -224,7 +224,7 @@ class _TreeReader:
     """Reads one tree, checked against the actions that its steps may name."""
 
     name: str
-    keys: Mapping[str, YamlValue]
+    keys: Mapping[str, YamlNode]
     signatures: Mapping[str, tuple[str, ...]]
     failures: Collection[str]
 
@@ -241,24 +241,24 @@ class _TreeReader:
             self._action(keys["is_a"]) if "is_a" in keys else None,
         )
 
-    def _default(self, value: YamlValue) -> str | AffordanceArgument:
+    def _default(self, value: YamlNode) -> str | ArgumentByAffordance:
         if isinstance(value.value, str):
             return value.text(choices={SPEAKER})
         keys = value.entries(optional={"usedFor", "affords", "of"})
         if "usedFor" in keys:
             value.entries(required={"usedFor"}, optional=())
-            return AffordanceArgument("usedFor", f"affordance:{keys['usedFor'].text()}")
+            return ArgumentByAffordance("usedFor", f"affordance:{keys['usedFor'].text()}")
         value.entries(required={"affords"}, optional={"of"})
         of = self._parameter(keys["of"]) if "of" in keys else None
-        return AffordanceArgument(keys["affords"].text(), of=of)
+        return ArgumentByAffordance(keys["affords"].text(), of=of)
 
-    def _condition(self, item: YamlValue) -> Precondition:
+    def _condition(self, item: YamlNode) -> Precondition:
         kind, parameter = _single_entry(item, "condition")
         if kind not in CONDITIONS:
             raise parameter.fail(str(UnknownNameError("condition", kind, CONDITIONS)))
         return Precondition(kind, self._parameter(parameter))
 
-    def _branch(self, item: YamlValue) -> FailureBranch:
+    def _branch(self, item: YamlNode) -> FailureBranch:
         keys = item.entries(required={"after"}, optional=_BRANCHES)
         given = [key for key in _BRANCHES if key in keys]
         if len(given) != 1:
@@ -271,15 +271,15 @@ class _TreeReader:
             self._steps(keys["steps"]) if "steps" in keys else (),
         )
 
-    def _failures(self, field: YamlValue) -> frozenset[str]:
+    def _failures(self, field: YamlNode) -> frozenset[str]:
         if field.value == ANY_FAILURE:
             return frozenset({ANY_FAILURE})
         return frozenset(field.texts(choices=self.failures))
 
-    def _steps(self, field: YamlValue) -> tuple[Step | Loop, ...]:
+    def _steps(self, field: YamlNode) -> tuple[Step | Loop, ...]:
         return tuple(self._step(item) for item in field.items())
 
-    def _step(self, item: YamlValue) -> Step | Loop:
+    def _step(self, item: YamlNode) -> Step | Loop:
         keys = item.entries()
         if "repeat" not in keys:
             return self._plain_step(item)
@@ -290,7 +290,7 @@ class _TreeReader:
             tuple(self._plain_step(each) for each in keys["steps"].items()),
         )
 
-    def _plain_step(self, item: YamlValue) -> Step:
+    def _plain_step(self, item: YamlNode) -> Step:
         action, argument = _single_entry(item, "action")
         if action not in self.signatures:
             raise item.fail(str(UnknownNameError("action", action, self.signatures)))
@@ -304,35 +304,35 @@ class _TreeReader:
             return Step(action, {name: self._step_argument(value) for name, value in given.items()})
         return Step(action, {wanted[0]: self._step_argument(argument)})
 
-    def _step_argument(self, argument: YamlValue) -> str:
+    def _step_argument(self, argument: YamlNode) -> str:
         word = argument.text()
         return word if word.startswith(FIXED) else self._parameter(argument)
 
-    def _parameter(self, field: YamlValue) -> str:
+    def _parameter(self, field: YamlNode) -> str:
         known = self.signatures[self.name]
         if field.text() not in known:
             raise field.fail(str(UnknownNameError("parameter", field.value, known)))
         return field.text()
 
-    def _action(self, field: YamlValue) -> str:
+    def _action(self, field: YamlNode) -> str:
         if field.text() not in self.signatures or field.value == self.name:
             others = set(self.signatures) - {self.name}
             raise field.fail(str(UnknownNameError("other action", field.value, others)))
         return field.text()
 
 
-def _single_entry(item: YamlValue, what: str) -> tuple[str, YamlValue]:
+def _single_entry(item: YamlNode, what: str) -> tuple[str, YamlNode]:
     keys = item.entries()
     if len(keys) != 1:
         raise item.fail(f"expected one {what} with its argument, found {len(keys)} keys.")
     return next(iter(keys.items()))
 
 
-def _items(keys: Mapping[str, YamlValue], key: str) -> tuple[YamlValue, ...]:
+def _items(keys: Mapping[str, YamlNode], key: str) -> tuple[YamlNode, ...]:
     return keys[key].items() if key in keys else ()
 
 
-def _reject_cycles(name: str, spec: YamlValue, trees: Mapping[str, ActionTree]) -> None:
+def _reject_cycles(name: str, spec: YamlNode, trees: Mapping[str, ActionTree]) -> None:
     """Reject a tree that contains itself, directly or through others, or is a kind of itself."""
     if name in _reached(name, lambda tree: [step.action for step in tree.all_steps], trees):
         raise spec.fail(f'the tree "{name}" contains itself.')

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from .yaml_reader import YamlValue, read_yaml
+from .yaml_reader import YamlNode, read_yaml
 
 QUALIFIERS_FILE = Path(__file__).parent / "qualifiers.yaml"
 
@@ -53,7 +53,7 @@ def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:
     return Degrees(entries["default"].text(choices=intervals), MappingProxyType(intervals))
 
 
-def _interval(field: YamlValue) -> tuple[float, float]:
+def _interval(field: YamlNode) -> tuple[float, float]:
     lower, upper = field.numbers(count=2, low=0, high=1)
     if lower > upper:
         raise field.fail(f"expected lower <= upper, found [{lower:g}, {upper:g}].")

@@ -129,7 +129,7 @@ class QueryError(HiltError, ValueError):
     """A SPARQL text is invalid, is not allowed, or was stopped."""
 
 
-class StoppedError(QueryError):
+class QueryLimitError(QueryError):
     """A SPARQL query or update exceeded its limit of time or memory and was stopped."""
 
 
@@ -166,7 +166,7 @@ class MotionInterruptedError(HiltError, RuntimeError):
         super().__init__("The motion was interrupted.")
 
 
-class WorkersError(HiltError, RuntimeError):
+class WorkersUnavailableError(HiltError, RuntimeError):
     """Worker processes or cluster nodes cannot be started or reached."""
 
 

@@ -19,14 +19,14 @@ from .errors import UnknownNameError
 from .part_shapes import (
     MAX_LENGTH,
     Colour,
+    PlacedSolid,
     Point3,
-    Solid,
     read_colour,
     read_point,
     read_solid,
     read_turn,
 )
-from .yaml_reader import YamlValue, read_yaml
+from .yaml_reader import YamlNode, read_yaml
 
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
 MAX_MASS = 500.0  # [kg]
@@ -69,7 +69,7 @@ class PartType:
     material: Material
     colour: Colour
     mass: float
-    shape: tuple[Solid, ...]
+    shape: tuple[PlacedSolid, ...]
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class RestingPose:
 
 
 @dataclass(frozen=True)
-class Mount:
+class Fixture:
     """How an object is fixed in another one, as a nail in its block.
 
     Attributes:
@@ -130,7 +130,7 @@ class ObjectType:
     graspable: bool
     parts: Mapping[str, PartType] = field(hash=False)
     rests: tuple[RestingPose, ...]
-    mount: Mount | None = None
+    mount: Fixture | None = None
 
     @cached_property
     def mass(self) -> float:
@@ -196,7 +196,7 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 
 
-def read_household(spec: YamlValue, *, added_to: Household | None = None) -> Household:
+def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Household:
     """Return the household defined in a part of a file, as `load_household` does for a file."""
     words = {"classes", "roles", "properties", "materials"}
     known = added_to or Household({}, {}, {}, {}, {})
@@ -226,7 +226,7 @@ class _ObjectReader:
     declared: Household
     defined: Collection[str]
 
-    def object(self, name: str, spec: YamlValue) -> ObjectType:
+    def object(self, name: str, spec: YamlNode) -> ObjectType:
         if name in self.declared.objects:
             raise spec.fail(f'there already is an object "{name}".')
         _check_name(name, spec)
@@ -247,7 +247,7 @@ class _ObjectReader:
             _read_mount(keys["mount"], others) if "mount" in keys else None,
         )
 
-    def _part(self, name: str, spec: YamlValue) -> PartType:
+    def _part(self, name: str, spec: YamlNode) -> PartType:
         _check_name(name, spec)
         keys = spec.entries(
             required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
@@ -266,22 +266,22 @@ class _ObjectReader:
             shape,
         )
 
-    def _words(self, keys: Mapping[str, YamlValue]) -> frozenset[str]:
+    def _words(self, keys: Mapping[str, YamlNode]) -> frozenset[str]:
         if "properties" not in keys:
             return frozenset()
         return frozenset(keys["properties"].texts(choices=self.declared.properties))
 
 
-def _check_name(name: str, spec: YamlValue) -> None:
+def _check_name(name: str, spec: YamlNode) -> None:
     if not _WORDS.fullmatch(name) or name != name.lower():
         raise spec.fail(f'"{name}" is no name; expected lower-case words with single spaces.')
 
 
-def _read_glossary(fields: Mapping[str, YamlValue]) -> dict[str, str]:
+def _read_glossary(fields: Mapping[str, YamlNode]) -> dict[str, str]:
     return {word: meaning.text() for word, meaning in fields.items()}
 
 
-def _read_classes(fields: Mapping[str, YamlValue], known: Iterable[str]) -> dict[str, str | None]:
+def _read_classes(fields: Mapping[str, YamlNode], known: Iterable[str]) -> dict[str, str | None]:
     words = {*fields, *known}
     return {
         name: None if above.value is None else above.text(choices=words - {name})
@@ -289,29 +289,29 @@ def _read_classes(fields: Mapping[str, YamlValue], known: Iterable[str]) -> dict
     }
 
 
-def _read_material(name: str, spec: YamlValue) -> Material:
+def _read_material(name: str, spec: YamlNode) -> Material:
     keys = spec.entries(required={"friction", "shine"}, optional=())
     friction = keys["friction"].number(low=0, high=2)
     return Material(name, friction, keys["shine"].number(low=0, high=1))
 
 
-def _read_rests(spec: YamlValue) -> tuple[RestingPose, ...]:
+def _read_rests(spec: YamlNode) -> tuple[RestingPose, ...]:
     rests = tuple(_read_rest(name, item) for name, item in spec.entries().items())
     if not any(rest.usual for rest in rests):
         raise spec.fail("expected at least one rest that is usual.")
     return rests
 
 
-def _read_rest(name: str, spec: YamlValue) -> RestingPose:
+def _read_rest(name: str, spec: YamlNode) -> RestingPose:
     keys = spec.entries(required={"turn_deg"}, optional={"usual"})
     usual = keys["usual"].truth() if "usual" in keys else True
     return RestingPose(name, read_turn(keys["turn_deg"]), usual)
 
 
-def _read_mount(spec: YamlValue, supports: set[str]) -> Mount:
+def _read_mount(spec: YamlNode, supports: set[str]) -> Fixture:
     keys = spec.entries(required={"support", "at", "depth", "deepest", "resistance_N"}, optional=())
     deepest = keys["deepest"].number(low=0, high=MAX_LENGTH)
-    return Mount(
+    return Fixture(
         keys["support"].text(choices=supports),
         read_point(keys["at"]),
         keys["depth"].number(low=0, high=deepest),
@@ -320,7 +320,7 @@ def _read_mount(spec: YamlValue, supports: set[str]) -> Mount:
     )
 
 
-def _check_acyclic(above: Mapping[str, str | None], fields: Mapping[str, YamlValue]) -> None:
+def _check_acyclic(above: Mapping[str, str | None], fields: Mapping[str, YamlNode]) -> None:
     for name, spec in fields.items():
         seen, word = {name}, above[name]
         while word is not None:

@@ -14,7 +14,7 @@ from itertools import pairwise
 from math import radians
 from pathlib import Path
 
-from .yaml_reader import YamlValue
+from .yaml_reader import YamlNode
 
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
@@ -100,7 +100,7 @@ Form = Box | Lathe | Extrusion | Sweep | MeshFile
 
 
 @dataclass(frozen=True)
-class Solid:
+class PlacedSolid:
     """One form placed in the frame of the object.
 
     Attributes:
@@ -120,7 +120,7 @@ class Solid:
     collides: bool
 
 
-def read_solid(field: YamlValue) -> Solid:
+def read_solid(field: YamlNode) -> PlacedSolid:
     """Return a solid, read from a form and optionally at, turn_deg, colour and only.
 
     Raises:
@@ -131,7 +131,7 @@ def read_solid(field: YamlValue) -> Solid:
     if len(forms) != 1:
         raise field.fail(f"expected exactly one of {', '.join(_READERS)}; found {len(forms)}.")
     only = keys["only"].text(choices={"seen", "felt"}) if "only" in keys else None
-    return Solid(
+    return PlacedSolid(
         _READERS[forms[0]](keys[forms[0]]),
         read_point(keys["at"]) if "at" in keys else (0.0, 0.0, 0.0),
         read_turn(keys["turn_deg"]) if "turn_deg" in keys else (0.0, 0.0, 0.0),
@@ -141,13 +141,13 @@ def read_solid(field: YamlValue) -> Solid:
     )
 
 
-def read_turn(field: YamlValue) -> Point3:
+def read_turn(field: YamlNode) -> Point3:
     """Return roll, pitch and yaw [rad] from degrees."""
     roll, pitch, yaw = field.numbers(count=3, low=-360, high=360)
     return radians(roll), radians(pitch), radians(yaw)
 
 
-def read_colour(field: YamlValue) -> Colour:
+def read_colour(field: YamlNode) -> Colour:
     """Return a colour from "#rrggbb"."""
     if not re.fullmatch("#[0-9a-fA-F]{6}", field.text()):
         raise field.fail(f'expected a colour as "#rrggbb", found "{field.value}".')
@@ -155,7 +155,7 @@ def read_colour(field: YamlValue) -> Colour:
     return red, green, blue
 
 
-def _read_box(field: YamlValue) -> Box:
+def _read_box(field: YamlNode) -> Box:
     keys = field.entries(required={"size"}, optional={"bevel"})
     size = keys["size"].numbers(count=3, low=1e-4, high=MAX_LENGTH)
     bevel = _length(keys, "bevel")
@@ -164,7 +164,7 @@ def _read_box(field: YamlValue) -> Box:
     return Box((size[0], size[1], size[2]), bevel)
 
 
-def _read_cylinder(field: YamlValue) -> Lathe:
+def _read_cylinder(field: YamlNode) -> Lathe:
     keys = field.entries(required={"radius", "length"}, optional={"bevel"})
     radius, length = (keys[k].number(low=1e-4, high=MAX_LENGTH) for k in ("radius", "length"))
     bevel, half = _length(keys, "bevel"), length / 2
@@ -175,7 +175,7 @@ def _read_cylinder(field: YamlValue) -> Lathe:
     return Lathe((*lower, *upper), 0.0, 0, (1.0, 1.0), smooth=False)
 
 
-def _read_lathe(field: YamlValue) -> Lathe:
+def _read_lathe(field: YamlNode) -> Lathe:
     keys = field.entries(required={"profile"}, optional={"wall", "sides", "stretch", "smooth"})
     profile = _points2(keys["profile"], least=2)
     for (radius, _), item in zip(profile, keys["profile"].items(), strict=True):
@@ -193,7 +193,7 @@ def _read_lathe(field: YamlValue) -> Lathe:
     )
 
 
-def _read_extrusion(field: YamlValue) -> Extrusion:
+def _read_extrusion(field: YamlNode) -> Extrusion:
     keys = field.entries(required={"outline", "thickness"}, optional={"bevel", "smooth"})
     outline = _points2(keys["outline"], least=3)
     edges = pairwise((*outline, outline[0]))
@@ -207,7 +207,7 @@ def _read_extrusion(field: YamlValue) -> Extrusion:
     return Extrusion(outline, thickness, _length(keys, "bevel"), _flag(keys, "smooth"))
 
 
-def _read_sweep(field: YamlValue) -> Sweep:
+def _read_sweep(field: YamlNode) -> Sweep:
     keys = field.entries(
         required={"path", "sections"}, optional={"side", "power", "rounded", "smooth"}
     )
@@ -228,7 +228,7 @@ def _read_sweep(field: YamlValue) -> Sweep:
     )
 
 
-def _read_mesh(field: YamlValue) -> MeshFile:
+def _read_mesh(field: YamlNode) -> MeshFile:
     keys = field.entries(required={"file"}, optional={"scale"})
     path = Path(field.source).parent / keys["file"].text()
     if not path.is_file():
@@ -246,21 +246,21 @@ _READERS = {
 }
 
 
-def _length(keys: dict[str, YamlValue], key: str) -> float:
+def _length(keys: dict[str, YamlNode], key: str) -> float:
     return keys[key].number(low=0, high=MAX_LENGTH) if key in keys else 0.0
 
 
-def _flag(keys: dict[str, YamlValue], key: str) -> bool:
+def _flag(keys: dict[str, YamlNode], key: str) -> bool:
     return keys[key].truth() if key in keys else False
 
 
-def read_point(field: YamlValue) -> Point3:
+def read_point(field: YamlNode) -> Point3:
     """Return a point (x, y, z) [m]."""
     x, y, z = field.numbers(count=3, low=-MAX_LENGTH, high=MAX_LENGTH)
     return x, y, z
 
 
-def _points2(field: YamlValue, *, least: int, low: float = -MAX_LENGTH) -> tuple[Point2, ...]:
+def _points2(field: YamlNode, *, least: int, low: float = -MAX_LENGTH) -> tuple[Point2, ...]:
     items = field.items()
     if len(items) < least:
         raise field.fail(f"expected at least {least} points, found {len(items)}.")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reader for YAML that keeps positions, so that errors name file, line and column.
 
-`read_yaml` returns a `YamlValue`: a value with its position. A loader requests the expected type
+`read_yaml` returns a `YamlNode`: a value with its position. A loader requests the expected type
 (`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and gets a plain Python
 value or a `DataError` that states what was expected and what was found.
 
@@ -24,12 +24,12 @@ MAX_DEPTH = 64
 
 
 @dataclass(frozen=True)
-class YamlValue:
+class YamlNode:
     """A value of a YAML file with its position.
 
     Attributes:
         value: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping
-            a tuple of `YamlValue` and a dict from key to `YamlValue`.
+            a tuple of `YamlNode` and a dict from key to `YamlNode`.
         source: the file it was read from.
         line: 1-based line of its first character.
         column: 1-based column of its first character.
@@ -42,7 +42,7 @@ class YamlValue:
     line: int
     column: int
     text_line: str = dataclasses.field(default="", compare=False, repr=False)
-    keys: tuple[YamlValue, ...] = dataclasses.field(default=(), compare=False, repr=False)
+    keys: tuple[YamlNode, ...] = dataclasses.field(default=(), compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:
         """Return an error about this value, with its position."""
@@ -90,13 +90,13 @@ class YamlValue:
             raise self.fail(f"expected true or false, found {self.shown()}.")
         return self.value
 
-    def items(self) -> tuple[YamlValue, ...]:
+    def items(self) -> tuple[YamlNode, ...]:
         """Return the items of a list."""
         if not isinstance(self.value, tuple):
             raise self.fail(f"expected a list, found {self.shown()}.")
         return self.value
 
-    def listed(self) -> tuple[YamlValue, ...]:
+    def listed(self) -> tuple[YamlNode, ...]:
         """Return the items of a list, or this value alone if it is none."""
         return self.value if isinstance(self.value, tuple) else (self,)
 
@@ -106,14 +106,14 @@ class YamlValue:
 
     def entries(
         self, *, required: Collection[str] = (), optional: Collection[str] | None = None
-    ) -> dict[str, YamlValue]:
+    ) -> dict[str, YamlNode]:
         """Return the entries of a mapping, in the order of the file.
 
         Keys in `required` must exist, those in `optional` may; None allows any other key.
         """
         if not isinstance(self.value, dict):
             raise self.fail(f"expected a mapping, found {self.shown()}.")
-        found: dict[str, YamlValue] = self.value
+        found: dict[str, YamlNode] = self.value
         known = {*required, *(optional or ())}
         for key in self.keys if optional is not None else ():
             if key.value not in known:
@@ -151,7 +151,7 @@ def _suggestion(name: str, known: Collection[str]) -> str:
     return f' (did you mean "{close[0]}"?)' if close else ""
 
 
-def read_yaml(path: Path) -> YamlValue:
+def read_yaml(path: Path) -> YamlNode:
     """Read a YAML file.
 
     Raises:
@@ -169,7 +169,7 @@ def read_yaml(path: Path) -> YamlValue:
     return parse_yaml(text, source=str(path))
 
 
-def parse_yaml(text: str, *, source: str = "<text>") -> YamlValue:
+def parse_yaml(text: str, *, source: str = "<text>") -> YamlNode:
     """Read YAML from a text, as `read_yaml` does from a file."""
     import yaml  # imported here to save start-up time
 
@@ -207,7 +207,7 @@ class _FieldBuilder:
         self._tags: dict[str, str] = {}
         self._depth = 0
 
-    def document(self) -> YamlValue:
+    def document(self) -> YamlNode:
         """Return the only document of the text."""
         self._next()
         event = self._next()
@@ -220,7 +220,7 @@ class _FieldBuilder:
             raise self._at(event, None).fail("expected one document, found a second one.")
         return field
 
-    def _field(self, event: Any) -> YamlValue:
+    def _field(self, event: Any) -> YamlNode:
         kind = type(event).__name__
         if kind == "ScalarEvent":
             return self._scalar(event)
@@ -236,15 +236,15 @@ class _FieldBuilder:
         self._depth -= 1
         return field
 
-    def _items(self) -> tuple[YamlValue, ...]:
-        items: list[YamlValue] = []
+    def _items(self) -> tuple[YamlNode, ...]:
+        items: list[YamlNode] = []
         while type(event := self._next()).__name__ not in _END:
             items.append(self._field(event))
         return tuple(items)
 
-    def _mapping(self, start: Any) -> YamlValue:
-        entries: dict[str, YamlValue] = {}
-        keys: list[YamlValue] = []
+    def _mapping(self, start: Any) -> YamlNode:
+        entries: dict[str, YamlNode] = {}
+        keys: list[YamlNode] = []
         while type(event := self._next()).__name__ not in _END:
             key = self._field(event)
             if key.text() in entries:
@@ -253,7 +253,7 @@ class _FieldBuilder:
             entries[key.value] = self._field(self._next())
         return self._at(start, entries, tuple(keys))
 
-    def _scalar(self, event: Any) -> YamlValue:
+    def _scalar(self, event: Any) -> YamlNode:
         # Fast path: most values are quoted texts.
         if event.tag in {None, "!"} and not event.implicit[0]:
             return self._at(event, event.value)
@@ -279,11 +279,11 @@ class _FieldBuilder:
             self._tags[event.value] = found
         return found
 
-    def _at(self, event: Any, value: object, keys: tuple[YamlValue, ...] = ()) -> YamlValue:
+    def _at(self, event: Any, value: object, keys: tuple[YamlNode, ...] = ()) -> YamlNode:
         mark = event.start_mark
         line: int = mark.line
         text = self._lines[line] if line < len(self._lines) else ""
-        return YamlValue(value, self._source, line + 1, mark.column + 1, text, keys)
+        return YamlNode(value, self._source, line + 1, mark.column + 1, text, keys)
 
     def _tag_error(self, event: Any, tag: str) -> DataError:
         return self._at(event, None).fail(

@@ -30,7 +30,7 @@ from .scene.scene import Scene
 from .scene.world import SleepManager, World
 from .vision.percept import Percept, visible_features
 from .vision.perception_noise import NoiseLevels
-from .vision.sensors import CachedVision, open_vision
+from .vision.vision_backends import CachedVision, open_vision
 
 if TYPE_CHECKING:
     from .media.recording import WorldRecorder

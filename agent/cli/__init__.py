@@ -22,7 +22,7 @@ from ...ontology.errors import (
     IntervalError,
     NotFoundError,
     QueryError,
-    StoppedError,
+    QueryLimitError,
     UnknownNameError,
 )
 
@@ -35,7 +35,7 @@ from .options import app
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
-MISSED = (NotFoundError, StoppedError)  # what was asked for in the right way, and not got
+MISSED = (NotFoundError, QueryLimitError)  # what was asked for in the right way, and not got
 COMMANDS = (conversation, language, rules, files, history, query, reasoning, scene, evaluate)
 
 

@@ -16,7 +16,7 @@ import typer
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
 from .. import config
 from ..config import open_base
-from ..presentation.text import printable
+from ..presentation.plain_text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType

@@ -88,7 +88,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     from ..evaluation.experiments.registry import make_experiment
     from ..evaluation.reports.export import check_format, write_report
     from ..evaluation.reports.summary import EvaluationReport
-    from ..evaluation.runners.execution import make_runner, run_experiment
+    from ..evaluation.runners.experiment_run import make_runner, run_experiment
     from ..evaluation.runners.journal import RunJournal
 
     given = {

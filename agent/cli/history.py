@@ -17,7 +17,7 @@ from .common import exit_with, open_base, open_for_reading, print_json, show, sp
 from .options import AsJson, Gui, Kb, Record, Speaker, app, example
 
 if TYPE_CHECKING:
-    from ...kb.diff import RuleChange
+    from ...kb.diff import UtteranceChanges
     from ...kb.history import Utterance
     from ...kb.knowledge_base import KnowledgeBase
     from ...kb.rule import Rule
@@ -233,7 +233,7 @@ def _location(kb: str | None) -> str:
 
 def _changes(
     location: str, since: int | None, every: float, seconds: float | None
-) -> Iterator[RuleChange]:
+) -> Iterator[UtteranceChanges]:
     """What changes, as it changes.
 
     A folder is looked at through a snapshot each time, so that whoever writes to it may go on.

@@ -79,7 +79,7 @@ def update(
 ) -> None:
     """Run a SPARQL update, after running and checking it on a copy."""
     from ...kb.sparql.results import QueryLimits
-    from ...kb.update import update as apply
+    from ...kb.sparql_update import update as apply
 
     opened = open_for_reading if dry_run else open_base
     with opened(kb) as base:
@@ -112,7 +112,7 @@ def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
 
 
 def _print(found: QueryResult, format_: str) -> None:
-    from ...kb.stores.result_formats import write_result
+    from ...kb.stores.result_serialization import write_result
 
     if format_ == TABLE:
         from ..presentation import console

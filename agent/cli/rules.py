@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
-from ..presentation.text import counted
+from ..presentation.plain_text import counted
 from .common import STDIN, open_base, open_for_reading, print_json, show, write_bytes
 from .options import AsJson, Kb, app, example
 

@@ -23,9 +23,9 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
 from .. import protocols
-from ..execution.answer_selection import use_slot
 from ..execution.goal_manager import GoalManager
-from ..execution.outcome import ExecutionResult, GoalResult, SpokenAnswer
+from ..execution.outcome import GoalResult, SpokenAnswer, WorldOutcome
+from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
@@ -206,7 +206,7 @@ class DialogueManager:
             result = self._goals().achieve(request)
         except UnknownNameError:
             answered = SpokenAnswer("cannot", {"goal": request.action}, "failed")
-            result = GoalResult(answered, None, (), ExecutionResult())
+            result = GoalResult(answered, None, (), WorldOutcome())
         return result, " ".join(map(self._conversation.say, (*result.setbacks, result.answer)))
 
     def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:

@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ...inference.abduction import Hypothesis, find_hypotheses
 from ...inference.affordance import FIND, Affordances, material_kinds
-from ...inference.evidence import relative_plausibility
 from ...inference.explanation import candidate_names, rejection_reason
+from ...inference.interval_operators import relative_plausibility
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from ..execution.answer_selection import use_slot
 from ..execution.outcome import Decision, Slot, SpokenAnswer
+from ..execution.outcome_answer import use_slot
 from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS

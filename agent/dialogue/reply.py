@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 from ...kb.rule import Rule
 from ...nlu.parsing.understanding import Understanding
-from ..execution.answer_selection import INTERRUPTED
 from ..execution.outcome import Ending, GoalResult, Json
+from ..execution.outcome_answer import INTERRUPTED
 
 
 @dataclass(frozen=True)

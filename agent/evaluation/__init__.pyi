@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-from .case import Case, CaseResult, CaseRun
+from .case import Case, CaseResult, TimedResult
 from .experiment import Experiment
-from .scenarios import LearningScenario, load_scenarios
+from .learning_scenarios import LearningScenario, load_scenarios
 
-__all__ = ["Case", "CaseResult", "CaseRun", "Experiment", "LearningScenario", "load_scenarios"]
+__all__ = ["Case", "CaseResult", "Experiment", "LearningScenario", "TimedResult", "load_scenarios"]

@@ -2,8 +2,8 @@
 """Cases of an experiment and their results.
 
 Both are plain JSON, so that they can be sent to other processes and written to files. They contain
-nothing that differs from run to run: a case gives the same bytes with any runner. `CaseRun` adds
-the processor time and the number of attempts.
+nothing that differs from run to run: a case gives the same bytes with any runner. `TimedResult`
+adds the processor time and the number of attempts.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class CaseResult:
 
 
 @dataclass(frozen=True)
-class CaseRun:
+class TimedResult:
     """A result with its processor time [s] and how often the case was started."""
 
     result: CaseResult

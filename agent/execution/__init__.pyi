@@ -2,7 +2,7 @@
 from .action_tree_executor import ExecutionContext, TreeExecutor
 from .embodiment import Embodiment
 from .goal_manager import GoalManager
-from .outcome import Decision, ExecutionResult, GoalResult, SpokenAnswer, WalkStep
+from .outcome import Decision, GoalResult, SpokenAnswer, WalkStep, WorldOutcome
 from .perception import PerfectVision
 from .request import Request
 
@@ -10,7 +10,6 @@ __all__ = [
     "Decision",
     "Embodiment",
     "ExecutionContext",
-    "ExecutionResult",
     "GoalManager",
     "GoalResult",
     "PerfectVision",
@@ -18,4 +17,5 @@ __all__ = [
     "SpokenAnswer",
     "TreeExecutor",
     "WalkStep",
+    "WorldOutcome",
 ]

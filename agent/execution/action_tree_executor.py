@@ -21,15 +21,15 @@ from ...ontology.errors import ConflictError, MotionInterruptedError
 from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
 from ..protocols import Motion, Vision
-from . import answer_selection
+from . import outcome_answer
 from .outcome import (
     Constraint,
     Decision,
-    ExecutionResult,
-    FailedCandidate,
+    FailedAttempt,
     GoalResult,
     SpokenAnswer,
     WalkStep,
+    WorldOutcome,
 )
 from .perception import percept_as_observation
 from .primitives import PrimitiveExecutor, PrimitiveTask
@@ -83,11 +83,11 @@ class TreeExecutor:
         self._steps: list[WalkStep] = []
         self._setbacks: list[SpokenAnswer] = []
         self._found: dict[Target, FoundObject] = {}
-        self._rejected: dict[str, FailedCandidate] = {}
+        self._rejected: dict[str, FailedAttempt] = {}
 
     def result(self, answer: SpokenAnswer) -> GoalResult:
         """Return the result of the execution so far, with this answer."""
-        world = self._primitives.world if self._primitives else ExecutionResult()
+        world = self._primitives.world if self._primitives else WorldOutcome()
         return GoalResult(answer, self.decision, tuple(self._steps), world, tuple(self._setbacks))
 
     # --- The four operations ---------------------------------------------------------------
@@ -97,7 +97,7 @@ class TreeExecutor:
         try:
             self._context.interruption.wait()
         except MotionInterruptedError:
-            return answer_selection.stopped(None)
+            return outcome_answer.stopped(None)
         goal = self._goal(arguments)
         features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
@@ -213,7 +213,7 @@ class TreeExecutor:
         tries: Sequence[int],
     ) -> int | None:
         """The index of the first branch of a tree that handles a failure and has tries left."""
-        if failure.cause == answer_selection.INTERRUPTED:
+        if failure.cause == outcome_answer.INTERRUPTED:
             return None
         for index, branch in enumerate(tree.otherwise):
             is_possible = bool(branch.steps) or tries[index] > 0
@@ -234,7 +234,7 @@ class TreeExecutor:
     def _reject(self, argument: Argument, failure: SpokenAnswer) -> None:
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
-            self._rejected[found.percept.name] = FailedCandidate(found.candidate, failure.cause)
+            self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
 
     def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
         if self._primitives is None:  # nothing is going to be done
@@ -308,7 +308,7 @@ class TreeExecutor:
         if best is None and self._excluded(arguments):
             return SpokenAnswer("nothing_other", {}, "failed", "not_found")
         if best is None:
-            return answer_selection.not_found(target, inference)
+            return outcome_answer.not_found(target, inference)
         percept = next(each for each in percepts if each.name == best.name)
         self._found[target] = FoundObject(percept, best, inference)
         if self._primitives and target != patient:
@@ -326,7 +326,7 @@ class TreeExecutor:
             return None, SpokenAnswer("no_part", slots, "failed", "no_part")
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if part is None and unsure:
-            return None, answer_selection.not_sure_how(
+            return None, outcome_answer.not_sure_how(
                 self._request.action, percept.object, unsure[0]
             )
         return part, None

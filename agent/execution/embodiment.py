@@ -56,9 +56,9 @@ class Embodiment:
 
             find_robot(self.robot)
         if self.vision != _DEFAULTS.vision:
-            from ...sim.vision import sensors
+            from ...sim.vision import vision_backends
 
-            sensors.check_source(self.vision)
+            vision_backends.check_source(self.vision)
         self.noise_model()
 
     @classmethod
@@ -108,9 +108,9 @@ class Embodiment:
         noise = self.noise_model()
         if noise is None:
             return vision
-        from ...sim.vision.perception_noise import NoisyVision
+        from ...sim.vision.perception_noise import NoisyDetector
 
-        return NoisyVision(vision, noise, self.household.objects)
+        return NoisyDetector(vision, noise, self.household.objects)
 
     @property
     def sees_all(self) -> bool:

@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from ...inference.affordance import FIND, Affordances
 from ...ontology.actions import Actions
 from ...sim.robot.interruption import Interruption
-from ..protocols import Hand, Motion, Vision
-from . import answer_selection
+from ..protocols import Motion, ReleasingMotion, Vision
+from . import outcome_answer
 from .action_tree_executor import ExecutionContext, TreeExecutor
 from .outcome import Decision, GoalResult, SpokenAnswer, WalkStep
 from .request import Request, review_arguments
@@ -77,8 +77,8 @@ class GoalManager:
         )
         execution = TreeExecutor(context, request)
         failure = execution.visit(tree.name, arguments)
-        if failure and failure.cause == answer_selection.INTERRUPTED:
-            failure = answer_selection.stopped(self.holding)
+        if failure and failure.cause == outcome_answer.INTERRUPTED:
+            failure = outcome_answer.stopped(self.holding)
         recipient = str(arguments.get("recipient", ""))
         answer = failure or self._answer(request, execution.decision, recipient, unable)
         return execution.result(answer)
@@ -86,13 +86,13 @@ class GoalManager:
     @property
     def holding(self) -> str | None:
         """The type of the object in the hand, None when it is empty or there is no hand."""
-        held = self.motion.held if isinstance(self.motion, Hand) else None
+        held = self.motion.held if isinstance(self.motion, ReleasingMotion) else None
         return held.object if held else None
 
     def empty_hand(self, control: str, named: str | None = None) -> SpokenAnswer:
         """Release, put down or put back what the hand holds; `named` is what it should be."""
         held = self.holding
-        if not isinstance(self.motion, Hand) or held is None:
+        if not isinstance(self.motion, ReleasingMotion) or held is None:
             return SpokenAnswer("nothing_held", {}, "failed", "nothing_held")
         if named not in {None, held}:
             return SpokenAnswer("not_held", {"object": str(named)}, "failed", "nothing_held")
@@ -100,8 +100,8 @@ class GoalManager:
         report = moves.get(control, self.motion.put_back)()
         if report.ok:
             return SpokenAnswer(_EMPTIED[control], {"object": held})
-        if report.reason == answer_selection.INTERRUPTED:
-            return answer_selection.stopped(self.holding)
+        if report.reason == outcome_answer.INTERRUPTED:
+            return outcome_answer.stopped(self.holding)
         key = "dropped" if report.reason == "dropped" else "no_place"
         return SpokenAnswer(key, {"object": held}, "failed", report.reason)
 
@@ -111,10 +111,10 @@ class GoalManager:
         if decision is None:  # a tree that looks for nothing
             return SpokenAnswer("okay")
         if unable:
-            return answer_selection.unable(request.action, unable[0], decision)
+            return outcome_answer.unable(request.action, unable[0], decision)
         if self.motion is None:
-            return answer_selection.decided(request.action, decision)
-        return answer_selection.done(request.action, decision, request.speaker, recipient)
+            return outcome_answer.decided(request.action, decision)
+        return outcome_answer.done(request.action, decision, request.speaker, recipient)
 
     def _missing_abilities(self, tree: str) -> list[str]:
         """The primitives of a tree that the motion of the robot cannot perform."""

@@ -59,7 +59,7 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class FailedCandidate:
+class FailedAttempt:
     """An object that was chosen and tried without success.
 
     Attributes:
@@ -131,7 +131,7 @@ class Decision:
     part: Inference | None = None
     named_part: str | None = None
     patient: str | None = None
-    rejected: tuple[FailedCandidate, ...] = ()
+    rejected: tuple[FailedAttempt, ...] = ()
 
     @property
     def chosen_part(self) -> str | None:
@@ -201,7 +201,7 @@ def _candidate(candidate: Candidate) -> Json:
 
 
 @dataclass(frozen=True)
-class ExecutionResult:
+class WorldOutcome:
     """What happened in the (simulated) world.
 
     Attributes:
@@ -267,7 +267,7 @@ class GoalResult:
     answer: SpokenAnswer
     decision: Decision | None
     steps: tuple[WalkStep, ...]
-    world: ExecutionResult
+    world: WorldOutcome
     setbacks: tuple[SpokenAnswer, ...] = ()
 
     def as_json(self) -> Json:

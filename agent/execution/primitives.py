@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Execution of the primitives of action trees by the motion of a robot.
 
-Each primitive is one call of `Motion`, or of `Skills` for the further primitives of a robot. A
-report of a failure becomes an answer.
+Each primitive is one call of `Motion`, or of `ExtraPrimitives` for the further primitives of a
+robot. A report of a failure becomes an answer.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 from ...inference.types import Target
 from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
-from ..protocols import Motion, Skills, Vision
-from . import answer_selection
-from .outcome import Constraint, ExecutionResult, SpokenAnswer
+from ..protocols import ExtraPrimitives, Motion, Vision
+from . import outcome_answer
+from .outcome import Constraint, SpokenAnswer, WorldOutcome
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
@@ -54,7 +54,7 @@ class PrimitiveExecutor:
     """
 
     def __init__(self, motion: Motion, vision: Vision) -> None:
-        self.world = ExecutionResult()
+        self.world = WorldOutcome()
         self.holding: str | None = None
         self.sensed: set[str] = set()
         self.tool: str | None = None
@@ -88,7 +88,7 @@ class PrimitiveExecutor:
             return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
-        self.world = ExecutionResult(True, touched=tuple(report.touched), attempts=report.attempts)
+        self.world = WorldOutcome(True, touched=tuple(report.touched), attempts=report.attempts)
         self.holding = task.percept.name if report.ok else None
         return None if report.ok else self._failed(report.reason, task)
 
@@ -129,7 +129,7 @@ class PrimitiveExecutor:
 
     def _skill(self, task: PrimitiveTask) -> SpokenAnswer | None:
         motion = self._motion
-        if not isinstance(motion, Skills):
+        if not isinstance(motion, ExtraPrimitives):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
             return SpokenAnswer("not_able", slots, "failed", "unable")
         arguments = {name: self._meant(name, task) for name in task.arguments}
@@ -166,4 +166,4 @@ class PrimitiveExecutor:
 
     def _failed(self, reason: str, task: PrimitiveTask) -> SpokenAnswer:
         name = task.percept.object if task.percept else self.tool or "thing"
-        return answer_selection.motion_failed(reason, name, self._part)
+        return outcome_answer.motion_failed(reason, name, self._part)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom
-from ...ontology.actions import Actions, AffordanceArgument
+from ...ontology.actions import Actions, ArgumentByAffordance
 from .outcome import GoalResult
 
 Argument = Target | str
@@ -86,9 +86,9 @@ def review_arguments(actions: Actions, tree: str, request: Request) -> dict[str,
 
 
 def _default(
-    default: str | AffordanceArgument, arguments: Mapping[str, Argument], speaker: str
+    default: str | ArgumentByAffordance, arguments: Mapping[str, Argument], speaker: str
 ) -> Argument:
-    if not isinstance(default, AffordanceArgument):
+    if not isinstance(default, ArgumentByAffordance):
         return speaker
     argument = Atom.parse(default.argument) if default.argument else None
     if argument is not None and argument.kind == "affordance":

@@ -24,7 +24,7 @@ from ...inference.conflicts import Conflict
 from ...inference.explanation import Counterfactual
 from ...inference.induction import InducedRule
 from ...inference.types import Candidate
-from ...kb.diff import BaseDifference, RuleChange
+from ...kb.diff import BaseDifference, UtteranceChanges
 from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
@@ -36,8 +36,8 @@ from ...kb.sparql.results import BooleanResult, SelectResult
 from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
-from ..execution.outcome import Decision, ExecutionResult, GoalResult, WalkStep
-from .text import counted, printable
+from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome
+from .plain_text import counted, printable
 
 if TYPE_CHECKING:
     from ..merge_report import MergeReport
@@ -175,7 +175,7 @@ def _source(rule: Rule) -> str:
     return "It is like" if rule.status == "induced" else f"{rule.speaker.capitalize()} said"
 
 
-def execution_result(happened: ExecutionResult) -> Table:
+def execution_result(happened: WorldOutcome) -> Table:
     """Return what happened in the world, a line each."""
     lines = {
         "fingers touched": ", ".join(happened.touched) or "nothing",
@@ -298,7 +298,7 @@ def history(found: Sequence[Utterance]) -> Table:
     return _table(("", "when", "who", "said", "did"), rows, "utterance")
 
 
-def change(found: RuleChange) -> RenderableType:
+def change(found: UtteranceChanges) -> RenderableType:
     """One utterance as it happens, with the rules that it touched below."""
     said = found.utterance
     head = Text.assemble(

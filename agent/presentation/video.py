@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...sim.grasping.planner import RankedGrasps
     from ...sim.media.pictures import GraspMark
     from ...sim.media.recording import WorldRecorder
-    from ...sim.robot.gripper_poses import Grasp
+    from ...sim.robot.grasp_poses import Grasp
     from ..execution.goal_manager import GoalManager
 
 SHOW_FOUND, SHOW_GRASPS, SHOW_ANSWER = 1.0, 2.0, 1.0  # [s] of the film that rests on them

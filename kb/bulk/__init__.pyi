@@ -3,15 +3,15 @@
 from .exporter import write_statements
 from .importer import ImportObserver, import_rules, import_statements
 from .nquads_reader import RuleBlock, StatementGroup, read_groups
-from .reconciliation import ImportSummary, MergeConflict
+from .reconciliation import ImportConflict, ImportSummary
 from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
 from .rule_scan import scan_rules
 
 __all__ = [
     "FastRuleReader",
+    "ImportConflict",
     "ImportObserver",
     "ImportSummary",
-    "MergeConflict",
     "NQuadsWriter",
     "RuleBlock",
     "RuleSerializer",

@@ -14,7 +14,7 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import XSD, Quad, as_sparql
 from ..stores.base import Store
-from .row_scan import (
+from .statement_scan import (
     PAIRS,
     Progress,
     ProgressCounter,

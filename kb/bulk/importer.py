@@ -26,7 +26,7 @@ from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, 
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
-from ..rdf.annotated_edges import Reification
+from ..rdf.annotated_turtle import ReifyingTriple
 from ..rdf.rule_mapping import BELIEFS, LABEL, RULE, STATUS, TYPE
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
@@ -43,10 +43,10 @@ from ..validation import (
 from ..writer import to_milliseconds
 from .nquads_reader import RuleBlock, StatementGroup
 from .reconciliation import (
+    AncillaryWrites,
     BelievedRules,
-    ImportPlan,
+    ImportConflict,
     ImportSummary,
-    MergeConflict,
     conflicts_of,
     plan_history,
     plan_rest,
@@ -67,11 +67,11 @@ _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 T = TypeVar("T")
 # What an RDF text is read into.
-Statements = StatementGroup | RuleBlock | Reification
+Statements = StatementGroup | RuleBlock | ReifyingTriple
 
 
 @runtime_checkable
-class BulkLoading(Protocol):
+class BulkLoadingStore(Protocol):
     """A store that loads N-Quads as one unit, while they are made."""
 
     def load(self, lines: Iterable[bytes]) -> None:
@@ -106,7 +106,7 @@ class _Progress:
     seen: set[int] = field(default_factory=set[int])
     known: int = 0
     conflicting: int = 0
-    conflicts: list[MergeConflict] = field(default_factory=list[MergeConflict])
+    conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
@@ -172,7 +172,7 @@ def _import(
     check: Callable[[Store], Iterable[ValidationFinding]],
 ) -> ImportSummary:
     with base.store.writing(), paused_garbage_collection():
-        plan = ImportPlan(base.sequence)
+        plan = AncillaryWrites(base.sequence)
         lines = _lines(base, rules, progress, plan, source=source, check=check)
         if dry_run:
             deque(lines, maxlen=0)
@@ -216,9 +216,9 @@ def _read_rules(
             )
 
 
-def _checked(group: StatementGroup | Reification, source: str) -> StatementGroup:
+def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGroup:
     """Refuse statements in a graph that a base has not, and those that cannot be streamed."""
-    if isinstance(group, Reification):
+    if isinstance(group, ReifyingTriple):
         raise DataError(
             "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
             source=source,
@@ -256,7 +256,7 @@ def _lines(
     base: KnowledgeBase,
     rules: Iterable[SerializedRule],
     progress: _Progress,
-    plan: ImportPlan,
+    plan: AncillaryWrites,
     *,
     source: str,
     check: Callable[[Store], Iterable[ValidationFinding]],
@@ -327,7 +327,11 @@ def _utterances(other: RuleReader, progress: _Progress) -> Iterator[Utterance]:
 
 
 def _write_sources(
-    base: KnowledgeBase, plan: ImportPlan, progress: _Progress, writer: NQuadsWriter, source: str
+    base: KnowledgeBase,
+    plan: AncillaryWrites,
+    progress: _Progress,
+    writer: NQuadsWriter,
+    source: str,
 ) -> Iterator[None]:
     """Write where the rules come from, and everything else that is new; pause now and then."""
     time = to_milliseconds(base.clock())
@@ -352,7 +356,9 @@ def _write_sources(
     writer.write_quads(plan.insert)
 
 
-def _without_utterance(progress: _Progress, plan: ImportPlan) -> Iterator[tuple[list[int], str]]:
+def _without_utterance(
+    progress: _Progress, plan: AncillaryWrites
+) -> Iterator[tuple[list[int], str]]:
     """The rules that no utterance asserts, some at a time, and which of all these they are."""
     numbers = [
         number
@@ -369,14 +375,14 @@ def _without_utterance(progress: _Progress, plan: ImportPlan) -> Iterator[tuple[
 # Writing
 
 
-def _write(store: Store, lines: Iterator[bytes], plan: ImportPlan, source: str) -> None:
+def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
     """Write a small import as one unit; load a large one, and then delete what it replaces."""
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0
     for chunk in lines:
         first.append(chunk)
         size += len(chunk)
-        if size > _MAX_APPLIED and isinstance(store, BulkLoading):
+        if size > _MAX_APPLIED and isinstance(store, BulkLoadingStore):
             store.load(chain(first, lines))
             # The old sequence number never counts beside the new one, which is higher.
             store.apply(delete={*plan.delete, *before} - {*plan.insert})

@@ -15,12 +15,12 @@ from typing import BinaryIO, NamedTuple, TypeAlias, TypeVar
 
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf import rule_mapping
-from ..rdf.annotated_edges import Reification
+from ..rdf.annotated_turtle import ReifyingTriple
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, Quad, Term
 
 # Reads the statements of one line, of which there may be none.
-Parse: TypeAlias = "Callable[[str], Sequence[Quad | Reification]]"
+Parse: TypeAlias = "Callable[[str], Sequence[Quad | ReifyingTriple]]"
 T = TypeVar("T", bound="Term")
 
 _MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
@@ -67,7 +67,7 @@ class RuleBlock(NamedTuple):
     line: int
     reader: LineReader
 
-    def groups(self) -> Iterator[StatementGroup | Reification]:
+    def groups(self) -> Iterator[StatementGroup | ReifyingTriple]:
         """Read the lines."""
         return self.reader.read_block(f"<{self.node}>", self.tails, self.line)
 
@@ -87,7 +87,7 @@ def read_groups(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[StatementGroup | RuleBlock | Reification]:
+) -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
     """Iterate over the statements of an RDF text, those about one subject together.
 
     Args:
@@ -115,7 +115,7 @@ def line_reader(format: str, *, source: str, default: Iri) -> LineReader:  # noq
     """Return a reader of N-Quads or N-Triples; arguments and errors as for `read_groups`."""
     from ..stores.rdf_text import has_graphs, read_line
 
-    def parse(line: str) -> list[Quad | Reification]:
+    def parse(line: str) -> list[Quad | ReifyingTriple]:
         return read_line(line, format=format, source=source, default=default, number=reader.line)
 
     reader = LineReader(parse, default=default, has_graphs=has_graphs(format))
@@ -123,8 +123,8 @@ def line_reader(format: str, *, source: str, default: Iri) -> LineReader:  # noq
 
 
 def expand_blocks(
-    items: Iterable[StatementGroup | RuleBlock | Reification],
-) -> Iterator[StatementGroup | Reification]:
+    items: Iterable[StatementGroup | RuleBlock | ReifyingTriple],
+) -> Iterator[StatementGroup | ReifyingTriple]:
     """Iterate over the same items, with every block of lines read."""
     for item in items:
         if isinstance(item, RuleBlock):
@@ -183,7 +183,7 @@ class LineReader:
         """Bytes of the last line, which is not complete."""
         return len(self._rest)
 
-    def feed(self, chunk: bytes) -> Iterator[StatementGroup | RuleBlock | Reification]:
+    def feed(self, chunk: bytes) -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
         """Read a chunk, and iterate over what it completes.
 
         Raises:
@@ -192,7 +192,7 @@ class LineReader:
         lines, self._rest = complete_lines(self._rest, chunk)
         return self._read(lines)
 
-    def finish(self) -> Iterator[StatementGroup | RuleBlock | Reification]:
+    def finish(self) -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
         """End the text, and iterate over what is left."""
         yield from self.feed(b"\n")
         yield from self._block(self._node, self._lines, self.line - len(self._lines))
@@ -210,7 +210,7 @@ class LineReader:
 
     def read_block(
         self, node: str, tails: Sequence[str], line: int
-    ) -> Iterator[StatementGroup | Reification]:
+    ) -> Iterator[StatementGroup | ReifyingTriple]:
         """Read lines about a node, given the number of the first."""
         last, self.line = self.line, line - 1
         known, place, pairs = self._tails, None, list[tuple[Iri, Term]]()
@@ -240,7 +240,7 @@ class LineReader:
             yield self._group
         self._group = None
 
-    def _read(self, lines: Sequence[str]) -> Iterator[StatementGroup | RuleBlock | Reification]:
+    def _read(self, lines: Sequence[str]) -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
         node, tails = self._node, self._lines
         for line in lines:
             self.line += 1
@@ -253,19 +253,19 @@ class LineReader:
 
     def _block(
         self, node: str, tails: Sequence[str], line: int
-    ) -> Iterator[StatementGroup | RuleBlock | Reification]:
+    ) -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
         if rule := _RULE.fullmatch(node):
             yield RuleBlock(Iri(rule[1]), tails, line, self)
         elif tails:
             yield from self.read_block(node, tails, line)
 
-    def _parse_line(self, line: str) -> Iterator[StatementGroup | Reification]:
+    def _parse_line(self, line: str) -> Iterator[StatementGroup | ReifyingTriple]:
         """Parse a line that is not plain, and remember how its terms are written."""
         found = self._parse(line)
         if len(found) == 1 and isinstance(found[0], Quad):
             self._remember(line, found[0])
         for one in found:
-            if isinstance(one, Reification):
+            if isinstance(one, ReifyingTriple):
                 yield one
                 continue
             if self._group is None or _is_complete(self._group, one.subject, one.graph):

@@ -27,7 +27,7 @@ from ..writer import speaker_quads, trust_quads
 
 
 @dataclass(frozen=True)
-class MergeConflict:
+class ImportConflict:
     """A new rule and a believed one that draw the same conclusion and cannot both be right.
 
     Attributes:
@@ -61,7 +61,7 @@ class ImportSummary:
     conflicting: int
     utterances: int
     untrusted: tuple[str, ...]
-    conflicts: tuple[MergeConflict, ...] = ()
+    conflicts: tuple[ImportConflict, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """The summary as `hilt import --json` prints it."""
@@ -76,7 +76,7 @@ class ImportSummary:
 
 
 @dataclass
-class ImportPlan:
+class AncillaryWrites:
     """What is to be written besides the rules.
 
     Attributes:
@@ -119,16 +119,16 @@ class BelievedRules:
         return self._rules.get(_claim(rule), ())
 
 
-def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[MergeConflict]:
+def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[ImportConflict]:
     """The conflicts of a new rule with rules of the same premises and conclusion."""
     return [
-        MergeConflict(rule, other)
+        ImportConflict(rule, other)
         for other in believed
         if other.contexts == rule.contexts and _are_disjoint(rule.interval, other.interval)
     ]
 
 
-def plan_trust(plan: ImportPlan, base: KnowledgeBase, other: RuleReader) -> None:
+def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> None:
     """Adopt trust in speakers of whom the base says nothing; an empty base adopts all."""
     is_empty = base.sequence == 0
     for speaker in other.speakers():
@@ -138,7 +138,9 @@ def plan_trust(plan: ImportPlan, base: KnowledgeBase, other: RuleReader) -> None
             plan.insert += trust_quads(speaker, theirs)
 
 
-def plan_history(plan: ImportPlan, base: KnowledgeBase, utterances: Iterable[Utterance]) -> None:
+def plan_history(
+    plan: AncillaryWrites, base: KnowledgeBase, utterances: Iterable[Utterance]
+) -> None:
     """Add the utterances that the base has not, after its own."""
     for utterance in sorted(utterances, key=lambda one: one.sequence):
         there = _same_utterance(base, utterance)
@@ -150,7 +152,7 @@ def plan_history(plan: ImportPlan, base: KnowledgeBase, utterances: Iterable[Utt
         plan.add(replace(utterance, sequence=plan.last))
 
 
-def plan_rest(plan: ImportPlan, base: KnowledgeBase, other: RuleReader) -> None:
+def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> None:
     """Add episodes and words, and the domain where the base has none."""
     renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
     for graph in (EPISODES, LEXICON):

@@ -15,7 +15,14 @@ from ..rdf.terms import Term
 from ..rule import Rule
 from ..stores.base import Store
 from .nquads_reader import MAX_KNOWN
-from .row_scan import RULE_PREDICATES, Progress, ProgressCounter, is_large, read_row, scan_graph
+from .statement_scan import (
+    RULE_PREDICATES,
+    Progress,
+    ProgressCounter,
+    is_large,
+    read_row,
+    scan_graph,
+)
 
 Converted = TypeVar("Converted")  # what the rows of a rule are converted to
 

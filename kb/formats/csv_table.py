@@ -17,9 +17,9 @@ from typing import Protocol, TypeAlias, cast
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ...ontology.vocabulary import Iri
-from ..bulk.row_scan import RULE_PREDICATES, Progress, read_row
 from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule, remember
 from ..bulk.rule_scan import scan_converted
+from ..bulk.statement_scan import RULE_PREDICATES, Progress, read_row
 from ..interval import DIGITS
 from ..rdf import rule_mapping
 from ..rdf.terms import Term, write_time

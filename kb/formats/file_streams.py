@@ -31,7 +31,7 @@ _DOCTYPE = b"<!DOCTYPE"
 _CHUNK = 2**20
 
 
-class InputStream(io.RawIOBase):
+class CheckedStream(io.RawIOBase):
     """A stream that counts and checks what a parser reads of it.
 
     Attributes:
@@ -161,7 +161,7 @@ class InputStream(io.RawIOBase):
 @contextmanager
 def open_input(
     file: str, *, most: int | None = None, is_xml: bool = False, progress: Progress | None = None
-) -> Generator[InputStream]:
+) -> Generator[CheckedStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
 
     Args:
@@ -183,7 +183,7 @@ def open_input(
     try:
         stream = plain if plain.seekable() else io.BufferedReader(cast(io.RawIOBase, plain))
         position = plain.tell if plain.seekable() else None
-        yield InputStream(
+        yield CheckedStream(
             _unpacked(stream, file),
             file,
             most=most,

@@ -19,18 +19,18 @@ from ..bulk.exporter import TEXT_FORMATS, statements, write_statements
 from ..bulk.importer import Statements, import_rules, import_statements
 from ..bulk.nquads_reader import RuleBlock, StatementGroup, expand_blocks, read_groups
 from ..bulk.reconciliation import ImportSummary
-from ..bulk.row_scan import MAX_SORTED, ProgressCounter
 from ..bulk.rule_nquads import RuleSerializer, SerializedRule
 from ..bulk.rule_scan import scan_rules
+from ..bulk.statement_scan import MAX_SORTED, ProgressCounter
 from ..knowledge_base import KnowledgeBase
 from ..merge import merge
-from ..rdf.annotated_edges import Reification, expand_annotations, write_annotated
+from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import Quad
 from ..rule import Rule
 from ..stores.base import Store
 from ..validation import findings, raise_findings, stage, stage_rules
-from .file_streams import InputStream, Progress, open_input, open_output
+from .file_streams import CheckedStream, Progress, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 
 MAX_STAGED = MAX_SORTED  # statements; a file of more is not checked by SHACL
@@ -138,7 +138,7 @@ def import_text(
         dry_run: only find out what would change.
     """
     chosen = format_of(source, format, "trig")
-    read = InputStream(io.BytesIO(data), source, most=chosen.most, is_xml=chosen.is_xml)
+    read = CheckedStream(io.BytesIO(data), source, most=chosen.most, is_xml=chosen.is_xml)
     return _import(base, read, chosen, dry_run=dry_run)
 
 
@@ -155,7 +155,7 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa:
         return _staged(read_statements(source, chosen), source.name)
 
 
-def count_contents(source: InputStream, chosen: FileFormat) -> int:
+def count_contents(source: CheckedStream, chosen: FileFormat) -> int:
     """Read a file to its end and return how many rules or statements it holds; keep nothing.
 
     Raises:
@@ -166,7 +166,7 @@ def count_contents(source: InputStream, chosen: FileFormat) -> int:
     return sum(map(_size, read_statements(source, chosen)))
 
 
-def read_rules(source: InputStream, chosen: FileFormat) -> Iterator[SerializedRule]:
+def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[SerializedRule]:
     """The rules of a file that holds rules only."""
     serialize = RuleSerializer().serialize
     match chosen.name:
@@ -184,7 +184,7 @@ def read_rules(source: InputStream, chosen: FileFormat) -> Iterator[SerializedRu
             yield from map(serialize, read_sheet("".join(source.lines()), source=source.name))
 
 
-def read_statements(source: InputStream, chosen: FileFormat) -> Iterator[Statements]:
+def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[Statements]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
     name = chosen.name.removesuffix("12")
     stream = cast(BinaryIO, source)
@@ -199,13 +199,13 @@ def read_statements(source: InputStream, chosen: FileFormat) -> Iterator[Stateme
 @contextmanager
 def _opened(
     file: str | Path, chosen: FileFormat, progress: Progress | None
-) -> Generator[InputStream]:
+) -> Generator[CheckedStream]:
     with open_input(str(file), most=chosen.most, is_xml=chosen.is_xml, progress=progress) as source:
         yield source
 
 
 def _import(
-    base: KnowledgeBase, source: InputStream, chosen: FileFormat, *, dry_run: bool
+    base: KnowledgeBase, source: CheckedStream, chosen: FileFormat, *, dry_run: bool
 ) -> ImportSummary:
     """Import rules and large RDF files as they stream by; put small RDF files in order first.
 
@@ -240,7 +240,7 @@ def _staged(items: Iterable[Statements], source: str) -> Store:
     return stage(expand_annotations(_flat(items), source=source), source=source)
 
 
-def _flat(items: Iterable[Statements]) -> Iterator[Quad | Reification]:
+def _flat(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
     for item in expand_blocks(items):
         yield from item.quads() if isinstance(item, StatementGroup) else (item,)
 

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 
 from ...ontology.errors import DataError, HiltError
-from ...ontology.yaml_reader import YamlValue, parse_yaml
+from ...ontology.yaml_reader import YamlNode, parse_yaml
 from ..interval import Interval
 from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from . import value_notation
@@ -64,7 +64,7 @@ class RuleSheetWriter:
         self._target.write(" []\n" if self._is_empty else "\n")
 
 
-def _rule(entry: YamlValue, speaker: str | None) -> Rule:
+def _rule(entry: YamlNode, speaker: str | None) -> Rule:
     found = entry.entries(required=["interval"], optional=_KEYS)
     try:
         functor, argument = _conclusion(entry, found)
@@ -84,17 +84,17 @@ def _rule(entry: YamlValue, speaker: str | None) -> Rule:
         raise entry.fail(str(error)) from error
 
 
-def _features(found: Mapping[str, YamlValue]) -> frozenset[Atom]:
+def _features(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
     seen = _atoms(found.get("object"), "object") | _atoms(found.get("features"), "object")
     return seen | _atoms(found.get("properties"), "property")
 
 
-def _contexts(found: Mapping[str, YamlValue]) -> frozenset[Atom]:
+def _contexts(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
     acting = _atoms(found.get("context"), "action") | _atoms(found.get("contexts"), "action")
     return acting | _atoms(found.get("material"), "material")
 
 
-def _atoms(field: YamlValue | None, kind: str) -> frozenset[Atom]:
+def _atoms(field: YamlNode | None, kind: str) -> frozenset[Atom]:
     """The atoms of one text or of a list of them."""
     if field is None:
         return frozenset()
@@ -102,7 +102,7 @@ def _atoms(field: YamlValue | None, kind: str) -> frozenset[Atom]:
     return frozenset().union(*(_placed(one, kind) for one in fields))
 
 
-def _placed(field: YamlValue, kind: str) -> frozenset[Atom]:
+def _placed(field: YamlNode, kind: str) -> frozenset[Atom]:
     try:
         return value_notation.read_atoms([field.text()], kind)
     except DataError:
@@ -111,7 +111,7 @@ def _placed(field: YamlValue, kind: str) -> frozenset[Atom]:
         raise field.fail(str(error)) from error
 
 
-def _conclusion(entry: YamlValue, found: Mapping[str, YamlValue]) -> tuple[str, Atom | None]:
+def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, Atom | None]:
     given = [key for key in _CONCLUSIONS if key in found]
     if len(given) != 1:
         raise entry.fail(
@@ -128,7 +128,7 @@ def _conclusion(entry: YamlValue, found: Mapping[str, YamlValue]) -> tuple[str, 
     return name, value_notation.read_argument(_optional(found, "argument") or "", name)
 
 
-def _interval(field: YamlValue) -> Interval:
+def _interval(field: YamlNode) -> Interval:
     """A list of two bounds, or the lower one alone."""
     if not isinstance(field.value, tuple):
         return value_notation.read_interval(field.number(low=0, high=1), None)
@@ -138,7 +138,7 @@ def _interval(field: YamlValue) -> Interval:
     return Interval(lower, upper)
 
 
-def _optional(found: Mapping[str, YamlValue], key: str) -> str | None:
+def _optional(found: Mapping[str, YamlNode], key: str) -> str | None:
     return found[key].text() if key in found else None
 
 

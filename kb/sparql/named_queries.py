@@ -19,7 +19,7 @@ from urllib.parse import unquote
 from ...ontology.errors import QueryError, UnknownNameError
 from ...ontology.vocabulary import KINDS, PREFIXES, Iri, iri
 from ..rdf.terms import Term, read_time
-from .text import Bindings, variables
+from .query_text import Bindings, variables
 
 QUERIES_FOLDER = Path(__file__).parents[1] / "queries"
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
 
-from ...ontology.errors import QueryError, StoppedError
+from ...ontology.errors import QueryError, QueryLimitError
 from ..rdf.terms import BLANK, STRING, Iri, Quad, Term, lexical, literal
 
 STATEMENT = ("subject", "predicate", "object")  # the columns of statements as rows
@@ -50,15 +50,15 @@ class QueryLimits:
                 f"not {self.megabytes} MB."
             )
 
-    def time_error(self) -> StoppedError:
+    def time_error(self) -> QueryLimitError:
         """The error of a query that was stopped because of its time."""
         took = f"The query took longer than {self.seconds:g} s and was stopped."
-        return StoppedError(f"{took} Narrow it, or give it more time.")
+        return QueryLimitError(f"{took} Narrow it, or give it more time.")
 
-    def memory_error(self) -> StoppedError:
+    def memory_error(self) -> QueryLimitError:
         """The error of a query that was stopped because of its memory."""
         took = f"The query needed more than {self.megabytes} MB and was stopped."
-        return StoppedError(f"{took} Narrow it, add a LIMIT, or give it more memory.")
+        return QueryLimitError(f"{took} Narrow it, add a LIMIT, or give it more memory.")
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterable, Iterator
 
 from ...ontology.errors import QueryError
-from .text import tokens
+from .query_text import tokens
 
 # Keywords of external access; DEFINE is one in Virtuoso.
 EXTERNAL_ACCESS = frozenset({"SERVICE", "LOAD", "DEFINE"})

@@ -8,7 +8,7 @@ remote                          the store behind a SPARQL 1.1 endpoint; `http` s
 query_subprocess, query_worker  queries with limits, in a process that can be killed
 directory                       the folder of a store: write-ahead log and snapshots
 rdf_text                        parsing and serialization of RDF
-result_formats                  query results as JSON, CSV, TSV, XML or Turtle
+result_serialization            query results as JSON, CSV, TSV, XML or Turtle
 term_conversion                 between Hilt's terms and those of pyoxigraph
 errors                          translation of pyoxigraph's errors
 

@@ -5,7 +5,7 @@ from .opening import open_store
 from .oxigraph import OxigraphStore
 from .rdf_text import read_rdf, write_rdf
 from .remote import RemoteStore
-from .result_formats import write_result
+from .result_serialization import write_result
 
 __all__ = [
     "MEMORY",

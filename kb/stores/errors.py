@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...ontology.errors import DataError, HiltError, InUseError, QueryError, StoreError
-from ..sparql.text import syntax_message
+from ..sparql.query_text import syntax_message
 from .directory import MARKER_FILE
 
 _REMOTE_CONTEXT = "LoadDocumentCallback"  # what pyoxigraph says of a JSON-LD context elsewhere

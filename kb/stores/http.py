@@ -47,7 +47,7 @@ Form = Mapping[str, "str | Sequence[str]"]
 
 
 @dataclass(frozen=True)
-class EndpointAddress:
+class EndpointConfig:
     """The addresses of one endpoint, with the credentials.
 
     Attributes:
@@ -67,7 +67,7 @@ class EndpointAddress:
     token: str = field(default="", repr=False)
 
 
-def parse_address(location: str, environment: Mapping[str, str] | None = None) -> EndpointAddress:
+def parse_address(location: str, environment: Mapping[str, str] | None = None) -> EndpointConfig:
     """The addresses of a location, the value of `--kb`; StoreError if it is not http(s).
 
     >>> found = parse_address("http://localhost:3030/ds/query#update,data", {})
@@ -82,7 +82,7 @@ def parse_address(location: str, environment: Mapping[str, str] | None = None) -
     query = urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, parts.query, ""))
     beside = query.removesuffix("query") + "update" if parts.path.endswith("/query") else query
     update, _, graphs = (one.strip() for one in fragment.partition(","))
-    return EndpointAddress(
+    return EndpointConfig(
         query,
         urljoin(query, update) if update else beside,
         urljoin(query, graphs) if graphs else None,
@@ -127,7 +127,7 @@ class EndpointResponse:
 class EndpointAuth(httpx.Auth):
     """Authentication by the scheme that the server requests: digest, basic, or a bearer token."""
 
-    def __init__(self, address: EndpointAddress) -> None:
+    def __init__(self, address: EndpointConfig) -> None:
         self._token = address.token
         self._scheme: httpx.Auth | None = None
         user, password = address.user, address.password
@@ -158,7 +158,7 @@ class EndpointTransport:
 
     def __init__(
         self,
-        address: EndpointAddress,
+        address: EndpointConfig,
         *,
         pause: Callable[[float], None] = time.sleep,
         connection: httpx.BaseTransport | None = None,

@@ -26,8 +26,8 @@ import pyoxigraph as engine
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf.terms import Quad, Term
+from ..sparql.query_text import delete_insert, keywords
 from ..sparql.results import QueryLimits, QueryResult, SelectResult
-from ..sparql.text import delete_insert, keywords
 from . import directory
 from .base import MEMORY, ByteSink
 from .directory import WriteAheadLogSync

@@ -13,7 +13,7 @@ import pyoxigraph as engine
 
 from ...ontology.errors import DataError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
-from ..rdf.annotated_edges import AnnotatedEdge, Reification
+from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.terms import Quad
 from .errors import syntax_error, translated_errors, translated_text_errors
 from .term_conversion import from_engine, quad_from_engine, quad_to_engine, triple_to_engine
@@ -41,7 +41,7 @@ def read_rdf(
     format: str,  # noqa: A002
     source: str,
     default: Iri,
-) -> Iterator[Quad | Reification]:
+) -> Iterator[Quad | ReifyingTriple]:
     """The statements of an RDF text, one after the other as they are parsed.
 
     Args:
@@ -68,7 +68,7 @@ def read_line(
     source: str,
     default: Iri,
     number: int,
-) -> list[Quad | Reification]:
+) -> list[Quad | ReifyingTriple]:
     """The statements of the `number`th line of N-Quads or N-Triples; otherwise as `read_rdf`."""
     try:
         return [
@@ -137,14 +137,14 @@ def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> Non
     engine.serialize(statements, stream, format=chosen, prefixes=_PREFIXES)
 
 
-def _statement(quad: engine.Quad, default: Iri) -> Quad | Reification:
+def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
     graph: Any = quad.graph_name
     subject, predicate = cast(Iri, from_engine(quad.subject)), Iri(quad.predicate.value)
     place = default if isinstance(graph, engine.DefaultGraph) else cast(Iri, from_engine(graph))
     value: Any = quad.object
     if isinstance(value, engine.Triple):
         parts = cast("list[Any]", [from_engine(part) for part in value])
-        return Reification(subject, predicate, AnnotatedEdge(*parts), place)
+        return ReifyingTriple(subject, predicate, AnnotatedEdge(*parts), place)
     return Quad(subject, predicate, from_engine(value), place)
 
 

@@ -23,6 +23,15 @@ from urllib.parse import urlencode, urljoin
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
 from ..rdf.terms import Quad, Term, as_sparql
+from ..sparql.query_text import (
+    delete_insert,
+    insert_data,
+    keywords,
+    page_query,
+    query_form,
+    result_limit,
+    with_prefixes,
+)
 from ..sparql.results import (
     BooleanResult,
     ConstructResult,
@@ -32,16 +41,7 @@ from ..sparql.results import (
     read_boolean,
     read_solutions,
 )
-from ..sparql.text import (
-    delete_insert,
-    insert_data,
-    keywords,
-    page_query,
-    query_form,
-    result_limit,
-    with_prefixes,
-)
-from .http import EndpointAddress, EndpointResponse, EndpointTransport, parse_address
+from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
 
 BATCH = 1_000  # statements of one update; some engines take no more than 1,400
 MAX_MEGABYTES = 4_096  # of the answer to a call without limits
@@ -242,14 +242,14 @@ class RemoteStore:
             raise StoreError(f'The knowledge base "{self.location}" is closed.')
 
 
-def open_remote(location: str | EndpointAddress, *, read_only: bool = False) -> RemoteStore:
+def open_remote(location: str | EndpointConfig, *, read_only: bool = False) -> RemoteStore:
     """A store behind an endpoint; StoreError if that does not answer, or refuses.
 
     Args:
         location: its address, as documented in `hilt.kb.stores.http`.
         read_only: refuse writes.
     """
-    address = location if isinstance(location, EndpointAddress) else parse_address(location)
+    address = location if isinstance(location, EndpointConfig) else parse_address(location)
     store = RemoteStore(EndpointTransport(address), read_only=read_only)
     try:
         store.connect()

@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..lexicon.inflection import Inflection
 from ..semantics.meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
 
@@ -248,7 +248,7 @@ def load_answers(
     )
 
 
-def _answer(field: YamlValue) -> AnswerTemplate:
+def _answer(field: YamlNode) -> AnswerTemplate:
     found = SLOT.findall(field.text())
     for _, form in found:
         if form and form not in _SLOT_FORMS:

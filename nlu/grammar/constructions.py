@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...ontology.yaml_reader import YamlValue
+from ...ontology.yaml_reader import YamlNode
 from .categories import AtomicCategory, Category, Functor
 from .terms import Lambda, Term, bind
 from .word_patterns import is_gap
@@ -99,7 +99,7 @@ class Construction:
         yield from range(len(self.pieces) - 1, self.anchor, -1)
 
 
-def pieces_of(variant: Sequence[str], field: YamlValue) -> tuple[Piece, ...]:
+def pieces_of(variant: Sequence[str], field: YamlNode) -> tuple[Piece, ...]:
     """The gaps and runs of words of a construction, from `patterns.variants`.
 
     Raises:
@@ -115,7 +115,7 @@ def _taking(piece: Piece, term: Term) -> Lambda:
 _GAP = re.compile(r"\{(?:(?P<name>\w+):)?(?P<category>\w+)\}")
 
 
-def _gap(text: str, field: YamlValue) -> ConstructionGap:
+def _gap(text: str, field: YamlNode) -> ConstructionGap:
     found = _GAP.fullmatch(text)
     if found is None:
         raise field.fail(f'expected a gap like {{x:NP}}, found "{text}".')

@@ -14,7 +14,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from types import MappingProxyType
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from .categories import AtomicCategory, Category, Functor, type_of
 from .constructions import ConstructionGap
 from .notation import read_entry, read_type, read_unary
@@ -69,7 +69,7 @@ class Grammar:
     answer: Category
 
     def entry(
-        self, field: YamlValue, extra: Signature | None = None
+        self, field: YamlNode, extra: Signature | None = None
     ) -> tuple[Category, Term, float]:
         """Read and check one line `category : term @cost`; `extra` types constants of this line."""
         category, term, cost = read_entry(field)
@@ -77,7 +77,7 @@ class Grammar:
         return category, term, cost
 
     def verify(
-        self, category: Category, term: Term, field: YamlValue, extra: Signature | None = None
+        self, category: Category, term: Term, field: YamlNode, extra: Signature | None = None
     ) -> None:
         """Check that a term has the type of its category.
 
@@ -91,7 +91,7 @@ class Grammar:
         except TypeMismatchError as error:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
-    def types_of(self, gaps: Sequence[ConstructionGap], field: YamlValue) -> Signature:
+    def types_of(self, gaps: Sequence[ConstructionGap], field: YamlNode) -> Signature:
         """The types of the gaps of a construction, which are constants of its term."""
         return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
 
@@ -135,23 +135,23 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     return replace(grammar, unary=unary)
 
 
-def _type_of_atom(field: YamlValue) -> Type:
+def _type_of_atom(field: YamlNode) -> Type:
     """The type of a category; one that is only described stands for a thing."""
     return BasicType("e") if isinstance(field.value, str) else read_type(_parts(field)["type"])
 
 
-def _means(field: YamlValue) -> str:
+def _means(field: YamlNode) -> str:
     if isinstance(field.value, str):
         return field.text()
     parts = _parts(field)
     return parts["means"].text() if "means" in parts else ""
 
 
-def _parts(field: YamlValue) -> dict[str, YamlValue]:
+def _parts(field: YamlNode) -> dict[str, YamlNode]:
     return field.entries(required=("type",), optional=("means",))
 
 
-def _roots(field: YamlValue, types: Mapping[str, Type]) -> Mapping[Category, str]:
+def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]:
     roots: dict[Category, str] = {}
     for name, act in field.entries().items():
         if types.get(name) != BasicType("t"):
@@ -160,7 +160,7 @@ def _roots(field: YamlValue, types: Mapping[str, Type]) -> Mapping[Category, str
     return MappingProxyType(roots)
 
 
-def _unary(field: YamlValue, grammar: Grammar) -> UnaryRule:
+def _unary(field: YamlNode, grammar: Grammar) -> UnaryRule:
     source, target, term = read_unary(field)
     source_type, target_type = (_type_of(each, grammar.types, field) for each in (source, target))
     expected = FunctionType(source_type, target_type)
@@ -171,7 +171,7 @@ def _unary(field: YamlValue, grammar: Grammar) -> UnaryRule:
     return UnaryRule(source, target, term, evaluate(term))
 
 
-def _refuse_cycles(unary: tuple[UnaryRule, ...], field: YamlValue) -> None:
+def _refuse_cycles(unary: tuple[UnaryRule, ...], field: YamlNode) -> None:
     order: TopologicalSorter[Category] = TopologicalSorter()
     for rule in unary:
         order.add(rule.target, rule.source)
@@ -184,7 +184,7 @@ def _refuse_cycles(unary: tuple[UnaryRule, ...], field: YamlValue) -> None:
         ) from error
 
 
-def _type_of(category: Category, types: Mapping[str, Type], field: YamlValue) -> Type:
+def _type_of(category: Category, types: Mapping[str, Type], field: YamlNode) -> Type:
     try:
         return type_of(category, types)
     except KeyError as error:

@@ -17,8 +17,8 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from ...ontology.cache import cache_folder, content_key, write_atomically
-from ...ontology.yaml_reader import YamlValue
+from ...ontology.disk_cache import cache_folder, content_key, write_atomically
+from ...ontology.yaml_reader import YamlNode
 from .categories import AtomicCategory, Category, Functor
 from .terms import Application, BoundVariable, Constant, Lambda, Term
 from .types import BASIC_TYPES, BasicType, FunctionType, Type
@@ -49,27 +49,27 @@ _CLASSES: dict[str, Any] = {
 }
 
 
-def read_entry(field: YamlValue) -> Entry:
+def read_entry(field: YamlNode) -> Entry:
     """Read the category of a word, its term and its cost: `NP/N : λx.x @1`."""
     return cast("Entry", _read(field, "entry"))
 
 
-def read_unary(field: YamlValue) -> UnaryRule:
+def read_unary(field: YamlNode) -> UnaryRule:
     """Read a unary rule, which changes a category: `R => S : λr.r(high)`."""
     return cast("UnaryRule", _read(field, "unary"))
 
 
-def read_rule(field: YamlValue) -> TermPair:
+def read_rule(field: YamlNode) -> TermPair:
     """Read both sides of a pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
     return cast("TermPair", _read(field, "rule"))
 
 
-def read_category(field: YamlValue) -> Category:
+def read_category(field: YamlNode) -> Category:
     """Read a category: `(S/C)/C`."""
     return cast("Category", _read(field, "category"))
 
 
-def read_type(field: YamlValue) -> Type:
+def read_type(field: YamlNode) -> Type:
     """Read a type: `e -> e -> t`."""
     found = cast("Type", _read(field, "type"))
     for name in _basic_types(found):
@@ -80,7 +80,7 @@ def read_type(field: YamlValue) -> Type:
 
 def parse_term(text: str) -> Term:
     """Parse a lambda term that stands in no file; for tests and examples."""
-    return cast("Term", _read(YamlValue(text, "<text>", 1, 0), "term"))
+    return cast("Term", _read(YamlNode(text, "<text>", 1, 0), "term"))
 
 
 def save_cache() -> None:
@@ -88,7 +88,7 @@ def save_cache() -> None:
     _cache().save()
 
 
-def _read(field: YamlValue, start: Start) -> Value:
+def _read(field: YamlNode, start: Start) -> Value:
     text = field.text()
     if len(text) > MAX_CHARACTERS:
         raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")

@@ -14,7 +14,7 @@ from typing import Literal, cast, get_args
 from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
 from ...ontology.errors import DataError
-from ...ontology.yaml_reader import YamlValue
+from ...ontology.yaml_reader import YamlNode
 from .categories import AtomicCategory, Category, Functor
 from .terms import Application, Constant, Term, bind
 from .types import BasicType, FunctionType, Type
@@ -36,7 +36,7 @@ _SHOWN = {
 """How messages name the terminals that are not one fixed sign."""
 
 
-def parse(field: YamlValue, start: Start) -> Value:
+def parse(field: YamlNode, start: Start) -> Value:
     """Return what a line of the notation stands for.
 
     Raises:

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TypeAlias
 
-from ...ontology.yaml_reader import YamlValue
+from ...ontology.yaml_reader import YamlNode
 
 _ANY = "*"
 _NEVER_ANY = frozenset({";", "not", "never", "no"})  # ";" is the token between sentences
@@ -100,7 +100,7 @@ def match_pattern(steps: Steps, words: Sequence[str], start: int) -> Iterator[tu
                 yield from match_pattern(step[1], words, start + 1)
 
 
-def spellings(field: YamlValue) -> list[tuple[str, ...]]:
+def spellings(field: YamlNode) -> list[tuple[str, ...]]:
     """All that a pattern stands for, each as its words, in the order of the choices.
 
     Raises:
@@ -114,12 +114,12 @@ def spellings(field: YamlValue) -> list[tuple[str, ...]]:
     return list(found)
 
 
-def read_pattern(field: YamlValue) -> Steps:
+def read_pattern(field: YamlNode) -> Steps:
     """The graph of a pattern in a file; raises as `read_words`."""
     return compile_pattern(read_words(field))
 
 
-def read_words(field: YamlValue) -> str:
+def read_words(field: YamlNode) -> str:
     """The text of a pattern without gaps.
 
     Raises:
@@ -142,7 +142,7 @@ def is_gap(piece: str) -> bool:
     return piece.startswith("{")
 
 
-def variants(field: YamlValue) -> list[tuple[str, ...]]:
+def variants(field: YamlNode) -> list[tuple[str, ...]]:
     """All that a pattern with gaps stands for, as gaps and the patterns of words between them.
 
     Only choices that have a gap within are multiplied out: words stay together in one pattern.

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import Steps, read_pattern
 from .tokenizer import BREAK
 
@@ -107,5 +107,5 @@ def load_controls(path: Path) -> ControlPhrases:
     return ControlPhrases(phrases, _patterns(parts["polite"]), pronouns)
 
 
-def _patterns(field: YamlValue) -> tuple[Steps, ...]:
+def _patterns(field: YamlNode) -> tuple[Steps, ...]:
     return tuple(map(read_pattern, field.items()))

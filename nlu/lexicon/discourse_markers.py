@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import chain
 
-from ...ontology.yaml_reader import YamlValue
+from ...ontology.yaml_reader import YamlNode
 from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
 from .tokenizer import BREAK, Token, Tokens
 
@@ -48,7 +48,7 @@ class DiscourseMarkers:
     doubts: frozenset[Phrase] = frozenset()
     stand_ins: frozenset[Phrase] = frozenset()
 
-    def with_phrases(self, kind: str, field: YamlValue) -> DiscourseMarkers:
+    def with_phrases(self, kind: str, field: YamlNode) -> DiscourseMarkers:
         """Return these phrases and further ones of a kind.
 
         Raises:

@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 
 VERB_FORMS = ("third", "ing", "participle")
 
@@ -105,7 +105,7 @@ def load_inflection(path: Path) -> Inflection:
     return Inflection(MappingProxyType(tables))
 
 
-def _table(field: YamlValue) -> FormTable:
+def _table(field: YamlNode) -> FormTable:
     entries = field.entries(required=("rules",), optional=("irregular", "origins"))
     irregular = entries["irregular"].entries() if "irregular" in entries else {}
     backwards = entries["origins"].items() if "origins" in entries else ()
@@ -116,7 +116,7 @@ def _table(field: YamlValue) -> FormTable:
     )
 
 
-def _rule(field: YamlValue) -> Rule:
+def _rule(field: YamlNode) -> Rule:
     pattern, replacement = (str(item.value) for item in field.items())
     try:
         return re.compile(pattern), replacement

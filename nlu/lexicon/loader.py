@@ -14,7 +14,7 @@ from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import Combinator
 from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
@@ -257,7 +257,7 @@ class LexiconBuilder:
         sign = self._combinator.sign(category)
         return Entry(category, term, evaluate(term), sign, cost, says=says)
 
-    def _template(self, name: str, field: YamlValue) -> WordTemplate:
+    def _template(self, name: str, field: YamlNode) -> WordTemplate:
         parts = field.entries(required=("constants", "forms"), optional=())
         constants = {
             constant: [read_type(item) for item in types.items()]
@@ -277,20 +277,20 @@ class LexiconBuilder:
             self._combinator.sign(line.category)
         return WordTemplate(name, tuple(constants), MappingProxyType(forms))
 
-    def _template_named(self, name: str, field: YamlValue) -> WordTemplate:
+    def _template_named(self, name: str, field: YamlNode) -> WordTemplate:
         if name not in self._templates:
             known = ", ".join(sorted(self._templates))
             raise field.fail(f'there is no template "{name}"; expected one of {known}.')
         return self._templates[name]
 
-    def _read_nouns(self, kind: str, field: YamlValue) -> None:
+    def _read_nouns(self, kind: str, field: YamlNode) -> None:
         self._template_named(kind, field)
         for name in field.texts():
             self.lexicon.add_all(self.noun(kind, name))
         if kind == _MASS:
             self.mass |= set(field.texts())
 
-    def _read_verb(self, field: YamlValue) -> None:
+    def _read_verb(self, field: YamlNode) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))
         templates = parts["templates"].listed()
         for item in templates:
@@ -302,7 +302,7 @@ class LexiconBuilder:
             self.verbs.append(verb)
             self.lexicon.add_all(self.verb_forms(verb))
 
-    def _read_qualifier(self, degree: str, field: YamlValue) -> None:
+    def _read_qualifier(self, degree: str, field: YamlNode) -> None:
         if degree not in self._grammar.signature:
             raise field.fail(f'"{degree}" is no degree of confidence.')
         template = self._template_named("qualifier", field)
@@ -310,7 +310,7 @@ class LexiconBuilder:
         for word in field.texts():
             self.lexicon.add_all(self._senses(template, word, {"DEG": degree}, "", 0.0))
 
-    def _read_word(self, field: YamlValue) -> None:
+    def _read_word(self, field: YamlNode) -> None:
         parts = field.entries(required=("says",), optional=("is", "like"))
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
@@ -324,17 +324,17 @@ class LexiconBuilder:
             for entry in entries:
                 self._add(self.lexicon, entry._replace(says=text))
 
-    def _read_construction(self, field: YamlValue) -> None:
+    def _read_construction(self, field: YamlNode) -> None:
         parts = field.entries(required=("says", "is"), optional=())
         spelt = self._spelt(parts["says"])
         for line in parts["is"].listed():
             self._add_constructions(spelt, *read_entry(line), line)
 
-    def _read_class(self, name: str, field: YamlValue) -> None:
+    def _read_class(self, name: str, field: YamlNode) -> None:
         """Add the spellings of a word class, which mean nothing of their own."""
         self._add_constructions(self._spelt(field), AtomicCategory(name), _NOTHING, 0.0, field)
 
-    def _spelt(self, says: YamlValue) -> Iterable[tuple[Piece, ...]]:
+    def _spelt(self, says: YamlNode) -> Iterable[tuple[Piece, ...]]:
         """Add the words of constructions behind their first, and return the constructions."""
         found = (pieces_of(each, one) for one in says.listed() for each in variants(one))
         spelt = dict.fromkeys(found)
@@ -349,7 +349,7 @@ class LexiconBuilder:
         category: Category,
         term: Term,
         cost: float,
-        line: YamlValue,
+        line: YamlNode,
     ) -> None:
         found = [Construction(pieces, category, term) for pieces in spelt]
         for gaps in dict.fromkeys(construction.gaps for construction in found):
@@ -378,11 +378,11 @@ def _constant(name: str) -> str:
     return name.replace(" ", "_")
 
 
-def _entries(parts: Mapping[str, YamlValue], key: str) -> Iterator[tuple[str, YamlValue]]:
+def _entries(parts: Mapping[str, YamlNode], key: str) -> Iterator[tuple[str, YamlNode]]:
     if key in parts:
         yield from parts[key].entries().items()
 
 
-def _items(parts: Mapping[str, YamlValue], key: str) -> Iterator[YamlValue]:
+def _items(parts: Mapping[str, YamlNode], key: str) -> Iterator[YamlNode]:
     if key in parts:
         yield from parts[key].items()

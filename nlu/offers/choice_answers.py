@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import spellings
 
 Phrase = tuple[str, ...]
@@ -59,5 +59,5 @@ def load_choice_words(path: Path) -> ChoiceWords:
     )
 
 
-def _phrases(field: YamlValue) -> frozenset[Phrase]:
+def _phrases(field: YamlNode) -> frozenset[Phrase]:
     return frozenset(phrase for item in field.items() for phrase in spellings(item))

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import spellings
 
 Values: TypeAlias = Mapping[str, frozenset[str]]
@@ -182,11 +182,11 @@ def load_features(path: Path) -> FeatureReader:
     )
 
 
-def _words(group: YamlValue) -> frozenset[str]:
+def _words(group: YamlNode) -> frozenset[str]:
     return frozenset(" ".join(phrase) for item in group.items() for phrase in spellings(item))
 
 
-def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlValue) -> None:
+def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlNode) -> None:
     if feature in known:
         other = ", ".join(known[feature])
         raise item.fail(f'"{item.text()}" has two values of {feature}: {other} and {value}.')

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from .features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
 from .meaning import (
     ActionRule,
@@ -144,7 +144,7 @@ def load_licence(
     return Licence(rows, bounds)
 
 
-def _row(field: YamlValue, features: Values) -> LicenceRow:
+def _row(field: YamlNode, features: Values) -> LicenceRow:
     parts = field.entries(required=("of", "then"), optional=_CLAUSES)
     clauses = {
         clause: {
@@ -157,7 +157,7 @@ def _row(field: YamlValue, features: Values) -> LicenceRow:
     return LicenceRow(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
 
 
-def _known(field: YamlValue, names: Values | frozenset[str]) -> dict[str, YamlValue]:
+def _known(field: YamlNode, names: Values | frozenset[str]) -> dict[str, YamlNode]:
     return field.entries(optional=names)
 
 

@@ -19,7 +19,7 @@ from ...ontology.evidence_operators import (
     modus_ponens,
     relative_plausibility,
 )
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.notation import read_rule
 from .meaning import Confidence
 from .predicates import PredicateForm, fill, form_of_term, match
@@ -105,7 +105,7 @@ def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
     return Pragmatics(rules, entries["threshold"].number(low=0, high=1))
 
 
-def _rule(field: YamlValue) -> PragmaticRule:
+def _rule(field: YamlNode) -> PragmaticRule:
     parts = field.entries(required=("rule", "interval"), optional=())
     left, right = read_rule(parts["rule"])
     try:

@@ -3,16 +3,16 @@ from .context import GraspContext, LabelledPointCloud
 from .planner import RankedGrasps, plan_grasps
 from .sampling import GraspCandidates, sample_grasps
 from .scoring import GraspScores, score_grasps
-from .selection import GraspSelection, GraspTask, select_grasp
+from .selection import GraspAttempts, SelectedGrasp, select_grasp
 
 __all__ = [
+    "GraspAttempts",
     "GraspCandidates",
     "GraspContext",
     "GraspScores",
-    "GraspSelection",
-    "GraspTask",
     "LabelledPointCloud",
     "RankedGrasps",
+    "SelectedGrasp",
     "plan_grasps",
     "sample_grasps",
     "score_grasps",

@@ -11,7 +11,7 @@ import numpy as np
 from ...ontology.objects import ObjectType
 from ..poses import Array
 from ..vision.percept import Percept
-from ..vision.point_clouds import voxel_downsample
+from ..vision.point_cloud_operations import voxel_downsample
 
 CHECK_CELL = 0.006  # [m], voxel size of the points that paths are checked against
 MIN_GROWTH = 1.1  # of the voxels of a downsampled cloud, so that growing ends soon

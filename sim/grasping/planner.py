@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.gripper_poses import Grasp
+from ..robot.grasp_poses import Grasp
 from ..robot.models import Gripper
 from . import scoring
 from .context import LabelledPointCloud

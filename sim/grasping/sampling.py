@@ -15,9 +15,9 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.gripper_poses import hand_orientations
+from ..robot.grasp_poses import hand_orientations
 from ..robot.models import Gripper
-from ..vision.point_clouds import farthest_points, principal_direction
+from ..vision.point_cloud_operations import farthest_points, principal_direction
 from .context import LabelledPointCloud, PointLabel
 
 BIN = 0.002  # [m] along the closing direction

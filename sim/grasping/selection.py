@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..robot.gripper_poses import Grasp
+from ..robot.grasp_poses import Grasp
 from ..robot.models import Gripper
 from ..robot.path_planner import GraspPath, PathPlanner
 from .context import GraspContext
@@ -21,7 +21,7 @@ EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
 
 
 @dataclass(frozen=True)
-class GraspTask:
+class GraspAttempts:
     """An object to be grasped, and the attempts so far.
 
     Attributes:
@@ -46,11 +46,11 @@ class GraspTask:
         """Whether no attempt is left."""
         return self.attempts >= MAX_ATTEMPTS
 
-    def with_attempt(self, grasp: Grasp) -> GraspTask:
+    def with_attempt(self, grasp: Grasp) -> GraspAttempts:
         """The task after the gripper has closed on a grasp."""
         return replace(self, tried=(*self.tried, grasp))
 
-    def with_failure(self, reason: str) -> GraspTask:
+    def with_failure(self, reason: str) -> GraspAttempts:
         """The task after an attempt has failed."""
         return replace(self, failures=(*self.failures, reason))
 
@@ -64,7 +64,7 @@ class GraspTask:
 
 
 @dataclass(frozen=True)
-class GraspSelection:
+class SelectedGrasp:
     """The last grasp plan, and the path to the selected grasp.
 
     Without a reachable grasp the path is None and `reason` says why; else `reason` is empty.
@@ -76,14 +76,14 @@ class GraspSelection:
 
 
 def select_grasp(
-    task: GraspTask,
+    task: GraspAttempts,
     context: GraspContext,
     planner: PathPlanner,
     gripper: Gripper,
     *,
     lift: float,
     rng: np.random.Generator,
-) -> GraspSelection:
+) -> SelectedGrasp:
     """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before."""
     plan, reason, best = RankedGrasps((), {}), "", None
     cloud = context.labelled_cloud(planner.table)
@@ -98,4 +98,4 @@ def select_grasp(
             break
     if best is None and not planner.can_reach(context.target):
         reason = "unreachable"
-    return GraspSelection(plan, best, "" if best else reason)
+    return SelectedGrasp(plan, best, "" if best else reason)

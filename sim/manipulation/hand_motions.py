@@ -18,10 +18,10 @@ from ..grasping.scoring import GRAVITY
 from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..robot.collision import hand_spheres
-from ..robot.gripper_poses import DOWN
+from ..robot.grasp_poses import DOWN
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner
 from ..robot.robot import Robot
-from ..vision.point_clouds import voxel_downsample
+from ..vision.point_cloud_operations import voxel_downsample
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
 APPROACH_PACE = 0.45

@@ -17,13 +17,13 @@ from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
 from ..grasping.planner import RankedGrasps
-from ..grasping.selection import GraspTask, select_grasp
+from ..grasping.selection import GraspAttempts, select_grasp
 from ..poses import Array
-from ..robot.gripper_poses import Grasp
+from ..robot.grasp_poses import Grasp
 from ..robot.path_planner import GraspPath, PathPlanner
 from ..scene.world import SleepManager, World
 from ..vision.percept import Percept
-from ..vision.sensors import CachedVision
+from ..vision.vision_backends import CachedVision
 from .hand_motions import FingerContacts, HandMotion, HeldObject
 from .motion_report import MotionReport
 
@@ -64,7 +64,7 @@ class PickAndPlace:
         self.on_plan: PlanListener | None = None
         self._world, self._vision, self._sleeping = world, vision, sleeping
         self._rng = np.random.default_rng(seed)
-        self._task = GraspTask("", None)
+        self._task = GraspAttempts("", None)
         self._before: dict[str, Array] = {}  # poses of all objects before the task
         self._is_interrupted = False  # since the last motion, which left the arm where it was
 
@@ -75,7 +75,7 @@ class PickAndPlace:
         if self._resumes(percept, part):
             return self.report("grasp", "")
         self.clear_hand()
-        self._task = GraspTask(percept.name, part)
+        self._task = GraspAttempts(percept.name, part)
         self._before = {name: self._world.pose(name) for name in self._world.kinds}
         self._sleeping.sleep_again(but=percept.name)
         return self._grasp()

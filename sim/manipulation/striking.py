@@ -15,16 +15,16 @@ from itertools import chain
 import numpy as np
 
 from .. import poses
-from ..models.polygons import area, convex_hull
+from ..models.convex_polygons import area, convex_hull
 from ..poses import Array
 from ..robot.collision import CollisionSpheres
-from ..robot.gripper_poses import DOWN
+from ..robot.grasp_poses import DOWN
 from ..robot.kinematics import KinematicChain
 from ..robot.path_planner import PathPlanner
 from ..robot.robot import NAME
 from ..scene.world import World
 from ..vision.percept import Percept
-from ..vision.point_clouds import voxel_downsample
+from ..vision.point_cloud_operations import voxel_downsample
 from .hand_motions import HeldObject
 from .motion_report import MotionReport
 from .pick_and_place import LOST, PickAndPlace

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 from .object_models import ObjectModel, object_model
-from .urdf import HandAttachment, robot_file
+from .urdf import HandFile, robot_file
 
 __all__ = [
-    "HandAttachment",
+    "HandFile",
     "ObjectModel",
     "object_model",
     "robot_file",

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...ontology.cache import cache_folder, content_key
+from ...ontology.disk_cache import cache_folder, content_key
 from ...ontology.objects import ObjectType, PartType
 from ...ontology.part_shapes import MeshFile
 from .. import poses

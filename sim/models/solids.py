@@ -20,7 +20,16 @@ import trimesh
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from ...ontology.errors import DataError
-from ...ontology.part_shapes import MAX_LENGTH, Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
+from ...ontology.part_shapes import (
+    MAX_LENGTH,
+    Box,
+    Extrusion,
+    Form,
+    Lathe,
+    MeshFile,
+    PlacedSolid,
+    Sweep,
+)
 from .. import poses
 from ..poses import Array
 from . import meshes
@@ -48,7 +57,7 @@ class SolidGeometry:
     collision: tuple[Array, ...]
 
 
-def build_solid(solid: Solid) -> SolidGeometry:
+def build_solid(solid: PlacedSolid) -> SolidGeometry:
     """Return the geometry of a solid at its place."""
     object_from_solid = poses.pose(poses.rotation_from_rpy(*solid.turn), solid.at)
     visual = None

@@ -17,7 +17,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from ...ontology.cache import cache_folder, content_key, write_atomically
+from ...ontology.disk_cache import cache_folder, content_key, write_atomically
 from ...ontology.errors import DataError, SimulationError
 from ...ontology.objects import PartType
 from ...ontology.part_shapes import Colour
@@ -107,7 +107,7 @@ def _numbers(values: Sequence[float] | Array) -> str:
 
 
 @dataclass(frozen=True)
-class HandAttachment:
+class HandFile:
     """A hand from another file.
 
     Attributes:
@@ -126,7 +126,7 @@ class HandAttachment:
 
 
 def robot_file(
-    name: str, urdf: Path, *, attachment: HandAttachment | None = None, speeds: Sequence[float] = ()
+    name: str, urdf: Path, *, attachment: HandFile | None = None, speeds: Sequence[float] = ()
 ) -> Path:
     """Return the URDF file of a robot, made when it is not in the cache yet.
 
@@ -163,7 +163,7 @@ def writing_cache(folder: Path) -> Generator[None]:
         ) from error
 
 
-def _assembled(urdf: Path, attachment: HandAttachment | None, speeds: Sequence[float]) -> str:
+def _assembled(urdf: Path, attachment: HandFile | None, speeds: Sequence[float]) -> str:
     root = _read(urdf)
     moving = [joint for joint in root.findall("joint") if joint.get("type") != "fixed"]
     for joint, speed in zip(moving, speeds, strict=False):
@@ -189,7 +189,7 @@ def _read(path: Path) -> ElementTree.Element:
 
 
 def _attached_elements(
-    root: ElementTree.Element, attachment: HandAttachment
+    root: ElementTree.Element, attachment: HandFile
 ) -> list[ElementTree.Element]:
     """Return the attached link, all links and joints that hang on it, and the joint to the arm."""
     wanted, joints = {attachment.link}, list[ElementTree.Element]()

@@ -15,7 +15,7 @@ import numpy as np
 from ...ontology.errors import SimulationError, UnknownNameError
 from .. import poses
 from ..poses import Array
-from .client import PhysicsClient, quiet
+from .pybullet_client import PhysicsClient, quiet
 
 BASE = -1  # PyBullet's index of a body's first link
 _JOINT_KINDS = {0: "revolute", 1: "prismatic", 4: "fixed"}

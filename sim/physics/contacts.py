@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from .bodies import BASE, Bodies
-from .client import PhysicsClient
+from .pybullet_client import PhysicsClient
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 
 from .bodies import Bodies
-from .client import PhysicsClient
 from .contacts import Contacts
 from .joints import Joints
+from .pybullet_client import PhysicsClient
 from .rendering import Rendering
 
 TIME_STEP = 1 / 240  # [s]

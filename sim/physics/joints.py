@@ -10,7 +10,7 @@ import numpy as np
 from .. import poses
 from ..poses import Array
 from .bodies import BASE, Bodies
-from .client import PhysicsClient
+from .pybullet_client import PhysicsClient
 
 
 class Joints:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..poses import Array
 from .bodies import Bodies
-from .client import PhysicsClient
+from .pybullet_client import PhysicsClient
 
 LINK_SHIFT = 24  # the mask packs body + ((link + 1) << 24) into one number
 

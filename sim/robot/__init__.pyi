@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from .gripper_poses import Grasp
+from .grasp_poses import Grasp
 from .kinematics import KinematicChain, read_chain
 from .models import Gripper, RobotType, find_robot, load_robots
 from .path_planner import GraspPath, PathPlanner

@@ -16,9 +16,9 @@ from types import MappingProxyType
 import numpy as np
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from .. import poses
-from ..models.urdf import HandAttachment, robot_file
+from ..models.urdf import HandFile, robot_file
 from ..poses import Array
 from .kinematics import KinematicChain, read_chain
 
@@ -101,7 +101,7 @@ class RobotType:
     turns: tuple[float, ...]
     gripper: Gripper | None
     spheres: Mapping[str, Array]
-    attachment: HandAttachment | None = None
+    attachment: HandFile | None = None
     speeds: tuple[float, ...] = ()
 
     @cached_property
@@ -156,7 +156,7 @@ def _shipped() -> Mapping[str, RobotType]:
     return MappingProxyType(load_robots())
 
 
-def _read_robot(name: str, field: YamlValue) -> RobotType:
+def _read_robot(name: str, field: YamlNode) -> RobotType:
     entries = field.entries(
         required=("label", "urdf", "hand", "home", "spheres"),
         optional=("turns", "gripper", "attached", "speeds"),
@@ -179,16 +179,16 @@ def _read_robot(name: str, field: YamlValue) -> RobotType:
     return robot
 
 
-def _read_attachment(field: YamlValue) -> HandAttachment:
+def _read_attachment(field: YamlNode) -> HandFile:
     entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
     x, y, z = entries["at"].numbers(count=3, low=-1.0, high=1.0)
     angles = entries["turn_deg"].numbers(count=3) if "turn_deg" in entries else (0.0, 0.0, 0.0)
     roll, pitch, yaw = map(radians, angles)
     link, carrier = entries["link"].text(), entries["carrier"].text()
-    return HandAttachment(_find_urdf(entries["urdf"]), link, carrier, (x, y, z), (roll, pitch, yaw))
+    return HandFile(_find_urdf(entries["urdf"]), link, carrier, (x, y, z), (roll, pitch, yaw))
 
 
-def _find_urdf(field: YamlValue) -> Path:
+def _find_urdf(field: YamlNode) -> Path:
     path = Path(field.source).parent / field.text()
     if not path.is_file():
         from importlib.util import find_spec
@@ -201,7 +201,7 @@ def _find_urdf(field: YamlValue) -> Path:
     return path
 
 
-def _read_gripper(field: YamlValue) -> Gripper:
+def _read_gripper(field: YamlNode) -> Gripper:
     entries = field.entries(
         required=(*_GRIPPER_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
     )
@@ -215,14 +215,14 @@ def _read_gripper(field: YamlValue) -> Gripper:
     )
 
 
-def _pair(field: YamlValue) -> tuple[str, str]:
+def _pair(field: YamlNode) -> tuple[str, str]:
     texts = field.texts()
     if len(texts) != 2:
         raise field.fail(f"expected 2 names, found {len(texts)}.")
     return texts[0], texts[1]
 
 
-def _read_spheres(field: YamlValue) -> Array:
+def _read_spheres(field: YamlNode) -> Array:
     spheres = np.array([each.numbers(count=4, low=-2.0, high=2.0) for each in field.items()])
     spheres.flags.writeable = False
     return spheres

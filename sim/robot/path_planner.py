@@ -16,9 +16,9 @@ import numpy as np
 from .. import poses
 from ..physics.engine import TIME_STEP
 from ..poses import Array
-from ..vision.point_clouds import farthest_points
+from ..vision.point_cloud_operations import farthest_points
 from .collision import CollisionSpheres, clearance, self_clearance
-from .gripper_poses import Grasp, hand_orientations
+from .grasp_poses import Grasp, hand_orientations
 from .kinematics import IkSolutions
 from .robot import Robot, resample, time_path
 

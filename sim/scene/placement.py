@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...ontology.errors import SimulationError
-from ...ontology.objects import Mount
+from ...ontology.objects import Fixture
 from .. import poses
+from ..models.convex_polygons import convex_hull, distance
 from ..models.object_models import ObjectModel
-from ..models.polygons import convex_hull, distance
 from ..poses import Array
 from .scene import Placement, Scene
 
@@ -80,7 +80,7 @@ def _place_loose(
     raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
 
 
-def _mount(placement: Placement, mount: Mount, support: DropPose) -> DropPose:
+def _mount(placement: Placement, mount: Fixture, support: DropPose) -> DropPose:
     """Return the spot of an object that stands in another one."""
     x, y, z = mount.at
     support_from_object = poses.translation(x, y, z - mount.depth)

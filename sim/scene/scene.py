@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 
 from ...ontology.errors import DataError, UnknownNameError
 from ...ontology.objects import ObjectType
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 
 if TYPE_CHECKING:
     import numpy as np
@@ -213,7 +213,7 @@ def _clutter(
     return [Placement(name, name) for name in names]
 
 
-def _read_placement(item: YamlValue, objects: Mapping[str, ObjectType]) -> Placement:
+def _read_placement(item: YamlNode, objects: Mapping[str, ObjectType]) -> Placement:
     known = set(objects) - set(ROOM)
     if isinstance(item.value, str):
         kind = item.text(choices=known)
@@ -231,7 +231,7 @@ def _read_placement(item: YamlValue, objects: Mapping[str, ObjectType]) -> Place
     )
 
 
-def _check_names(placements: Sequence[Placement], items: Sequence[YamlValue]) -> None:
+def _check_names(placements: Sequence[Placement], items: Sequence[YamlNode]) -> None:
     seen: set[str] = set()
     for placement, item in zip(placements, items, strict=True):
         if placement.name in {*seen, *RESERVED} and placement.name != placement.object:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.objects import Mount, ObjectType
+from ...ontology.objects import Fixture, ObjectType
 from .. import poses
 from ..models.object_models import ObjectModel, object_model
 from ..models.urdf import SOCKET_JOINT
@@ -99,7 +99,7 @@ class World(AbstractContextManager["World"]):
             self._mount(name, mount, support)
         self.engine.contacts.set_surface(name, spinning=SPINNING_FRICTION)
 
-    def _mount(self, name: str, mount: Mount, support: str) -> None:
+    def _mount(self, name: str, mount: Fixture, support: str) -> None:
         """Mount an object in another one, which holds it by friction."""
         self.engine.contacts.enable(name, support, enabled=False)
         self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 from .camera import Camera, CameraImage
-from .detector import MaskDetector
 from .learned_detector import LearnedDetector, Recogniser
+from .mask_detector import MaskDetector
 from .percept import PartPercept, Percept, visible_features
-from .perception_noise import NoiseLevels, NoisyVision
-from .sensors import CachedVision, VisionSensor, open_vision
+from .perception_noise import NoiseLevels, NoisyDetector
+from .vision_backends import CachedVision, VisionSensor, open_vision
 
 __all__ = [
     "CachedVision",
@@ -13,7 +13,7 @@ __all__ = [
     "LearnedDetector",
     "MaskDetector",
     "NoiseLevels",
-    "NoisyVision",
+    "NoisyDetector",
     "PartPercept",
     "Percept",
     "Recogniser",

@@ -22,11 +22,11 @@ from ...ontology.objects import ObjectType
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
-from .classifier import Classifier, NoveltyDetector
-from .detector import OBSTACLE_SPACING, with_camera_noise
+from .mask_detector import OBSTACLE_SPACING, with_camera_noise
+from .neural_classifier import Classifier, NoveltyDetector
 from .percept import PartPercept, Percept, visible_features
 from .perception_noise import NoiseLevels
-from .point_clouds import voxel_downsample, voxel_keys
+from .point_cloud_operations import voxel_downsample, voxel_keys
 from .segmentation import (
     TABLE_MARGIN,
     Segment,

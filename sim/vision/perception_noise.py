@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seeded perception noise: missed and confused objects, lower confidence, noisy depths.
 
-Section 4.1 of the paper measures without sensor noise and attributes further errors in the world
-to it. `NoiseLevels` holds its amounts; `NoisyVision` applies it to the percepts of any detector. An
+Section 4.1 of the paper measures without sensor noise and attributes further errors in the world to
+it. `NoiseLevels` holds its amounts; `NoisyDetector` applies it to the percepts of any detector. An
 object is misperceived in the same way in every search of a run, so that a seed gives the same run.
 Depth noise is applied by the cameras and drawn anew for every image.
 """
@@ -89,7 +89,7 @@ class Detector(Protocol):
 
 
 @dataclass(frozen=True)
-class NoisyVision:
+class NoisyDetector:
     """A detector with noise: it misses and confuses objects, and lowers their confidence.
 
     A confused object is found by the features of the type it is taken for, not by its own. So all

@@ -28,7 +28,7 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 @dataclass(frozen=True)
-class RegionOfInterest:
+class RegionRenderer:
     """Renders the objects of interest at one moment.
 
     Attributes:
@@ -48,7 +48,7 @@ class RegionOfInterest:
     @classmethod
     def around(
         cls, objects: Collection[str], engine: PhysicsEngine, *, room: Collection[str]
-    ) -> RegionOfInterest:
+    ) -> RegionRenderer:
         """The region round some bodies; those of the room cannot occlude anything."""
         hidden = tuple(name for name in engine.bodies.names if name not in objects)
         links = tuple(

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from .. import poses
 from ..poses import Array
 from .camera import SAMPLE, Camera, CameraImage
-from .point_clouds import Integers, principal_direction, voxel_downsample, voxel_keys
+from .point_cloud_operations import Integers, principal_direction, voxel_downsample, voxel_keys
 
 TABLE_MARGIN = 0.0012  # [m], what is lower is the table
 REGION = ((0.19, 0.83), (-0.55, 0.55))  # [m], x and y of where objects can stand

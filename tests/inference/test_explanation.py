@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
 from hilt.inference.decision import DecisionRule
-from hilt.inference.evidence import Operators
 from hilt.inference.explanation import counterfactuals, explain_choice, explain_rejection
+from hilt.inference.interval_operators import Operators
 from hilt.inference.settings import Settings
 from hilt.inference.types import Goal, Inference, Observation, Target
 from hilt.kb.interval import VACUOUS, Interval

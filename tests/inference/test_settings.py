@@ -5,7 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from hilt.inference.evidence import ACCEPTANCES, CONJUNCTIONS, FUSIONS, MODUS_PONENS, RANKINGS
+from hilt.inference.interval_operators import (
+    ACCEPTANCES,
+    CONJUNCTIONS,
+    FUSIONS,
+    MODUS_PONENS,
+    RANKINGS,
+)
 from hilt.inference.settings import DETECTIONS, STAGES, Settings
 from hilt.ontology.errors import DataError
 

@@ -11,7 +11,7 @@ from math import prod
 
 import pytest
 
-from hilt.inference.evidence import FUSIONS, certainty
+from hilt.inference.interval_operators import FUSIONS, certainty
 from hilt.kb.interval import VACUOUS, Interval
 
 Exact = tuple[Fraction, Fraction]

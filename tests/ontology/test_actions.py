@@ -7,7 +7,7 @@ import pytest
 
 from hilt.ontology.actions import (
     Actions,
-    AffordanceArgument,
+    ArgumentByAffordance,
     Loop,
     Precondition,
     Step,
@@ -38,7 +38,7 @@ def test_pound_has_a_default_for_its_tool():
     """A default of the tree supplies the argument, as in section 4.2."""
     pound = load_actions().tree("pound")
 
-    assert pound.defaults["tool"] == AffordanceArgument("usedFor", "affordance:pounding")
+    assert pound.defaults["tool"] == ArgumentByAffordance("usedFor", "affordance:pounding")
     assert pound.steps[0] == Step("pickUp", {"object": "tool"})
 
 
@@ -117,7 +117,7 @@ def test_user_file_adds_actions_to_those_of_hilt(tmp_path: Path):
 
     season = actions.tree("season")
     assert season.requires == (Precondition("sees", "patient"), Precondition("holds", "tool"))
-    assert season.defaults["tool"] == AffordanceArgument("seasonWith", of="patient")
+    assert season.defaults["tool"] == ArgumentByAffordance("seasonWith", of="patient")
     assert [branch.again for branch in season.otherwise] == [2, 0, 0]
     assert season.otherwise[2].handles("anything at all")
     assert actions.kinds == {"season": "use"}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .all_scenarios import AllScenariosExperiment
+from .command_experiment import DecisionExperiment
 from .custom import CustomExperiment
-from .decisions import DecisionExperiment
 from .grasps import GraspExperiment
 from .noise_robustness import NoiseExperiment
 from .paper import PaperExperiment, SituationsExperiment

@@ -24,23 +24,23 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, cast
 
-from ....inference.evidence import EPSILON
+from ....inference.interval_operators import EPSILON
 from ....inference.settings import Settings
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..scenarios import ACTIONS
+from ..learning_scenarios import ACTIONS
 from ..verification.certificate import count_totals, make_certificate
 from ..verification.finite_cases import (
     CheckResult,
-    TaughtSpace,
+    VerbalizedSpace,
     check_grasps,
     check_scores,
     check_words,
 )
 from ..verification.hypotheses import check_situations, check_teaching
 from ..verification.scenario_space import ScenarioSpace
-from ..verification.weak_orders import WeakOrderBlock, weak_order_blocks
+from ..verification.weak_orders import WeakOrderClass, weak_order_blocks
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,8 @@ class AllScenariosExperiment(Experiment):
         return ScenarioSpace.from_paper(self.objects, self.affordances)
 
     @cached_property
-    def _taught_space(self) -> TaughtSpace:
-        return TaughtSpace(self._space)
+    def _taught_space(self) -> VerbalizedSpace:
+        return VerbalizedSpace(self._space)
 
     def _run(self, spec: Json) -> CheckResult:
         ((what, numbers),) = spec.items()
@@ -117,7 +117,7 @@ class AllScenariosExperiment(Experiment):
             case "situations":
                 return check_situations(self._taught_space, self.seed + first, second)
             case _:
-                return WeakOrderBlock(self.objects, first, second).verify()
+                return WeakOrderClass(self.objects, first, second).verify()
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:

@@ -27,13 +27,13 @@ from ....nlu.semantics import meaning
 from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
 from ....ontology.objects import Household, read_household
-from ....ontology.yaml_reader import YamlValue, read_yaml
+from ....ontology.yaml_reader import YamlNode, read_yaml
 from ....sim.scene.scene import graspable, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..case import Case
-from ..scenarios import (
+from ..learning_scenarios import (
     ACTIONS,
     CONTEXTS,
     LEVELS,
@@ -41,7 +41,7 @@ from ..scenarios import (
     functional_sentence,
     grasp_sentence,
 )
-from .decisions import DecisionExperiment
+from .command_experiment import DecisionExperiment
 
 MAX_SCENES = 10_000
 
@@ -126,7 +126,7 @@ class _ScenarioReader:
     kinds: Household
     language: Language
 
-    def scenario(self, top: Mapping[str, YamlValue]) -> LearningScenario:
+    def scenario(self, top: Mapping[str, YamlNode]) -> LearningScenario:
         levels = self._levels(top["levels"]) if "levels" in top else LEVELS
         uses = top["affordances"].entries()
         affordances = {name: self._uses(name, spec, levels) for name, spec in uses.items()}
@@ -135,7 +135,7 @@ class _ScenarioReader:
         parts = {name: self._parts(name, spec, levels) for name, spec in grasps.items()}
         return LearningScenario("A", affordances, {**{name: {} for name in used}, **parts}, levels)
 
-    def _levels(self, spec: YamlValue) -> tuple[str, ...]:
+    def _levels(self, spec: YamlNode) -> tuple[str, ...]:
         """Read the words of confidence, which must be in descending order."""
         name = graspable(self.kinds.objects)[0]
         before = 2.0
@@ -151,7 +151,7 @@ class _ScenarioReader:
             raise spec.fail("expected at least one level.")
         return spec.texts()
 
-    def _uses(self, affordance: str, spec: YamlValue, levels: Sequence[str]) -> Levels:
+    def _uses(self, affordance: str, spec: YamlNode, levels: Sequence[str]) -> Levels:
         found = spec.entries(optional=levels)
         seen: set[str] = set()
         for level, names in found.items():
@@ -165,7 +165,7 @@ class _ScenarioReader:
                     raise item.fail(f'"{affordance}" is not understood as an affordance.')
         return {level: names.texts() for level, names in found.items()}
 
-    def _parts(self, name: str, spec: YamlValue, levels: Sequence[str]) -> dict[str, str]:
+    def _parts(self, name: str, spec: YamlNode, levels: Sequence[str]) -> dict[str, str]:
         if name not in self.kinds.objects:
             raise spec.fail(f'there is no object "{name}".')
         for context, part in spec.entries(optional=CONTEXTS).items():
@@ -173,7 +173,7 @@ class _ScenarioReader:
             self._taught_rule(part, grasp_sentence(name, context, part.value, levels[0]))
         return {context: part.text() for context, part in spec.entries().items()}
 
-    def _taught_rule(self, where: YamlValue, sentence: str) -> meaning.Rule:
+    def _taught_rule(self, where: YamlNode, sentence: str) -> meaning.Rule:
         """Return the rule that a sentence teaches."""
         said = self.language.understand(sentence).meaning
         if isinstance(said, meaning.Statement):
@@ -184,7 +184,7 @@ class _ScenarioReader:
         raise where.fail(f'"{sentence}" is not understood as a statement.{question}')
 
 
-def _scenes(spec: YamlValue, objects: Sequence[str], seed: int) -> Iterator[tuple[str, ...]]:
+def _scenes(spec: YamlNode, objects: Sequence[str], seed: int) -> Iterator[tuple[str, ...]]:
     rng = Random(seed)  # noqa: S311 - scenes, not secrets
     if not spec.items():
         raise spec.fail("expected at least one scene.")

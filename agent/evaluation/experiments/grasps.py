@@ -11,7 +11,7 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..scenarios import ACTIONS, grasp_sentence, load_scenarios
+from ..learning_scenarios import ACTIONS, grasp_sentence, load_scenarios
 from .ground_truth import judge_grasp
 
 

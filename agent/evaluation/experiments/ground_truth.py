@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 from ....inference.types import Candidate
 from ...dialogue.reply import Reply
-from ...execution.outcome import Decision, ExecutionResult, GoalResult, Json
+from ...execution.outcome import Decision, GoalResult, Json, WorldOutcome
 from ..case import Case, CaseResult, Kind
-from ..scenarios import CONTEXTS, LearningScenario
+from ..learning_scenarios import CONTEXTS, LearningScenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]
 LIFTED_M = 0.10  # how high it must be lifted [m]
@@ -99,7 +99,7 @@ def judge_command(case: Case, truth: CorrectChoices, reply: Reply) -> CaseResult
 
 def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> CaseResult:
     """Return the result of a command to grasp an object given by name."""
-    world = reply.result.world if reply.result else ExecutionResult()
+    world = reply.result.world if reply.result else WorldOutcome()
     facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, part)}
     facts["why"] = explain_reply(reply)
     facts["success"] = reply.is_done and facts["success"] is True
@@ -127,7 +127,7 @@ def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bo
     return facts
 
 
-def _grasp_facts(world: ExecutionResult, taken: str, part: str) -> Json:
+def _grasp_facts(world: WorldOutcome, taken: str, part: str) -> Json:
     """Return how an object was held; `right_part` only if the fingers touched something."""
     right_part = world.touched == (part,)
     facts: Json = {

@@ -26,9 +26,9 @@ from ...dialogue.reply import Reply
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..scenarios import ACTIONS, LearningScenario, command, load_scenarios
-from .accuracy_curves import CURVES, OUTCOMES, AccuracyCurve, curve_points
+from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices
+from .noise_curves import CURVES, OUTCOMES, AccuracyCurve, curve_points
 
 OTHER = "eve"  # the second teacher
 Outcome = Literal["right", "wrong", "declined"]

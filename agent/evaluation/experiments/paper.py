@@ -15,7 +15,7 @@ from random import Random
 from typing import ClassVar
 
 from ..case import Case
-from .decisions import DecisionExperiment
+from .command_experiment import DecisionExperiment
 from .ground_truth import CorrectChoices
 
 PRINCIPLES = {1, 2, 3, 4}

@@ -16,7 +16,7 @@ from typing import cast
 from ....ontology.errors import DataError, MissingExtraError, StoreError
 from ..case import Case
 from ..experiment import Experiment
-from ..experiments.decisions import DecisionExperiment
+from ..experiments.command_experiment import DecisionExperiment
 from .html import EmbeddedPicture, render_page
 from .summary import EvaluationReport
 

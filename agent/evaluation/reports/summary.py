@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 from ...execution.outcome import Json
-from ..case import CaseResult, CaseRun
+from ..case import CaseResult, TimedResult
 from ..experiment import Experiment
 
 if TYPE_CHECKING:
@@ -22,11 +22,11 @@ class EvaluationReport:
 
     name: str
     options: Mapping[str, object]
-    runs: tuple[CaseRun, ...]
+    runs: tuple[TimedResult, ...]
     summary: Mapping[str, object] = field(default_factory=dict[str, object])
 
     @classmethod
-    def from_runs(cls, experiment: Experiment, runs: Sequence[CaseRun]) -> EvaluationReport:
+    def from_runs(cls, experiment: Experiment, runs: Sequence[TimedResult]) -> EvaluationReport:
         """Return the report of a run of an experiment."""
         summary = experiment.summary([run.result for run in runs])
         return cls(experiment.name, experiment.options, tuple(runs), summary)

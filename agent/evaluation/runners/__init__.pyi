@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .base import Runner
-from .execution import make_runner, run_experiment
+from .experiment_run import make_runner, run_experiment
 from .journal import RunJournal
 from .local import ProcessRunner, SerialRunner
 from .ray import RayRunner

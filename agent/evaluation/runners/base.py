@@ -13,9 +13,9 @@ from functools import lru_cache
 from time import process_time
 from typing import Protocol, cast
 
-from ....ontology.errors import WorkersError
+from ....ontology.errors import WorkersUnavailableError
 from ...execution.outcome import Json
-from ..case import Case, CaseResult, CaseRun, to_json_line
+from ..case import Case, CaseResult, TimedResult, to_json_line
 from ..experiment import Experiment
 from ..experiments.registry import make_experiment
 
@@ -26,12 +26,12 @@ ATTEMPTS = 3  # how often a case is started whose worker dies or times out
 class Runner(Protocol):
     """Runs cases."""
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run each case once, and yield the results as they become available."""
         ...
 
 
-def run_case(experiment: Experiment, case: Case) -> CaseRun:
+def run_case(experiment: Experiment, case: Case) -> TimedResult:
     """Run one case in this process; an exception becomes a result of kind "error"."""
     start = process_time()
     try:
@@ -39,12 +39,12 @@ def run_case(experiment: Experiment, case: Case) -> CaseRun:
     except Exception as error:  # any exception of a case is its result
         found = f"{type(error).__name__}: {error}"
         result = CaseResult(case.key, False, "error", 0, found, "no error")
-    return CaseRun(result, process_time() - start)
+    return TimedResult(result, process_time() - start)
 
 
-def lost_case(case: Case, reason: str, attempts: int) -> CaseRun:
+def lost_case(case: Case, reason: str, attempts: int) -> TimedResult:
     """Return the result of a case that no worker has finished."""
-    return CaseRun(CaseResult(case.key, False, "lost", 0, reason, "a result"), 0.0, attempts)
+    return TimedResult(CaseResult(case.key, False, "lost", 0, reason, "a result"), 0.0, attempts)
 
 
 def run_cases(name: str, options: str, cases: Sequence[str]) -> list[str]:
@@ -56,7 +56,7 @@ def run_cases(name: str, options: str, cases: Sequence[str]) -> list[str]:
     try:
         experiment = _experiment(name, options)
     except Exception as error:  # an exception with a single text can be sent to any process
-        raise WorkersError(f"A worker process could not be started: {error}") from None
+        raise WorkersUnavailableError(f"A worker process could not be started: {error}") from None
     runs = (run_case(experiment, Case.from_json(json.loads(case))) for case in cases)
     return [to_json_line({"result": r.result.as_json(), "cpu_s": r.cpu_s}) for r in runs]
 
@@ -66,8 +66,8 @@ def _experiment(name: str, options: str) -> Experiment:
     return make_experiment(name, json.loads(options))
 
 
-def parse_case_run(line: str, attempts: int) -> CaseRun:
+def parse_case_run(line: str, attempts: int) -> TimedResult:
     """Return the result that `run_cases` wrote."""
     document = cast("Json", json.loads(line))
     result = CaseResult.from_json(cast("Json", document["result"]))
-    return CaseRun(result, cast("float", document["cpu_s"]), attempts)
+    return TimedResult(result, cast("float", document["cpu_s"]), attempts)

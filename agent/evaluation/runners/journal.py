@@ -25,7 +25,7 @@ from typing import cast
 
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
-from ..case import Case, CaseResult, CaseRun, to_json_line
+from ..case import Case, CaseResult, TimedResult, to_json_line
 from ..experiment import Experiment
 
 JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
@@ -47,7 +47,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
         self, folder: Path, experiment: Experiment, cases: Sequence[Case], *, resume: bool
     ) -> None:
         self.folder = folder
-        self.runs: dict[str, CaseRun] = {}
+        self.runs: dict[str, TimedResult] = {}
         header = _header(experiment, cases)
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -66,7 +66,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
         os.fsync(self._file.fileno())
         self._file.close()
 
-    def add(self, run: CaseRun) -> None:
+    def add(self, run: TimedResult) -> None:
         """Write a result."""
         self._write({"result": run.result.as_json(), "cpu_s": run.cpu_s, "attempts": run.attempts})
         self.runs[run.result.key] = run
@@ -160,10 +160,10 @@ def _parsed(source: str, number: int, line: bytes) -> Json:
     return cast("Json", document)
 
 
-def _read_run(source: str, number: int, line: bytes) -> CaseRun:
+def _read_run(source: str, number: int, line: bytes) -> TimedResult:
     document = _parsed(source, number, line)
     try:
-        return CaseRun(
+        return TimedResult(
             CaseResult.from_json(cast("Json", document["result"])),
             float(cast("float", document["cpu_s"])),
             int(cast("int", document["attempts"])),
@@ -172,7 +172,7 @@ def _read_run(source: str, number: int, line: bytes) -> CaseRun:
         raise DataError("is not a result.", source=source, line=number) from error
 
 
-def _times(runs: Sequence[CaseRun]) -> str:
+def _times(runs: Sequence[TimedResult]) -> str:
     table = io.StringIO()
     rows = ((each.result.key, round(each.cpu_s, 6), each.attempts) for each in runs)
     csv.writer(table, lineterminator="\n").writerows([("key", "cpu_s", "attempts"), *rows])

@@ -11,8 +11,8 @@ from queue import Empty, SimpleQueue
 
 from pebble import ProcessExpired, ProcessPool
 
-from ....ontology.errors import WorkersError
-from ..case import Case, CaseRun, to_json_line
+from ....ontology.errors import WorkersUnavailableError
+from ..case import Case, TimedResult, to_json_line
 from ..experiment import Experiment
 from .base import ATTEMPTS, TIMEOUT_S, lost_case, parse_case_run, run_case, run_cases
 
@@ -24,7 +24,7 @@ Started = tuple[Case, int, "Future[list[str]]"]  # case, its attempt, its result
 class SerialRunner:
     """Runs cases in this process, one after the other; cases that hang are not stopped."""
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases in their order."""
         return (run_case(experiment, case) for case in cases)
 
@@ -41,7 +41,7 @@ class ProcessRunner:
     timeout_s: float = TIMEOUT_S
     attempts: int = ATTEMPTS
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases, each in one of the processes.
 
         Raises:
@@ -92,4 +92,6 @@ def _next_finished(finished: SimpleQueue[Started], pending: set[Future[list[str]
         except Empty:
             if not any(future.running() for future in pending):
                 problem = f"No worker process has started in {START_S:g} s."
-                raise WorkersError(f"{problem} Run with one worker to see why.") from None
+                raise WorkersUnavailableError(
+                    f"{problem} Run with one worker to see why."
+                ) from None

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any
 
-from ....ontology.errors import WorkersError, extra_required
-from ..case import Case, CaseRun, to_json_line
+from ....ontology.errors import WorkersUnavailableError, extra_required
+from ..case import Case, TimedResult, to_json_line
 from ..experiment import Experiment
 from .base import ATTEMPTS, TIMEOUT_S, lost_case, parse_case_run, run_cases
 
@@ -62,7 +62,7 @@ class RayRunner:
         self.timeout_s, self.attempts = timeout_s, attempts
         self._ray = _import_ray()
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[CaseRun]:
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases on the cluster.
 
         Raises:
@@ -84,7 +84,7 @@ class RayRunner:
                 logging_level="ERROR",
             )
         except (OSError, RuntimeError, ValueError) as error:
-            raise WorkersError(f'No Ray cluster at "{self.address}": {error}') from error
+            raise WorkersUnavailableError(f'No Ray cluster at "{self.address}": {error}') from error
         try:
             yield
         finally:
@@ -106,7 +106,7 @@ class _Run:
         self._duration_s, self._count = 0.0, 0
         self._capacity, self._checked = 1, float("-inf")
 
-    def results(self) -> Iterator[CaseRun]:
+    def results(self) -> Iterator[TimedResult]:
         """Yield the results of all cases as they become available."""
         while self._waiting or self._retries or self._running:
             self._send()
@@ -136,7 +136,7 @@ class _Run:
         size = max(1, min(int(CHUNK_S / max(each_s, 1e-6)), fair, MAX_CHUNK))
         return [self._waiting.popleft() for _ in range(min(size, len(self._waiting)))]
 
-    def _receive(self, reference: object, chunk: _Chunk) -> Iterator[CaseRun]:
+    def _receive(self, reference: object, chunk: _Chunk) -> Iterator[TimedResult]:
         try:
             lines: list[str] = self._ray.get(reference)
         except self._ray.exceptions.RayError as error:
@@ -146,7 +146,7 @@ class _Run:
         self._count += len(lines)
         yield from (parse_case_run(line, chunk.attempts + 1) for line in lines)
 
-    def _retry(self, chunk: _Chunk, why: str) -> Iterator[CaseRun]:
+    def _retry(self, chunk: _Chunk, why: str) -> Iterator[TimedResult]:
         """Retry the cases of a lost chunk one by one: a single case may be the cause."""
         if len(chunk.cases) > 1:
             self._retries.extend(_Chunk([case]) for case in chunk.cases)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 from .certificate import count_totals, make_certificate
-from .finite_cases import TaughtSpace
-from .scenario_space import RuleTopic, ScenarioSpace
+from .finite_cases import VerbalizedSpace
+from .scenario_space import RuleKey, ScenarioSpace
 from .taught_agent import TaughtAgent, TracedDecision
-from .weak_orders import WeakOrderBlock
+from .weak_orders import WeakOrderClass
 
 __all__ = [
-    "RuleTopic",
+    "RuleKey",
     "ScenarioSpace",
     "TaughtAgent",
-    "TaughtSpace",
     "TracedDecision",
-    "WeakOrderBlock",
+    "VerbalizedSpace",
+    "WeakOrderClass",
     "count_totals",
     "make_certificate",
 ]

@@ -12,7 +12,7 @@ from math import comb
 from typing import cast
 
 from ...execution.outcome import Json
-from ..scenarios import ACTIONS, CONTEXTS, LEVELS
+from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from .scenario_space import ScenarioSpace
 
 FORMAT = 1

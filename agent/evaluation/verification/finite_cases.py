@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import astuple
 from functools import cached_property
 
-from ....inference.evidence import Operators
+from ....inference.interval_operators import Operators
 from ....inference.types import Candidate, Target
 from ....kb.interval import VACUOUS
 from ....kb.rule import DEFAULT_SPEAKER, Rule
@@ -23,8 +23,8 @@ from ....sim.scene.scene import Placement, Scene
 from ...dialogue.translation import request_from_command, rule_from_meaning
 from ...execution.outcome import Json
 from ...execution.perception import PerfectVision
-from ..scenarios import ACTIONS, CONTEXTS, LEVELS
-from .scenario_space import CONFIDENCES, RuleTopic, ScenarioSpace, belief, levels_of
+from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
+from .scenario_space import CONFIDENCES, RuleKey, ScenarioSpace, belief, levels_of
 from .taught_agent import (
     GraphStatement,
     TaughtAgent,
@@ -39,7 +39,7 @@ DIGITS = 9  # precision of written scores; exact for the levels of the paper
 FINDING = "pointTo"  # the action that only finds an object
 
 
-class TaughtSpace:
+class VerbalizedSpace:
     """A space of learning scenarios, with the language that teaches them."""
 
     def __init__(self, space: ScenarioSpace) -> None:
@@ -52,7 +52,7 @@ class TaughtSpace:
         return Language.load()
 
     @cached_property
-    def rules(self) -> dict[tuple[RuleTopic, str], Rule]:
+    def rules(self) -> dict[tuple[RuleKey, str], Rule]:
         """Cell and level -> the rule that its sentence teaches."""
         cells = ((cell, level) for cell in self.space.cells for level in LEVELS)
         return {key: self.rule(self.space.sentence(*key)) for key in cells}
@@ -79,11 +79,11 @@ class TaughtSpace:
             self.rules[cell, level] for cell, code in cells for level in levels_of(code)
         )
 
-    def agent_taught_cell(self, cell: RuleTopic, code: int) -> TaughtAgent:
+    def agent_taught_cell(self, cell: RuleKey, code: int) -> TaughtAgent:
         """Return an agent that was taught one cell only."""
         return TaughtAgent(self.rules[cell, level] for level in levels_of(code))
 
-    def cell_mask(self, cells: Iterable[RuleTopic]) -> int:
+    def cell_mask(self, cells: Iterable[RuleKey]) -> int:
         """Return the bit mask of a set of cells."""
         return sum(1 << self.space.index[cell] for cell in set(cells))
 
@@ -91,11 +91,11 @@ class TaughtSpace:
 # --- Words -------------------------------------------------------------------------------------
 
 
-def check_words(taught_space: TaughtSpace) -> CheckResult:
+def check_words(taught_space: VerbalizedSpace) -> CheckResult:
     """Check the rules of all sentences, the goals of all commands, and perception of all scenes."""
     space = taught_space.space
     taught = [
-        [space.sentence(*key), space.index[RuleTopic.from_rule(rule)], *astuple(rule.interval)]
+        [space.sentence(*key), space.index[RuleKey.from_rule(rule)], *astuple(rule.interval)]
         for key, rule in taught_space.rules.items()
     ]
     asked = [_command(taught_space, text) for text, *_ in space.commands()]
@@ -110,7 +110,7 @@ def check_words(taught_space: TaughtSpace) -> CheckResult:
     return {"sentences": taught, "commands": asked, "scenes": seen}, wrong
 
 
-def _command(taught_space: TaughtSpace, text: str) -> list[str | int]:
+def _command(taught_space: VerbalizedSpace, text: str) -> list[str | int]:
     said = taught_space.language.understand(text).meaning
     if not isinstance(said, meaning.Command):
         return [text, -1, -1]
@@ -138,7 +138,7 @@ def differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
 # --- Scores ------------------------------------------------------------------------------------
 
 
-def check_scores(taught_space: TaughtSpace, shift: int) -> CheckResult:
+def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
     """Check the score of each cell at one code, among cells of other codes.
 
     A row is lower, upper, lambda, accepted, the cells of the proof, and the cells that were read.
@@ -161,7 +161,7 @@ def check_scores(taught_space: TaughtSpace, shift: int) -> CheckResult:
 
 
 def _score(
-    taught_space: TaughtSpace, taught: TaughtAgent, cell: RuleTopic
+    taught_space: VerbalizedSpace, taught: TaughtAgent, cell: RuleKey
 ) -> tuple[Candidate | None, list[float]]:
     """Return the candidate of a cell with only its object in the scene, and its row."""
     decided = _decide(taught, cell, [cell.object])
@@ -169,18 +169,18 @@ def _score(
     read = taught_space.cell_mask(decided.read)
     if candidate is None:
         return None, [*NOT_CONCLUDED, 0, read]
-    based_on = taught_space.cell_mask(RuleTopic.from_rule(rule) for rule in candidate.rules)
+    based_on = taught_space.cell_mask(RuleKey.from_rule(rule) for rule in candidate.rules)
     numbers = [round(n, DIGITS) for n in (*_bounds(candidate), candidate.certainty)]
     return candidate, [*numbers, int(candidate.accepted), based_on, read]
 
 
-def _decide(taught: TaughtAgent, cell: RuleTopic, scene: Sequence[str]) -> TracedDecision:
+def _decide(taught: TaughtAgent, cell: RuleKey, scene: Sequence[str]) -> TracedDecision:
     if cell.context:
         return taught.decide(cell.context, Target(object=cell.object), scene)
     return taught.decide(FINDING, Target(used_for=cell.argument), scene)
 
 
-def _candidate_of(cell: RuleTopic, decided: TracedDecision) -> Candidate | None:
+def _candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
     """Return the candidate of a cell in a decision; None if no rule applies."""
     inference = decided.part if cell.context else decided.object
     found = [
@@ -206,7 +206,7 @@ def _is_proof_valid(candidate: Candidate | None) -> bool:
 # --- Grasps ------------------------------------------------------------------------------------
 
 
-def check_grasps(taught_space: TaughtSpace, first: int) -> CheckResult:
+def check_grasps(taught_space: VerbalizedSpace, first: int) -> CheckResult:
     """Check the choice between the parts of each object, one at code `first`, the other at any.
 
     A row contains the bit mask of the acceptable parts for each object and context.
@@ -222,7 +222,7 @@ def check_grasps(taught_space: TaughtSpace, first: int) -> CheckResult:
     return {"rows": rows}, wrong
 
 
-def _grasp_row(taught_space: TaughtSpace, first: int, second: int) -> list[int]:
+def _grasp_row(taught_space: VerbalizedSpace, first: int, second: int) -> list[int]:
     space = taught_space.space
     firsts = {(name, space.parts[name][0]) for name in space.objects}
     codes = [

@@ -20,9 +20,9 @@ from ....inference.types import Target
 from ....kb.rule import Rule
 from ...agent import Agent
 from ...config import AgentConfig
-from ..scenarios import ACTIONS, CONTEXTS
-from .finite_cases import CheckResult, TaughtSpace, differences, highest_codes, parts_mask
-from .scenario_space import CONFIDENCES, Codes, RuleTopic, ScenarioSpace, code_of
+from ..learning_scenarios import ACTIONS, CONTEXTS
+from .finite_cases import CheckResult, VerbalizedSpace, differences, highest_codes, parts_mask
+from .scenario_space import CONFIDENCES, Codes, RuleKey, ScenarioSpace, code_of
 from .taught_agent import GraphStatement, TaughtAgent, acceptable_candidates, belief_statements
 
 
@@ -31,7 +31,7 @@ def scenario_codes(space: ScenarioSpace, seed: int) -> Codes:
     return space.drawn(seed) if seed else (space.full,) * len(space.cells)
 
 
-def check_teaching(taught_space: TaughtSpace, seed: int) -> CheckResult:
+def check_teaching(taught_space: VerbalizedSpace, seed: int) -> CheckResult:
     """Check H1: teach a learning scenario by sentence in three ways, and read the beliefs back."""
     space = taught_space.space
     codes = scenario_codes(space, seed)
@@ -61,13 +61,13 @@ def _teach(sentences: Sequence[str]) -> tuple[frozenset[Rule], frozenset[GraphSt
 
 def _read_back(space: ScenarioSpace, rules: frozenset[Rule]) -> list[int]:
     names = {(number, 1.0): level for level, number in CONFIDENCES.items()}
-    levels: dict[RuleTopic, list[str]] = {cell: [] for cell in space.cells}
+    levels: dict[RuleKey, list[str]] = {cell: [] for cell in space.cells}
     for rule in rules:
-        levels[RuleTopic.from_rule(rule)].append(names[rule.interval.lower, rule.interval.upper])
+        levels[RuleKey.from_rule(rule)].append(names[rule.interval.lower, rule.interval.upper])
     return [code_of(levels[cell]) for cell in space.cells]
 
 
-def check_situations(taught_space: TaughtSpace, seed: int, action: int) -> CheckResult:
+def check_situations(taught_space: VerbalizedSpace, seed: int, action: int) -> CheckResult:
     """Check H2: one action in all scenes for all affordances, with the cells that were read.
 
     A line of the digest gives the scene, the affordance, the acceptable objects, the acceptable
@@ -88,7 +88,7 @@ def check_situations(taught_space: TaughtSpace, seed: int, action: int) -> Check
 Line = tuple[int, int, int, int, int]  # scene, affordance, objects, parts, cells read
 
 
-def _lines(taught_space: TaughtSpace, taught: TaughtAgent, action: str) -> Iterator[Line]:
+def _lines(taught_space: VerbalizedSpace, taught: TaughtAgent, action: str) -> Iterator[Line]:
     space = taught_space.space
     for mask in range(2 ** len(space.objects)):
         for number, affordance in enumerate(space.affordances):
@@ -118,4 +118,4 @@ def _part_cells(space: ScenarioSpace, action: str, number: int) -> list[int]:
     """Return the cells of the parts of an object for an action; none if it does not grasp."""
     name = space.objects[number]
     contexts = [context for context in CONTEXTS if context == action]
-    return [space.index[RuleTopic(name, part, c)] for c in contexts for part in space.parts[name]]
+    return [space.index[RuleKey(name, part, c)] for c in contexts for part in space.parts[name]]

@@ -17,7 +17,7 @@ from random import Random
 
 from ....kb.rule import Rule
 from ....ontology.objects import load_household
-from ..scenarios import (
+from ..learning_scenarios import (
     ACTIONS,
     CONTEXTS,
     LEVELS,
@@ -34,7 +34,7 @@ Codes = tuple[int, ...]  # a learning scenario: a code in [0, 16) for each cell
 
 
 @dataclass(frozen=True, order=True)
-class RuleTopic:
+class RuleKey:
     """The topic of a rule, without its confidence.
 
     Attributes:
@@ -48,7 +48,7 @@ class RuleTopic:
     context: str = ""
 
     @classmethod
-    def from_rule(cls, rule: Rule) -> RuleTopic:
+    def from_rule(cls, rule: Rule) -> RuleKey:
         """Return the cell of a rule."""
         name = rule.argument.name if rule.argument else ""
         return cls(rule.object or "*", name, rule.context or "")
@@ -56,7 +56,9 @@ class RuleTopic:
 
 @dataclass(frozen=True)
 class ScenarioSpace:
-    """The objects (in the order of every scene), affordances and parts that rules are about.
+    """The space of learning scenarios, spanned by objects, affordances and parts.
+
+    The objects have the order that they have in every scene.
 
     Each object has two parts.
     """
@@ -75,17 +77,17 @@ class ScenarioSpace:
         return cls(names, tuple(scenario.affordances)[:affordances], parts)
 
     @cached_property
-    def cells(self) -> tuple[RuleTopic, ...]:
+    def cells(self) -> tuple[RuleKey, ...]:
         """All cells: those of affordances by object, then those of grasps."""
-        functional = (RuleTopic(name, each) for name in self.objects for each in self.affordances)
+        functional = (RuleKey(name, each) for name in self.objects for each in self.affordances)
         held = ((name, context) for name in self.objects for context in CONTEXTS)
         grasps = (
-            RuleTopic(name, part, context) for name, context in held for part in self.parts[name]
+            RuleKey(name, part, context) for name, context in held for part in self.parts[name]
         )
         return (*functional, *grasps)
 
     @cached_property
-    def index(self) -> Mapping[RuleTopic, int]:
+    def index(self) -> Mapping[RuleKey, int]:
         """Cell -> its index in `cells`."""
         return {cell: number for number, cell in enumerate(self.cells)}
 
@@ -94,7 +96,7 @@ class ScenarioSpace:
         """The code of a cell that is taught at every level."""
         return 2 ** len(LEVELS) - 1
 
-    def sentence(self, cell: RuleTopic, level: str) -> str:
+    def sentence(self, cell: RuleKey, level: str) -> str:
         """Return the sentence that teaches a cell at a level."""
         if cell.context:
             return grasp_sentence(cell.object, cell.context, cell.argument, level)

@@ -34,7 +34,7 @@ from ...execution.goal_manager import GoalManager
 from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
 from ...execution.request import Request
-from .scenario_space import RuleTopic
+from .scenario_space import RuleKey
 
 GraphStatement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
 PROVENANCE = (DERIVED_FROM, GENERATED_AT)
@@ -54,16 +54,16 @@ class TracingRule(Rule):
         if name in STATED:
             record = object.__getattribute__(self, "__dict__").get("record")
             if record is not None:  # None during construction
-                record.add(RuleTopic.from_rule(self))
+                record.add(RuleKey.from_rule(self))
         return object.__getattribute__(self, name)
 
 
 class TracingSource:
-    """A source of rules that records in `read` which cells are read."""
+    """A source of rules that records in `read` the keys of the rules that are read."""
 
     def __init__(self, source: RuleSource) -> None:
         self.source = source
-        self.read: set[RuleTopic] = set()
+        self.read: set[RuleKey] = set()
 
     @property
     def sequence(self) -> int:
@@ -82,7 +82,7 @@ class TracingSource:
 
 @dataclass(frozen=True)
 class TracedDecision:
-    """A decision with the cells it depends on.
+    """A decision with the keys of the rules it depends on.
 
     Attributes:
         object: the inference at the find node; None if no node was reached.
@@ -92,7 +92,7 @@ class TracedDecision:
 
     object: Inference | None
     part: Inference | None
-    read: frozenset[RuleTopic]
+    read: frozenset[RuleKey]
 
 
 class TaughtAgent(AbstractContextManager["TaughtAgent"]):

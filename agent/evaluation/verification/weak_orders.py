@@ -21,7 +21,7 @@ from itertools import product
 from typing import cast
 
 from ....inference.decision import DecisionRule
-from ....inference.evidence import EPSILON, Operators
+from ....inference.interval_operators import EPSILON, Operators
 from ....inference.proof import Proof
 from ....inference.types import Candidate
 from ....kb.interval import VACUOUS, Interval
@@ -81,7 +81,7 @@ class OpaqueOperators(Operators):
 
 
 @dataclass(frozen=True)
-class WeakOrderBlock:
+class WeakOrderClass:
     """The weak orders with given numbers of ranked objects and levels.
 
     Attributes:
@@ -132,10 +132,10 @@ class WeakOrderBlock:
         return sum(bit for bit, level in pairs if level == self.levels - 1)
 
 
-def weak_order_blocks(objects: int) -> list[WeakOrderBlock]:
+def weak_order_blocks(objects: int) -> list[WeakOrderClass]:
     """Return the blocks of all weak orders of a number of objects."""
     shapes = ((k, m) for k in range(objects + 1) for m in range(min(k, 1), k + 1))
-    return [WeakOrderBlock(objects, k, m) for k, m in shapes]
+    return [WeakOrderClass(objects, k, m) for k, m in shapes]
 
 
 @cache

@@ -13,7 +13,13 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
-from hilt.inference.evidence import ACCEPTANCES, CONJUNCTIONS, FUSIONS, MODUS_PONENS, RANKINGS
+from hilt.inference.interval_operators import (
+    ACCEPTANCES,
+    CONJUNCTIONS,
+    FUSIONS,
+    MODUS_PONENS,
+    RANKINGS,
+)
 from hilt.inference.settings import DETECTIONS, STAGES
 
 Run = Callable[..., tuple[int, str]]

@@ -9,7 +9,7 @@ from PIL import Image
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
-from hilt.agent.execution.outcome import ExecutionResult
+from hilt.agent.execution.outcome import WorldOutcome
 from hilt.sim.body import MEETING
 
 pytestmark = pytest.mark.sim
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.sim
 ALONE = "objects:knife"
 
 
-def world(agent: Agent, command: str) -> ExecutionResult:
+def world(agent: Agent, command: str) -> WorldOutcome:
     """What happened in the world when something was asked for."""
     reply = agent.hear(command)
     assert reply.result is not None, reply.said
@@ -51,7 +51,7 @@ def test_robot_does_not_move_for_what_it_was_not_told():
 
     assert (reply.ending, reply.said) == ("failed", "I don't see anything for cutting.")
     assert reply.result is not None
-    assert reply.result.world == ExecutionResult()
+    assert reply.result.world == WorldOutcome()
 
 
 def test_robot_does_not_look_for_a_part_that_is_not_there():
@@ -66,7 +66,7 @@ def test_robot_does_not_look_for_a_part_that_is_not_there():
 
 def test_same_seed_gives_the_same_run():
     """Every number of what happened repeats."""
-    runs: list[ExecutionResult] = []
+    runs: list[WorldOutcome] = []
     for _ in range(2):
         with Agent.open("memory:", AgentConfig(scene=ALONE, seed=5)) as agent:
             agent.hear("To pass a knife grab the knife by the blade")

@@ -18,10 +18,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk import row_scan
+from hilt.kb.bulk import statement_scan
 from hilt.kb.bulk.exporter import write_statements
-from hilt.kb.bulk.row_scan import CODES
 from hilt.kb.bulk.rule_scan import scan_rules
+from hilt.kb.bulk.statement_scan import CODES
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql
@@ -68,7 +68,7 @@ def filled(kind: str, quads: list[Quad]) -> Iterator[Store]:
     """A store with some statements."""
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         is_large = kind == "large folder"
-        patch.setattr(row_scan, "MAX_SORTED", 0 if is_large else 200_000)
+        patch.setattr(statement_scan, "MAX_SORTED", 0 if is_large else 200_000)
         store = open_folder(Path(folder) / "base") if is_large else open_memory()
         store.apply(insert=quads)
         yield cast(Store, PlainStore(store)) if kind == "endpoint" else store
@@ -190,7 +190,7 @@ def test_rule_with_two_bounds_is_reported():
 
 def test_progress_is_reported(monkeypatch: pytest.MonkeyPatch):
     """As the number of the rules that are done."""
-    monkeypatch.setattr(row_scan, "_STEP", 1)
+    monkeypatch.setattr(statement_scan, "_STEP", 1)
     heard: list[int] = []
 
     some = [quad for rule in (BLADE, CUTTING) for quad in rule_mapping.rule_quads(rule)]

@@ -17,7 +17,7 @@ from hilt.kb.bulk.nquads_reader import (
     line_reader,
     read_groups,
 )
-from hilt.kb.rdf.annotated_edges import Reification
+from hilt.kb.rdf.annotated_turtle import ReifyingTriple
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
@@ -110,7 +110,7 @@ def test_chunks_may_end_anywhere(size: int):
     text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
     reader = line_reader("nquads", source="x", default=BELIEFS)
 
-    def read() -> Iterator[StatementGroup | RuleBlock | Reification]:
+    def read() -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
         for start in range(0, len(text), size):
             yield from reader.feed(text[start : start + size])
         yield from reader.finish()

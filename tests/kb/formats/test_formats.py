@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rdflib import Graph
 
-from hilt.kb.bulk import importer, row_scan
+from hilt.kb.bulk import importer, statement_scan
 from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import import_export
 from hilt.kb.formats.csv_table import TableWriter, read_table, rule_cells
-from hilt.kb.formats.file_streams import InputStream
+from hilt.kb.formats.file_streams import CheckedStream
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
 from hilt.kb.formats.import_export import export_file, import_file, import_text, read_file
 from hilt.kb.formats.registry import FORMATS
@@ -58,7 +58,7 @@ def contents(base: KnowledgeBase) -> set[object]:
 @pytest.fixture
 def streamed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every file is large."""
-    monkeypatch.setattr(row_scan, "MAX_SORTED", 0)
+    monkeypatch.setattr(statement_scan, "MAX_SORTED", 0)
     monkeypatch.setattr(import_export, "MAX_STAGED", 0)
     monkeypatch.setattr(importer, "_MAX_APPLIED", 0)
 
@@ -361,7 +361,7 @@ class Endless(io.RawIOBase):
 def test_endless_literal_is_refused_early(name: str, head: bytes):
     """Before the memory is full, whatever the format."""
     endless, chosen = Endless(head), FORMATS[name]
-    source = InputStream(endless, "x", most=chosen.most)  # pyright: ignore[reportArgumentType]
+    source = CheckedStream(endless, "x", most=chosen.most)  # pyright: ignore[reportArgumentType]
 
     with pytest.raises(DataError, match="x"):
         import_export.count_contents(source, chosen)

@@ -15,7 +15,7 @@ from hilt.kb.stores.http import (
     TOKEN,
     TRIES,
     USER,
-    EndpointAddress,
+    EndpointConfig,
     EndpointResponse,
     EndpointTransport,
     parse_address,
@@ -24,7 +24,7 @@ from hilt.kb.stores.remote import RemoteStore
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.vocabulary import Iri, iri
 
-ADDRESS = EndpointAddress("http://h/query", "http://h/update")
+ADDRESS = EndpointConfig("http://h/query", "http://h/update")
 QUAD = Quad(Iri("urn:s"), Iri("urn:p"), 1, iri("graph", "beliefs"))
 Handler = Callable[[httpx.Request], httpx.Response]
 
@@ -32,7 +32,7 @@ Handler = Callable[[httpx.Request], httpx.Response]
 class Served:
     """An endpoint in memory: answers one handler's way, and remembers requests and pauses."""
 
-    def __init__(self, handler: Handler, address: EndpointAddress = ADDRESS) -> None:
+    def __init__(self, handler: Handler, address: EndpointConfig = ADDRESS) -> None:
         self.requests: list[httpx.Request] = []
         self.pauses: list[float] = []
         self.transport = EndpointTransport(
@@ -155,7 +155,7 @@ def test_scheme_is_the_one_that_the_server_asks_for(scheme: str):
             return httpx.Response(200, text="in")
         return httpx.Response(401, headers=challenge)
 
-    served = Served(handler, EndpointAddress("http://h/query", "", user="sam", password="s"))  # noqa: S106
+    served = Served(handler, EndpointConfig("http://h/query", "", user="sam", password="s"))  # noqa: S106
 
     assert [served.post().body for _ in range(2)] == [b"in", b"in"]
     assert "authorization" not in served.requests[0].headers
@@ -166,7 +166,7 @@ def test_token_is_sent_as_bearer():
     """Without waiting to be asked."""
     served = Served(
         in_turn(httpx.Response(200)),
-        EndpointAddress("http://h/query", "", token="t0ken"),  # noqa: S106
+        EndpointConfig("http://h/query", "", token="t0ken"),  # noqa: S106
     )
     served.post()
 
@@ -175,7 +175,7 @@ def test_token_is_sent_as_bearer():
 
 def test_bulk_goes_by_the_graph_store_protocol():
     """Where its address is known, one request a graph in place of many updates."""
-    address = EndpointAddress("http://h/query", "http://h/update", "http://h/store")
+    address = EndpointConfig("http://h/query", "http://h/update", "http://h/store")
     served = Served(in_turn(httpx.Response(204)), address)
     store = RemoteStore(served.transport, read_only=False)
 

@@ -9,12 +9,12 @@ from hilt.nlu.grammar.categories import type_of
 from hilt.nlu.grammar.combinators import Combination, Combinator
 from hilt.nlu.grammar.notation import read_category
 from hilt.nlu.grammar.types import BasicType
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 
 def category(text: str):
     """A category from its notation."""
-    return read_category(YamlValue(text, "<text>", 1, 1))
+    return read_category(YamlNode(text, "<text>", 1, 1))
 
 
 def combined(left: str, right: str) -> list[tuple[str, Combination]]:

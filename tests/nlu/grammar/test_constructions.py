@@ -10,12 +10,12 @@ from hilt.nlu.grammar.constructions import Construction, ConstructionGap, WordRu
 from hilt.nlu.grammar.notation import read_entry
 from hilt.nlu.grammar.word_patterns import variants
 from hilt.ontology.errors import DataError
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 
-def field(text: str) -> YamlValue:
+def field(text: str) -> YamlNode:
     """A text as it would stand in a file."""
-    return YamlValue(text, "<text>", 1, 1)
+    return YamlNode(text, "<text>", 1, 1)
 
 
 def construction(says: str, means: str) -> Construction:

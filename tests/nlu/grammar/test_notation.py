@@ -24,12 +24,12 @@ from hilt.nlu.grammar.notation import (
 from hilt.nlu.grammar.notation_parser import Start, parse
 from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, normal_form
 from hilt.ontology.errors import DataError
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 
-def line(text: str) -> YamlValue:
+def line(text: str) -> YamlNode:
     """A text as it would stand in quotes in line 3 of a file, from column 5 on."""
-    return YamlValue(text, "words.yaml", 3, 5)
+    return YamlNode(text, "words.yaml", 3, 5)
 
 
 @pytest.mark.parametrize("text", ["NP", "NP/N", "(S\\NP)/NP", "S/(S\\NP)", "(S/^C)\\^NP"])
@@ -141,14 +141,14 @@ LINES: list[tuple[Start, str]] = [
 
 def read(text: str, start: Start) -> object:
     """The value of a line, by the parser."""
-    return parse(YamlValue(text, "<test>", 1, 0), start)
+    return parse(YamlNode(text, "<test>", 1, 0), start)
 
 
 def saved(path: Path) -> Path:
     """The file, once all lines were parsed and saved."""
     lines = NotationCache(path)
     for start, text in LINES:
-        lines.add(text, start, parse(YamlValue(text, "<test>", 1, 0), start))
+        lines.add(text, start, parse(YamlNode(text, "<test>", 1, 0), start))
     lines.save()
     return path
 

@@ -7,12 +7,12 @@ import pytest
 
 from hilt.nlu.grammar.notation import parse_term, read_type
 from hilt.nlu.grammar.types import Type, TypeMismatchError, check_type
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 
 def type_of(text: str) -> Type:
     """A type from its notation."""
-    return read_type(YamlValue(text, "<text>", 1, 1))
+    return read_type(YamlNode(text, "<text>", 1, 1))
 
 
 SIGNATURE = {

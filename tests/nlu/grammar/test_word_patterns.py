@@ -7,12 +7,12 @@ import pytest
 
 from hilt.nlu.grammar.word_patterns import spellings, variants
 from hilt.ontology.errors import DataError
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 
 def expanded(text: str) -> list[str]:
     """The spellings of a pattern, as texts."""
-    return [" ".join(words) for words in spellings(YamlValue(text, "<text>", 1, 1))]
+    return [" ".join(words) for words in spellings(YamlNode(text, "<text>", 1, 1))]
 
 
 @pytest.mark.parametrize(
@@ -54,11 +54,11 @@ def test_a_pattern_stands_for_a_bounded_number() -> None:
 )
 def test_only_choices_with_gaps_multiply(pattern: str, found: list[tuple[str, ...]]) -> None:
     """Words between gaps stay one pattern, however many they stand for."""
-    assert variants(YamlValue(pattern, "<text>", 1, 1)) == found
+    assert variants(YamlNode(pattern, "<text>", 1, 1)) == found
 
 
 @pytest.mark.parametrize("pattern", ["({x:NP}|b", "{x:NP} a)", "[{x:NP}", "({x:NP}]", "[{x:NP}]"])
 def test_a_wrong_pattern_with_gaps_is_refused(pattern: str) -> None:
     """The same mistakes are errors as without gaps."""
     with pytest.raises(DataError, match="expected"):
-        variants(YamlValue(pattern, "<text>", 1, 1))
+        variants(YamlNode(pattern, "<text>", 1, 1))

@@ -11,13 +11,13 @@ from hilt.nlu import Language
 from hilt.nlu.lexicon.discourse_markers import DiscourseMarkers, move_to_front
 from hilt.nlu.lexicon.tokenizer import BREAK, tokenize
 from hilt.ontology.errors import DataError
-from hilt.ontology.yaml_reader import YamlValue
+from hilt.ontology.yaml_reader import YamlNode
 
 
 def discourse_markers(kind: str, *patterns: str) -> DiscourseMarkers:
     """Discourse markers of one kind."""
-    items = tuple(YamlValue(pattern, "<text>", 1, 1) for pattern in patterns)
-    return DiscourseMarkers().with_phrases(kind, YamlValue(items, "<text>", 1, 1))
+    items = tuple(YamlNode(pattern, "<text>", 1, 1) for pattern in patterns)
+    return DiscourseMarkers().with_phrases(kind, YamlNode(items, "<text>", 1, 1))
 
 
 def said(text: str, known: DiscourseMarkers, *whole: str) -> str:

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 from trimesh import Trimesh
 
 from hilt.ontology.objects import load_objects
-from hilt.ontology.part_shapes import Box, Extrusion, Form, Lathe, MeshFile, Solid, Sweep
+from hilt.ontology.part_shapes import Box, Extrusion, Form, Lathe, MeshFile, PlacedSolid, Sweep
 from hilt.sim.models import meshes
 from hilt.sim.models.meshes import corner_normals, triangulate
 from hilt.sim.models.solids import build_solid
@@ -27,9 +27,9 @@ PARTS = [
 lengths = st.floats(0.004, 0.2)
 
 
-def solid(form: Form, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Solid:
+def solid(form: Form, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> PlacedSolid:
     """A form at a place, neither turned nor coloured."""
-    return Solid(form, at, (0.0, 0.0, 0.0), None, visible=True, collides=True)
+    return PlacedSolid(form, at, (0.0, 0.0, 0.0), None, visible=True, collides=True)
 
 
 def cylinder(radius: float, height: float) -> Lathe:

@@ -10,7 +10,7 @@ import pytest
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim.body import Body
-from hilt.sim.models.urdf import HandAttachment, robot_file
+from hilt.sim.models.urdf import HandFile, robot_file
 from hilt.sim.robot.kinematics import read_chain
 from hilt.sim.robot.models import find_robot
 from hilt.sim.scene.scene import parse_scene
@@ -38,7 +38,7 @@ def test_hand_hangs_on_the_arm(files: tuple[Path, Path]):
     """The chain leads through the arm to what hangs on the attached link, and no farther."""
     arm, hand = files
 
-    file = robot_file("x", arm, attachment=HandAttachment(hand, "palm", "wrist", (0, 0, 0.1)))
+    file = robot_file("x", arm, attachment=HandFile(hand, "palm", "wrist", (0, 0, 0.1)))
 
     chain = read_chain(file, "finger")
     assert chain.links == ("wrist", "palm", "finger")
@@ -57,7 +57,7 @@ def test_link_that_is_not_there_is_told(files: tuple[Path, Path]):
     arm, hand = files
 
     with pytest.raises(DataError, match=r'hand\.urdf: expected a link "claw"'):
-        robot_file("x", arm, attachment=HandAttachment(hand, "claw", "wrist", (0, 0, 0)))
+        robot_file("x", arm, attachment=HandFile(hand, "claw", "wrist", (0, 0, 0)))
 
 
 @pytest.mark.sim

@@ -11,7 +11,7 @@ from hilt.ontology.errors import SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import object_model
-from hilt.sim.physics import client
+from hilt.sim.physics import pybullet_client
 from hilt.sim.physics.engine import GRAVITY, TIME_STEP, PhysicsEngine
 from hilt.sim.vision.camera import Camera
 
@@ -208,8 +208,8 @@ def test_bounds_are_round_the_corners(engine: PhysicsEngine):
 
 def test_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch):
     """It is one error, where PyBullet would end the process."""
-    monkeypatch.setattr(client.sys, "platform", "linux")
-    monkeypatch.setattr(client, "_has_display", lambda: False)
+    monkeypatch.setattr(pybullet_client.sys, "platform", "linux")
+    monkeypatch.setattr(pybullet_client, "_has_display", lambda: False)
 
     with pytest.raises(SimulationError, match="no display"):
         PhysicsEngine(gui=True)

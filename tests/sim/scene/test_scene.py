@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
+from hilt.sim.models.convex_polygons import distance
 from hilt.sim.models.object_models import object_model
-from hilt.sim.models.polygons import distance
 from hilt.sim.scene.placement import LIMITS, REACH, DropPose, place_objects
 from hilt.sim.scene.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
 

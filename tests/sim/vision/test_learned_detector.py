@@ -14,9 +14,9 @@ from hilt.sim import poses
 from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
-from hilt.sim.vision.detector import MaskDetector
 from hilt.sim.vision.learned_detector import LearnedDetector, Recogniser
-from hilt.sim.vision.point_clouds import voxel_keys
+from hilt.sim.vision.mask_detector import MaskDetector
+from hilt.sim.vision.point_cloud_operations import voxel_keys
 from hilt.sim.vision.segmentation import (
     Segment,
     describe_segment,

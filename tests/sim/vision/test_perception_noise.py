@@ -13,7 +13,12 @@ from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import graspable
 from hilt.sim.vision.percept import PartPercept, Percept, visible_features
-from hilt.sim.vision.perception_noise import NoiseLevels, NoisyVision, relabelled, with_depth_noise
+from hilt.sim.vision.perception_noise import (
+    NoiseLevels,
+    NoisyDetector,
+    relabelled,
+    with_depth_noise,
+)
 
 OBJECTS = load_objects()
 KINDS = graspable(OBJECTS)
@@ -45,7 +50,7 @@ CROWD = Crowd(tuple(percept(f"{KINDS[i % 8]} {i}", KINDS[i % 8]) for i in range(
 
 def seen(noise: NoiseLevels, features: Sequence[str] = ALL) -> dict[str, Percept]:
     """The percepts of the crowd with noise."""
-    found = NoisyVision(CROWD, noise, OBJECTS).search(features)
+    found = NoisyDetector(CROWD, noise, OBJECTS).search(features)
     return {percept.name: percept for percept in found}
 
 
@@ -53,7 +58,7 @@ def seen(noise: NoiseLevels, features: Sequence[str] = ALL) -> dict[str, Percept
 def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: float, seed: int):
     """Misperception depends on nothing but the amounts and the seed."""
     noise = NoiseLevels(missed, confused, doubt, seed=seed)
-    detector = NoisyVision(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
+    detector = NoisyDetector(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
 
     first, second = detector.search(ALL), detector.search(ALL)
 

@@ -15,8 +15,8 @@ from hilt.sim.robot.robot import NAME, Robot
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import FLOOR, TABLE, World
 from hilt.sim.vision.camera import Camera, CameraImage, ImageWindow
-from hilt.sim.vision.detector import MaskDetector
-from hilt.sim.vision.region_of_interest import RegionOfInterest
+from hilt.sim.vision.mask_detector import MaskDetector
+from hilt.sim.vision.region_of_interest import RegionRenderer
 
 pytestmark = pytest.mark.sim
 
@@ -88,7 +88,7 @@ def test_empty_table_is_a_single_pixel():
     """On a bare table there is nothing to look at."""
     camera = Camera("eye", (1.0, 0.0, 0.7), (0.4, 0.0, 0.0))
     with PhysicsEngine() as engine:
-        view = RegionOfInterest.around((), engine, room=()).capture(camera)
+        view = RegionRenderer.around((), engine, room=()).capture(camera)
 
     assert view.window == ImageWindow(0, 0, 1, 1)
     assert shown(view) == {}

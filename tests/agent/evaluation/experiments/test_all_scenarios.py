@@ -16,18 +16,18 @@ from hypothesis import strategies as st
 
 from hilt.agent.evaluation.case import Case, CaseResult, to_json_line
 from hilt.agent.evaluation.experiments.all_scenarios import AllScenariosExperiment
-from hilt.agent.evaluation.verification.finite_cases import TaughtSpace, check_scores
+from hilt.agent.evaluation.verification.finite_cases import VerbalizedSpace, check_scores
 from hilt.agent.evaluation.verification.hypotheses import check_teaching
-from hilt.agent.evaluation.verification.scenario_space import RuleTopic, ScenarioSpace, belief
+from hilt.agent.evaluation.verification.scenario_space import RuleKey, ScenarioSpace, belief
 from hilt.agent.evaluation.verification.taught_agent import TaughtAgent, TracingSource
 from hilt.agent.evaluation.verification.weak_orders import (
     OpaqueScore,
-    WeakOrderBlock,
+    WeakOrderClass,
     surjections,
     weak_order_blocks,
 )
 from hilt.inference.decision import DecisionRule
-from hilt.inference.evidence import EPSILON, Operators
+from hilt.inference.interval_operators import EPSILON, Operators
 from hilt.inference.settings import Settings
 from hilt.inference.types import Inference, Target
 from hilt.kb import Interval, KnowledgeBase, functional
@@ -73,7 +73,7 @@ def test_every_finite_case_is_right(results):
 def test_the_paper_has_2189146_finite_cases():
     """The blocks hold as many cases as the counting formulas say."""
 
-    def size(block: WeakOrderBlock) -> int:
+    def size(block: WeakOrderClass) -> int:
         stirling = sum(
             (-1) ** i * comb(block.levels, i) * (block.levels - i) ** block.ranked
             for i in range(block.levels + 1)
@@ -154,7 +154,7 @@ def test_another_fusion_is_found_out(monkeypatch):
     other = Settings(operators=Operators(fusion="mean"))
     monkeypatch.setattr(Settings, "load", classmethod(lambda cls: other))
 
-    _, wrong = check_scores(TaughtSpace(ScenarioSpace.from_paper(1, 1)), shift=3)
+    _, wrong = check_scores(VerbalizedSpace(ScenarioSpace.from_paper(1, 1)), shift=3)
 
     assert wrong
 
@@ -170,7 +170,7 @@ def test_base_that_forgets_is_found_out(monkeypatch):
 
     monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
 
-    _, wrong = check_teaching(TaughtSpace(ScenarioSpace.from_paper(1, 1)), seed=0)
+    _, wrong = check_teaching(VerbalizedSpace(ScenarioSpace.from_paper(1, 1)), seed=0)
 
     assert "the beliefs are not the union of the beliefs from each sentence" in wrong
 
@@ -184,7 +184,7 @@ def test_choice_that_drops_ties_is_found_out(monkeypatch):
         lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
     )
 
-    facts, wrong = WeakOrderBlock(2, 2, 1).verify()
+    facts, wrong = WeakOrderClass(2, 2, 1).verify()
 
     assert facts["ties"] == 0
     assert wrong == ["(2, 2) ranked (0, 0) gives 1"]
@@ -220,7 +220,7 @@ def test_trace_notes_what_is_read_of_a_rule():
 
         assert rule.support == Interval(0.5, 1)
 
-    assert traced.read == {RuleTopic("mug", "containing")}
+    assert traced.read == {RuleKey("mug", "containing")}
 
 
 def test_decision_reads_only_what_is_on_the_table():
@@ -229,7 +229,7 @@ def test_decision_reads_only_what_is_on_the_table():
     with TaughtAgent(rules) as taught:
         decided = taught.decide("pointTo", Target(used_for="cutting"), ["knife"])
 
-    assert decided.read == {RuleTopic("knife", "cutting")}
+    assert decided.read == {RuleKey("knife", "cutting")}
 
 
 @pytest.mark.parametrize(

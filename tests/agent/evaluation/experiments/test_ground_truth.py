@@ -12,7 +12,7 @@ from hilt.agent.evaluation.experiments.ground_truth import (
     judge_command,
     judge_grasp,
 )
-from hilt.agent.evaluation.scenarios import load_scenarios
+from hilt.agent.evaluation.learning_scenarios import load_scenarios
 from hilt.agent.execution.perception import PerfectVision
 from hilt.ontology.objects import load_objects
 from hilt.sim.manipulation.motion_report import MotionReport

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.agent.evaluation.case import Case, CaseResult
-from hilt.agent.evaluation.experiments.accuracy_curves import (
+from hilt.agent.evaluation.experiments.noise_curves import (
     CURVES,
     clustered_interval,
     curve_points,

@@ -8,13 +8,13 @@ from typing import cast
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, CaseResult, CaseRun, to_json_line
+from hilt.agent.evaluation.case import Case, CaseResult, TimedResult, to_json_line
 from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices
 from hilt.agent.evaluation.experiments.paper import PaperExperiment, SituationsExperiment
 from hilt.agent.evaluation.experiments.registry import make_experiment
+from hilt.agent.evaluation.learning_scenarios import LEVELS, load_scenarios
 from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.execution import run_experiment
-from hilt.agent.evaluation.scenarios import LEVELS, load_scenarios
+from hilt.agent.evaluation.runners.experiment_run import run_experiment
 
 A, B = load_scenarios()
 EVERY = 101  # a prime, so that a slice of the situations meets every action, affordance and size
@@ -139,7 +139,7 @@ def test_report_tells_decisions_from_what_the_hand_did():
     slipped = {"decided": True, "success": False, "right_part": True}
     result = CaseResult("A/0/pass/cutting", False, "unique", 1, "knife", "knife", slipped)
 
-    counted = EvaluationReport("paper", {"seed": 7}, (CaseRun(result, 2.0),)).as_json()
+    counted = EvaluationReport("paper", {"seed": 7}, (TimedResult(result, 2.0),)).as_json()
 
     assert counted["by_principle"] == {"1": {"runs": 1, "right": 1}}
     assert (counted["right"], counted["executed"], counted["succeeded"]) == (0, 1, 0)

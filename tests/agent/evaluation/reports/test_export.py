@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, CaseResult, CaseRun
+from hilt.agent.evaluation.case import Case, CaseResult, TimedResult
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
 from hilt.agent.evaluation.reports.comparison import compare
@@ -21,7 +21,7 @@ from hilt.agent.evaluation.reports.export import write_report
 from hilt.agent.evaluation.reports.html import EmbeddedPicture, render_page
 from hilt.agent.evaluation.reports.plots import COLOURS, plot_curve
 from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.execution import run_experiment
+from hilt.agent.evaluation.runners.experiment_run import run_experiment
 from hilt.ontology.errors import DataError
 
 POINTS = [
@@ -85,7 +85,7 @@ def test_page_shows_what_is_wrong_and_escapes_it(paper):
     """A wrong case stands out, and its texts are text."""
     experiment, cases, _ = paper
     result = CaseResult("A/<b>", False, "unique", 1, "<i>mug</i>", "knife", {"why": ["1 < 2"]})
-    wrong = EvaluationReport("paper", {}, (CaseRun(result, 0.1),))
+    wrong = EvaluationReport("paper", {}, (TimedResult(result, 0.1),))
 
     text = render_page(experiment, [Case("paper", "A/<b>", cases[0].spec)], wrong)
 
@@ -140,7 +140,7 @@ def test_equal_runs_do_not_differ(paper, tmp_path):
     """Times are not compared."""
     experiment, cases, report = paper
     slower = EvaluationReport.from_runs(
-        experiment, [CaseRun(each.result, each.cpu_s + 1) for each in report.runs]
+        experiment, [TimedResult(each.result, each.cpu_s + 1) for each in report.runs]
     )
     write_report(tmp_path / "a.json", *paper)
     write_report(tmp_path / "b.json", experiment, cases, slower)
@@ -152,7 +152,7 @@ def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys
     """Counts and cases that differ are named; the exit code says that there are some."""
     experiment, cases, report = paper
     (first, *others) = report.runs
-    worse = CaseRun(CaseResult(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
+    worse = TimedResult(CaseResult(first.result.key, False, "tie", 3, "shoe", "mug"), 0.0)
     write_report(tmp_path / "a.json", *paper)
     write_report(
         tmp_path / "b.json",

@@ -19,8 +19,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import CaseRun
-from hilt.agent.evaluation.runners.execution import run_experiment
+from hilt.agent.evaluation.case import TimedResult
+from hilt.agent.evaluation.runners.experiment_run import run_experiment
 from hilt.agent.evaluation.runners.journal import JOURNAL, RESULTS, TIMES, RunJournal
 from hilt.ontology.errors import DataError, StoreError
 
@@ -29,7 +29,9 @@ HILT = (sys.executable, "-c", "from hilt.agent.cli import main; main()")
 COMMAND = (*HILT, "evaluate", "paper", "--json")
 
 
-def journaled(folder: Path, experiment: Squares, *, resume: bool = False) -> tuple[CaseRun, ...]:
+def journaled(
+    folder: Path, experiment: Squares, *, resume: bool = False
+) -> tuple[TimedResult, ...]:
     """Run an experiment, or go on with it, with its journal in a folder."""
     cases = experiment.cases()
     with RunJournal(folder, experiment, cases, resume=resume) as journal:

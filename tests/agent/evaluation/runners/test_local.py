@@ -11,9 +11,9 @@ from hilt.agent.evaluation.case import CaseResult
 from hilt.agent.evaluation.experiment import Experiment
 from hilt.agent.evaluation.experiments.registry import make_experiment
 from hilt.agent.evaluation.runners.base import Runner
-from hilt.agent.evaluation.runners.execution import make_runner, run_experiment
+from hilt.agent.evaluation.runners.experiment_run import make_runner, run_experiment
 from hilt.agent.evaluation.runners.local import ProcessRunner, SerialRunner
-from hilt.ontology.errors import DataError, UnknownNameError, WorkersError
+from hilt.ontology.errors import DataError, UnknownNameError, WorkersUnavailableError
 
 
 def results(experiment: Experiment, runner: Runner) -> list[CaseResult]:
@@ -76,7 +76,7 @@ def test_workers_that_cannot_start_are_told(monkeypatch: pytest.MonkeyPatch):
     experiment = Squares(count=3)
     monkeypatch.setattr(Squares, "name", "evaluation_faults:Nothing")
 
-    with pytest.raises(WorkersError, match="A worker process could not be started"):
+    with pytest.raises(WorkersUnavailableError, match="A worker process could not be started"):
         run_experiment(experiment, runner=ProcessRunner(2))
 
 

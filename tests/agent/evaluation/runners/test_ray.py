@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from evaluation_faults import Squares, notes
 
-from hilt.agent.evaluation.runners.execution import make_runner
-from hilt.ontology.errors import MissingExtraError, WorkersError
+from hilt.agent.evaluation.runners.experiment_run import make_runner
+from hilt.ontology.errors import MissingExtraError, WorkersUnavailableError
 
 NODES = Path(__file__).parents[1] / "evaluation_nodes.py"
 COUNT = 80
@@ -61,5 +61,7 @@ def test_cluster_that_does_not_answer_is_told():
     pytest.importorskip("ray", reason="Ray is not installed")
     runner = make_runner(ray="127.0.0.1:1")
 
-    with pytest.raises(WorkersError, match=r'No Ray cluster at "127\.0\.0\.1:1": .*refused'):
+    with pytest.raises(
+        WorkersUnavailableError, match=r'No Ray cluster at "127\.0\.0\.1:1": .*refused'
+    ):
         list(runner.run(Squares(), Squares().cases()))

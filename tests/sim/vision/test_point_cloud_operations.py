@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from hilt.sim.vision.point_clouds import farthest_points, voxel_downsample
+from hilt.sim.vision.point_cloud_operations import farthest_points, voxel_downsample
 
 
 def test_downsampling_keeps_one_point_of_each_voxel():

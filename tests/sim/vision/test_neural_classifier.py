@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.sim.vision.classifier import (
+from hilt.sim.vision.neural_classifier import (
     MAX_LIMIT_RATIO,
     Classifier,
     NoveltyDetector,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hilt.inference.evidence import (
+from hilt.inference.interval_operators import (
     CONJUNCTIONS,
     FUSIONS,
     MODUS_PONENS,

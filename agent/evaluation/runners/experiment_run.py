@@ -18,7 +18,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from ..case import Case, CaseRun
+from ..case import Case, TimedResult
 from ..experiment import Experiment
 from .base import TIMEOUT_S, Runner
 from .journal import RunJournal
@@ -54,7 +54,7 @@ def run_experiment(
     runner: Runner | None = None,
     journal: RunJournal | None = None,
     console: Console | None = None,
-) -> tuple[CaseRun, ...]:
+) -> tuple[TimedResult, ...]:
     """Run an experiment, or resume it, and return the results of all cases in their order.
 
     Args:
@@ -79,7 +79,7 @@ def run_experiment(
     return ordered
 
 
-class RateColumn(ProgressColumn):
+class SpeedColumn(ProgressColumn):
     """The rate in cases per second, or in seconds per case where they are slow."""
 
     def render(self, task: Task) -> Text:
@@ -106,7 +106,7 @@ def show_progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
-        RateColumn(),
+        SpeedColumn(),
         TimeRemainingColumn(compact=True),
         TextColumn("left"),
     )

@@ -8,7 +8,7 @@ import pytest
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.sparql.results import QueryLimits
-from hilt.kb.update import update
+from hilt.kb.sparql_update import update
 from hilt.ontology.errors import QueryError, ValidationError
 
 TRUST = """

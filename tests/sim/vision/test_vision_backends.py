@@ -10,8 +10,8 @@ from hilt.ontology.errors import UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
-from hilt.sim.vision.perception_noise import NoiseLevels, NoisyVision
-from hilt.sim.vision.sensors import SOURCES, open_vision
+from hilt.sim.vision.perception_noise import NoiseLevels, NoisyDetector
+from hilt.sim.vision.vision_backends import SOURCES, open_vision
 
 pytestmark = pytest.mark.sim
 
@@ -43,7 +43,7 @@ def test_every_source_works_with_noise(world: World, source: str):
     """With 1 mm of depth noise all objects are detected, but perhaps not a nail."""
     noise = NoiseLevels(depth_m=0.001, seed=1)
 
-    percepts = NoisyVision(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
+    percepts = NoisyDetector(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
         ALL
     )
 

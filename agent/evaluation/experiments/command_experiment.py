@@ -25,7 +25,7 @@ from ...dialogue.reply import Reply
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..scenarios import ACTIONS, LearningScenario, command, load_scenarios
+from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 
 GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
@@ -33,7 +33,7 @@ GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested,
 
 @dataclass(frozen=True)
 class DecisionExperiment(Experiment):
-    """Scenarios x scenes x commands.
+    """An experiment that gives each command in each scene to an agent taught each scenario.
 
     Attributes:
         sim: whether a simulated robot executes its decisions.

@@ -11,7 +11,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.scene.scene import graspable, parse_scene
 from hilt.sim.scene.world import World
-from hilt.sim.vision.detector import FULL_CONFIDENCE, MaskDetector, smooth_depth
+from hilt.sim.vision.mask_detector import FULL_CONFIDENCE, MaskDetector, smooth_depth
 from hilt.sim.vision.percept import PartPercept, Percept, visible_features
 from hilt.sim.vision.perception_noise import NoiseLevels
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses import Array
-from .point_clouds import Integers, farthest_points
+from .point_cloud_operations import Integers, farthest_points
 
 RATE = 0.003  # of the first steps; falls to zero in half a cosine
 DECAY = 1e-4

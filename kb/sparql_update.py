@@ -24,16 +24,16 @@ from .knowledge_base import FORMAT, KnowledgeBase, base_format
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
+from .sparql.query_text import delete_insert, join_updates, with_prefixes
 from .sparql.results import QueryLimits
 from .sparql.safety import refuse_external_access, refuse_nondeterminism
-from .sparql.text import delete_insert, join_updates, with_prefixes
 from .stores.base import Store
 from .stores.query_subprocess import REPORT, WorkerProcess
 from .validation import BASE_GRAPHS, check_invariants, rule_nodes
 from .writer import speaker_quads, to_milliseconds
 
 KIND = "update"  # of the utterance that keeps it in the history
-WORKER = f"{__package__}.update"
+WORKER = f"{__package__}.sparql_update"
 
 
 def update(

@@ -37,7 +37,7 @@ class AnnotatedEdge(NamedTuple):
     object: Term
 
 
-class Reification(NamedTuple):
+class ReifyingTriple(NamedTuple):
     """The statement that a node reifies an edge."""
 
     subject: Iri
@@ -46,7 +46,7 @@ class Reification(NamedTuple):
     graph: Iri | None = None
 
 
-def expand_annotations(statements: Iterable[Quad | Reification], *, source: str) -> list[Quad]:
+def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: str) -> list[Quad]:
     """Statements, with every annotated edge replaced by the properties of a rule.
 
     Raises:
@@ -86,7 +86,7 @@ _PLAIN_EDGES = frozenset((*_FUNCTORS, term("affords")))
 
 
 def _split_edges(
-    statements: Iterable[Quad | Reification], source: str
+    statements: Iterable[Quad | ReifyingTriple], source: str
 ) -> tuple[list[Quad], dict[Iri, list[AnnotatedEdge]]]:
     plain: list[Quad] = []
     edges: dict[Iri, list[AnnotatedEdge]] = {}

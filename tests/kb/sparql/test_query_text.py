@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.kb.sparql.text import bind_variables, query_form, syntax_message
+from hilt.kb.sparql.query_text import bind_variables, query_form, syntax_message
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from hilt.agent.evaluation.runners.execution import RateColumn, show_progress
+from hilt.agent.evaluation.runners.experiment_run import SpeedColumn, show_progress
 
 
 def shown(*, terminal: bool, begun: int) -> str:
@@ -41,4 +41,4 @@ def test_rate_is_told_as_people_would(speed: float | None, expected: str):
     bar.add_task("paper", total=4)
     bar.tasks[0].finished_speed = speed
 
-    assert RateColumn().render(bar.tasks[0]) == Text(expected)
+    assert SpeedColumn().render(bar.tasks[0]) == Text(expected)

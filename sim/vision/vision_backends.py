@@ -18,7 +18,7 @@ from ...ontology.errors import UnknownNameError
 from ..poses import Array
 from ..scene.world import FLOOR, TABLE, World
 from .camera import CameraImage
-from .detector import MaskDetector
+from .mask_detector import MaskDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
 

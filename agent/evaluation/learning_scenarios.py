@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlValue, read_yaml
+from ...ontology.yaml_reader import YamlNode, read_yaml
 
 SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
 LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
@@ -23,7 +23,7 @@ CONTEXTS = tuple(_INFINITIVES)  # the actions that grasp
 
 @dataclass(frozen=True)
 class LearningScenario:
-    """A learning scenario.
+    """The rules that are taught in one learning scenario of the paper (section 4.1).
 
     Attributes:
         name: "A" or "B".
@@ -95,11 +95,11 @@ def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[LearningScenario, Learn
     return scenario, scenario.mirrored("B")
 
 
-def _levels(spec: YamlValue) -> dict[str, tuple[str, ...]]:
+def _levels(spec: YamlNode) -> dict[str, tuple[str, ...]]:
     return {level: names.texts() for level, names in spec.entries(optional=LEVELS).items()}
 
 
-def _parts(spec: YamlValue) -> dict[str, str]:
+def _parts(spec: YamlNode) -> dict[str, str]:
     return {context: part.text() for context, part in spec.entries(optional=_INFINITIVES).items()}
 
 

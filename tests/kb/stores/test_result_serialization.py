@@ -14,7 +14,7 @@ from rdflib.query import Result
 
 from hilt.kb.rdf.terms import Literal, Quad
 from hilt.kb.sparql.results import BooleanResult, ConstructResult, SelectResult, read_solutions
-from hilt.kb.stores.result_formats import FORMATS, write_result
+from hilt.kb.stores.result_serialization import FORMATS, write_result
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
 

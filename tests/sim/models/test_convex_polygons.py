@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.sim.models.polygons import area, convex_hull, distance
+from hilt.sim.models.convex_polygons import area, convex_hull, distance
 
 coordinates = st.floats(-1, 1).map(lambda x: round(x, 3))
 clouds = st.lists(st.tuples(coordinates, coordinates), min_size=5, max_size=12, unique=True)

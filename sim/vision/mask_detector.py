@@ -21,8 +21,8 @@ from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
 from .percept import PartPercept, Percept, visible_features
 from .perception_noise import NoiseLevels, with_depth_noise
-from .point_clouds import voxel_downsample
-from .region_of_interest import RegionOfInterest
+from .point_cloud_operations import voxel_downsample
+from .region_of_interest import RegionRenderer
 
 FULL_CONFIDENCE = 0.95  # in a fully visible object; even that may be a good likeness
 FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views differ that much
@@ -56,7 +56,7 @@ class MaskDetector:
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera."""
         if self.room:
-            region = RegionOfInterest.around(self.kinds, self.engine, room=self.room)
+            region = RegionRenderer.around(self.kinds, self.engine, room=self.room)
             images = [region.capture(camera) for camera in self.cameras]
         else:
             images = [camera.capture(self.engine) for camera in self.cameras]
