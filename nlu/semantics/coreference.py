@@ -106,7 +106,7 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """
     discourse = discourse.accessible
     form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)
-    form = form.mapped(_with_each_material)
+    form = form.mapped(_with_each_material).mapped(_with_each_part)
     if THEY in form:
         return _resolve_they(form, discourse)
     if len(discourse.named) > 1 and discourse.object != THEY:
@@ -196,6 +196,21 @@ def _with_each_material(form: PredicateForm) -> PredicateForm | None:
     use, several = form.arguments
     each = (PredicateForm("of", (use, material)) for material in several.arguments)
     return PredicateForm(several.name, tuple(part.mapped(_with_each_material) for part in each))
+
+
+def _with_each_part(form: PredicateForm) -> PredicateForm | None:
+    """A rule on `butNot(handle, blade)` as one on `butNot` of two grasps; an act on the first."""
+    if form.name not in {"implies", "holding", "graspObject", "correctPart", "fillPart"}:
+        return None
+    act = form.arguments[1] if form.name == "implies" else form
+    several = next((part for part in act if part.name == "butNot"), None)
+    if several is None or (form.name == "implies" and act.name != "graspObject"):
+        return None
+    each = tuple(act.mapped(_replacing(several, part)) for part in several.arguments)
+    if form.name != "implies":
+        return each[0]
+    context, _, degree = form.arguments
+    return PredicateForm("implies", (context, PredicateForm("butNot", each), degree))
 
 
 def _resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:

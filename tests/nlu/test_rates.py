@@ -26,7 +26,6 @@ LEAST_OF = {"far_voices.jsonl": 0.65}
 OTHERWISE = {
     "do you have something I could cut with?": "a question, not a request",
     "what would you use for cutting": "the best object, not all objects",
-    "To pass a shoe, please be so kind and take it by the sole, not by the upper.": "one rule",
     "My hands are full, so you grab the ladle by the handle.": "a rule, not a command",
     "How sure are you about that one?": "the last rule, which is not named",
     "Mugs hold things, so they're for containing, and the same goes for glasses.": "holding, too",

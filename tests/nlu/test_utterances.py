@@ -46,7 +46,15 @@ def check(language: Language, text: str, before: str | None, group: dict[str, ob
 
 @pytest.mark.parametrize(
     ("text", "before", "group"),
-    cases("paper", "paraphrases", "commands", "conversation", "materials", "attitudes"),
+    cases(
+        "paper",
+        "paraphrases",
+        "commands",
+        "constructions",
+        "conversation",
+        "materials",
+        "attitudes",
+    ),
 )
 def test_an_utterance_means_what_it_should(
     language: Language, text: str, before: str | None, group: dict[str, object]
