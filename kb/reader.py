@@ -163,11 +163,15 @@ class RuleReader:
         return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
 
     def match_speaker(self, speaker: str) -> str:
-        """The known speaker whose name matches, whatever the case; else the name as given."""
+        """The known speaker whose name matches, whatever the case; else the name as given.
+
+        Known are those whom somebody trusted or not, and those whose words were reported.
+        """
         if self.trust(speaker) is not None:
             return speaker
-        known = {name.casefold(): name for name in reversed(self.trust_by_speaker())}
-        return known.get(speaker.casefold(), speaker)
+        typed = self.store.quads(None, rule_mapping.TYPE, term("Speaker"), BELIEFS)
+        names = sorted((split(quad.subject)[1] for quad in typed), reverse=True)
+        return {name.casefold(): name for name in names}.get(speaker.casefold(), speaker)
 
     def speakers(self) -> tuple[str, ...]:
         """The speakers with a trust above 0, sorted."""

@@ -63,6 +63,7 @@ class RuleWriter:
         answer: str = "",
         heard: float = 1.0,
         time: datetime | None = None,
+        source: str | None = None,
     ) -> Utterance:
         """Add an utterance and the rules it asserts; durable when this returns.
 
@@ -70,14 +71,15 @@ class RuleWriter:
         speaker is to be believed (`trust`).
 
         The arguments are those of `Utterance`; its time is now by default. The rules are
-        attributed to its speaker, and `words` are new words that were learned from it. `heard` is
-        already part of the intervals of the rules.
+        attributed to its speaker, or to the `source` whose words the speaker reports; `words` are
+        new words that were learned from it. `heard` is already part of the intervals of the rules.
 
         Raises:
             UnknownNameError: a rule to retract does not exist.
             StoreError: it could not be written; nothing has changed.
         """
-        asserted = {rule.id: rule for rule in (replace(one, speaker=speaker) for one in rules)}
+        teller = source or speaker
+        asserted = {rule.id: rule for rule in (replace(one, speaker=teller) for one in rules)}
         utterance = Utterance(
             0,
             text,
@@ -93,6 +95,7 @@ class RuleWriter:
         )
         with self._store.writing():
             change = _Change()
+            change.insert += speaker_quads(source, BELIEFS) if source else []
             for word in words:
                 change.insert += word_quads(word, self._reader.sequence + 1)
             return self._write(utterance, list(asserted.values()), change)

@@ -14,7 +14,13 @@ from ..execution.outcome import SpokenAnswer
 from .conversation import Conversation, DialogueTurn
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import lesson_from_statement, rules_to_retract, word_to_keep
+from .teaching import (
+    lesson_from_statement,
+    reporter_of,
+    rules_to_retract,
+    trust_in,
+    word_to_keep,
+)
 
 
 class BeliefRevision:
@@ -36,8 +42,7 @@ class BeliefRevision:
         taught = lesson_from_statement(
             self._base, said, turn.speaker, turn.heard, conversation.topic
         )
-        trust = self._base.trust(turn.speaker)
-        weight = trust.lower if trust else 0.0
+        weight = trust_in(self._base, taught.source or turn.speaker)
         words = (*turn.understood.new_words, *self._new_names(said, turn))
         describe = conversation.knowledge(turn).describe
         echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
@@ -52,6 +57,7 @@ class BeliefRevision:
             kind=turn.understood.kind,
             answer=spoken,
             heard=turn.heard,
+            source=taught.source,
         )
         conversation.learn_words(words)
         told = tuple(self._base.rule(rule.id) for rule in taught.rules)
@@ -62,7 +68,7 @@ class BeliefRevision:
         """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
         conversation = self._conversation
         rules = rules_to_retract(self._base, said, turn.speaker, conversation.topic)
-        own = [rule for rule in rules if rule.speaker == turn.speaker]
+        own = [rule for rule in rules if turn.speaker in self._tellers(rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
@@ -91,6 +97,10 @@ class BeliefRevision:
         conversation.learn_words(words)
         conversation.open_question = OpenQuestion(turn.speaker)
         return conversation.reply(turn, spoken)
+
+    def _tellers(self, rule: Rule) -> tuple[str, str]:
+        """Who may take a rule back: who says it, and who reported it."""
+        return rule.speaker, reporter_of(self._base, rule)
 
     def _new_names(self, said: meaning.Statement, turn: DialogueTurn) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""

@@ -20,6 +20,7 @@ from ..execution.outcome_answer import use_slot
 from .answer_sources import Answered, Knowledge, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
+from .teaching import reporter_of
 
 SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
@@ -83,6 +84,9 @@ def _is_used_for(question: Question, known: Knowledge) -> Answered:
             return spoken("is_not_used_for", done=True, **slots), ()
         said = tuple(known.quote(rule) for rule in others)
         return spoken("is_used_otherwise", done=True, rules=said, **slots), tuple(others)
+    if not rules[0].trust:
+        slots = {"rule": known.describe(rules[0]), "speaker": rules[0].speaker}
+        return spoken("hardly_sure", done=True, **slots), (rules[0],)
     key = "is_used_for" if rules[0].asserts else "is_denied"
     return _told(key, rules[0], known), (rules[0],)
 
@@ -113,8 +117,12 @@ def _source(question: Question, known: Knowledge) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
         return spoken("no_source"), ()
-    text = known.base.utterance(rules[0].utterance).text
-    return spoken("source", done=True, speaker=rules[0].speaker, texts=text), (rules[0],)
+    rule, text = rules[0], known.base.utterance(rules[0].utterance).text
+    reporter = reporter_of(known.base, rule)
+    if reporter == rule.speaker:
+        return spoken("source", done=True, speaker=reporter, texts=text), (rule,)
+    people = {"source": rule.speaker, "speaker": reporter}
+    return spoken("source_of_report", done=True, texts=text, **people), (rule,)
 
 
 def _what_if(question: Question, known: Knowledge) -> Answered:
@@ -261,9 +269,10 @@ def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
 
 
 def _sources(rules: Sequence[Rule], known: Knowledge) -> dict[str, tuple[str, ...]]:
-    """Who told rules, and in which words, each once."""
+    """Who told Hilt some rules, and in which words, each once."""
     texts = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
-    return {"speakers": tuple(dict.fromkeys(rule.speaker for rule in rules)), "texts": texts}
+    speakers = dict.fromkeys(reporter_of(known.base, rule) for rule in rules)
+    return {"speakers": tuple(speakers), "texts": texts}
 
 
 def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:

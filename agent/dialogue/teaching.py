@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from ...kb.history import IMPORT
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_words import LearnedWord
 from ...kb.rule import Atom, Rule
@@ -36,14 +37,17 @@ class Lesson:
     """What one statement teaches.
 
     Attributes:
-        rules: the rules to assert, discounted by the confidence of the recogniser.
+        rules: the rules to assert, discounted by the confidence of the recogniser; those that the
+            speaker reports are discounted by the trust in the speaker, too.
         supersedes: rules of the same speaker that they replace.
         is_known: whether all of it was known already.
+        source: whom the speaker reports; None when the rules are the speaker's own.
     """
 
     rules: tuple[Rule, ...]
     supersedes: tuple[Rule, ...]
     is_known: bool
+    source: str | None = None
 
     def echo(
         self,
@@ -55,16 +59,18 @@ class Lesson:
     ) -> Iterator[SpokenAnswer]:
         """The confirmation of what was learned, new words included.
 
-        `trust` in the speaker and how well they were `heard` are in [0, 1].
+        `trust` in the one whose rules they are and how well the speaker was `heard` are in [0, 1].
         """
         key = "revised" if self.supersedes else "learned"
         if trust < 1.0:
             key = "learned_doubtfully"
         elif heard < 1.0:
             key = "learned_unclearly"
+        if self.source:
+            key = "learned_report" if trust else "learned_unknown_report"
         rules = tuple(map(describe, self.rules))
         key = "known_already" if self.is_known else key
-        yield SpokenAnswer(key, {"rules": rules, "speaker": speaker})
+        yield SpokenAnswer(key, {"rules": rules, "speaker": self.source or speaker})
         if words:
             yield SpokenAnswer("learned_words", {"words": tuple(word.word for word in words)})
 
@@ -76,8 +82,14 @@ def lesson_from_statement(
     heard: float,
     topic: Sequence[Rule] = (),
 ) -> Lesson:
-    """Return what a statement teaches to a base."""
-    rules = tuple(rule_from_meaning(each, speaker, heard) for each in said.rules)
+    """Return what a statement teaches to a base.
+
+    What somebody told the speaker is discounted by the trust in the speaker now, and by the trust
+    in that person when it is used.
+    """
+    source = base.match_speaker(said.source) if said.source else None
+    weight = heard * trust_in(base, speaker) if source else heard
+    rules = tuple(rule_from_meaning(each, source or speaker, weight) for each in said.rules)
     before = _earlier(base, rules)
     known = {rule.id for rule in before}
     corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
@@ -88,7 +100,22 @@ def lesson_from_statement(
         rules,
         supersedes,
         not supersedes and all(rule.id in known for rule in rules),
+        source,
     )
+
+
+def trust_in(base: KnowledgeBase, speaker: str) -> float:
+    """Return the lower bound of the trust in a speaker, 0 where nobody has set it."""
+    trust = base.trust(speaker)
+    return trust.lower if trust else 0.0
+
+
+def reporter_of(base: KnowledgeBase, rule: Rule) -> str:
+    """Return who told Hilt a rule: its speaker, or who reported what its speaker said."""
+    if rule.utterance is None:
+        return rule.speaker
+    said = base.utterance(rule.utterance)
+    return rule.speaker if said.kind == IMPORT else said.speaker
 
 
 def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:

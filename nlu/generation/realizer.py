@@ -8,7 +8,7 @@ parts of it are filled. Articles, plurals and verbs come from the inflection and
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -90,6 +90,9 @@ class Realizer:
         return self._say("rules", "revised", rule=text) if revises else text
 
     def _rule(self, rule: Rule, *, reported: bool = False) -> str:
+        if rule.source:
+            text = self._rule(replace(rule, source=None), reported=True)
+            return self._say("rules", "told", source=rule.source, rule=text)
         slots = {"often": self._often(rule.confidence)}
         if isinstance(rule, FunctionalRule):
             use = self.answers.use_phrase(rule.affordance, rule.material)

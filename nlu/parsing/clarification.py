@@ -8,7 +8,7 @@ meanings) or asks a question: whether a known word was meant that is one letter 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 
@@ -111,8 +111,8 @@ class Clarification:
         answer = licence.outcome(reading.meaning, reading.features)
         if answer == ACCEPT:
             return licence.weakened(reading.meaning, reading.features)
-        meant = self._choice(reading.meaning)
-        return AskBack(self.answers.say(answer, meant=meant), (reading.meaning,))
+        own = _as_own(reading.meaning)
+        return AskBack(self.answers.say(answer, meant=self._choice(own)), (own,))
 
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
         """The question whether an unknown word is a misspelled known one, None when none is."""
@@ -193,3 +193,10 @@ class Clarification:
 
         ranked = sorted(self.examples, key=similarity, reverse=True)
         return tuple(each for each in ranked[:MAX_NEAREST] if similarity(each) > 0)
+
+
+def _as_own(meaning: Meaning) -> Meaning:
+    """A meaning as the speaker's own words: "Do you say so, too?"."""
+    if not isinstance(meaning, Statement):
+        return meaning
+    return Statement(tuple(replace(rule, source=None) for rule in meaning.rules))

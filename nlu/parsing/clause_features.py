@@ -18,6 +18,7 @@ from ..lexicon.vocabulary import NewWord
 from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, UtteranceFeatures
 from ..semantics.meaning import ActionRule, Command, FunctionalRule, Meaning, Statement, ToolCommand
 from .chart import Derivation
+from .derivation import lexical_entries
 
 
 def features_of(
@@ -31,7 +32,18 @@ def features_of(
     words = list(_words(reader, derivation, tokens.words, MAIN))
     found = reader.features(words, tokens.removed)
     named = dict(features_of_names(reader, tokens.words, meaning, new_words))
+    source = meaning.source if isinstance(meaning, Statement) else None
+    if source and not _is_person(reader, derivation, tokens.words, source):
+        named["source"] = frozenset({"other"})
     return replace(found, main={**found.main, **named}) if named else found
+
+
+def _is_person(
+    reader: FeatureReader, derivation: Derivation, words: Sequence[str], name: str
+) -> bool:
+    """Whether who told something is a person with a name."""
+    new = {entry.name for entry in lexical_entries(derivation) if entry.role == "person"}
+    return reader.is_person(name, _before(words, name, 1), is_new=name in new)
 
 
 def _words(

@@ -155,7 +155,7 @@ class SentenceParser:
         if tokens.asks and (act == "FRAGMENT" or form.name in FRAGMENTS):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = _act_with_question_mark(act, form, tokens)
-        if act == "QUESTION" and form.name in {"implies", "and"}:
+        if act == "QUESTION" and form.name in {"implies", "and", "says"}:
             form = PredicateForm("isTrue", (form,))
         speech_act = PredicateForm(
             act, (PredicateForm(context.speaker), PredicateForm(context.addressee), form)
@@ -214,4 +214,4 @@ def _act_with_question_mark(act: str, form: PredicateForm, tokens: Tokens) -> st
         return act
     if act == "INSTRUCT":
         raise RefusedError("as_question", asks=True)
-    return "QUESTION" if act == "STATEMENT" and form.name in {"implies", "and"} else act
+    return "QUESTION" if act == "STATEMENT" and form.name in {"implies", "and", "says"} else act

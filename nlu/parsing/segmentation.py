@@ -87,7 +87,7 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
     """All rules as one statement, None when they contradict each other or only some revise."""
     distinct = tuple(dict.fromkeys(_self_repaired(rules)))
-    if len({rule.revises for rule in distinct}) > 1:
+    if len({(rule.revises, rule.source) for rule in distinct}) > 1:
         return None
     return None if is_contradictory(distinct) else Statement(distinct)
 

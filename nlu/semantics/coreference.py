@@ -388,7 +388,8 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
         discourse = discourse.naming(*named, last=mentioned)
     match meaning:
         case Statement(rules=rules):
-            return replace(discourse, rule=rules[-1], last=rules[-1])
+            last = replace(rules[-1], source=None)  # what completes it are the speaker's own words
+            return replace(discourse, rule=last, last=last)
         case Question(object=None, affordance=None):
             return discourse  # about Hilt or about what was just said
         case Question() | Command() | ToolCommand():

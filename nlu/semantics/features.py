@@ -32,7 +32,7 @@ NAMED: Values = {
 
 
 _KEYS = (
-    *("features", "conditions", "names", "nouns", "abstract_endings"),
+    *("features", "conditions", "names", "nouns", "abstract_endings", "nameless_endings"),
     *("part_words", "holding_words", "owners", "embedding", "determiners", "acts"),
 )
 
@@ -89,6 +89,7 @@ class FeatureReader:
         acts: gerunds of what is done to an object, which are no uses of another one.
         determiners: words of which one precedes the name of a thing that is asked for.
         endings: those of abstract nouns.
+        nameless_endings: those of words that hardly ever name a person.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
@@ -103,6 +104,7 @@ class FeatureReader:
     determiners: frozenset[str]
     acts: frozenset[str]
     endings: tuple[str, ...]
+    nameless_endings: tuple[str, ...]
 
     def features(
         self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]
@@ -134,6 +136,15 @@ class FeatureReader:
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
         return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(self.endings)
+
+    def is_person(self, name: str, before: Sequence[str], *, is_new: bool) -> bool:
+        """Whether a word is the name of a person, after those `before`: "Anna", but not "my aunt".
+
+        A new one must look like a name: "experience" and "experts" are none.
+        """
+        if self.has_feature(name) or not (self.determiners | self.owners).isdisjoint(before):
+            return False
+        return not is_new or not (self.is_abstract(name) or name.endswith(self.nameless_endings))
 
     def _found(self, words: Sequence[str]) -> Iterator[Values]:
         """The features of the phrases in some words, from left to right, the longest first."""
@@ -179,6 +190,7 @@ def load_features(path: Path) -> FeatureReader:
         determiners=_words(parts["determiners"]),
         acts=_words(parts["acts"]),
         endings=parts["abstract_endings"].texts(),
+        nameless_endings=parts["nameless_endings"].texts(),
     )
 
 

@@ -125,6 +125,8 @@ class Interpreter:
 
     def _statement(self, form: PredicateForm) -> Statement:
         rules = tuple(dict.fromkeys(self._rules(form)))
+        if len({rule.source for rule in rules}) > 1:
+            raise RefusedError("whose_words", asks=True)
         if is_contradictory(rules):
             raise RefusedError("contradiction", asks=True)
         return Statement(rules)
@@ -134,12 +136,21 @@ class Interpreter:
         if form.name == "and":
             for part in form.arguments:
                 yield from self._rules(part)
+        elif form.name == "says":
+            yield from self._reported(*form.arguments)
         elif form.name != "implies":
             raise RefusedError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
             yield self._action_rule(form)
         else:
             yield self._functional_rule(form)
+
+    def _reported(self, person: PredicateForm, content: PredicateForm) -> Iterator[Rule]:
+        """The rules that somebody told the speaker."""
+        for rule in self._rules(content):
+            if rule.source:
+                raise RefusedError("whose_words", asks=True)
+            yield replace(rule, source=_name(person))
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         """The rule that replaces an earlier one, or the retraction of a rule."""

@@ -47,6 +47,7 @@ class FunctionalRule(_Record):
         props: further properties that the object must have, sorted.
         revises: whether it replaces what was taught before.
         material: what it is used on ("bread", for cutting), or None for anything.
+        source: the person whose words the speaker reports ("anna"), or None for the speaker.
     """
 
     object: str
@@ -55,6 +56,7 @@ class FunctionalRule(_Record):
     props: tuple[str, ...] = ()
     revises: bool = False
     material: str | None = None
+    source: str | None = None
 
     def as_json(self) -> Json:
         """Return the rule as a JSON object."""
@@ -68,7 +70,7 @@ class ActionRule(_Record):
     Attributes:
         context: the action during which the rule holds ("pass", "pickUp", ...).
         part: the part to grasp.
-        object, confidence, props, revises: as of a `FunctionalRule`.
+        object, confidence, props, revises, source: as of a `FunctionalRule`.
     """
 
     object: str
@@ -77,6 +79,7 @@ class ActionRule(_Record):
     confidence: Confidence
     props: tuple[str, ...] = ()
     revises: bool = False
+    source: str | None = None
 
     def as_json(self) -> Json:
         """Return the rule as a JSON object."""
@@ -111,9 +114,17 @@ def _restates(general: Rule, rule: Rule) -> bool:
 
 @dataclass(frozen=True)
 class Statement:
-    """One or more rules that the speaker wants believed, in the order they were said."""
+    """One or more rules that the speaker wants believed, in the order they were said.
+
+    All have the same source.
+    """
 
     rules: tuple[Rule, ...]
+
+    @property
+    def source(self) -> str | None:
+        """The person whose words the speaker reports, None for the speaker."""
+        return next((rule.source for rule in self.rules), None)
 
     @property
     def kind(self) -> str:

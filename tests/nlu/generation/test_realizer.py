@@ -157,6 +157,18 @@ def test_the_sentence_of_a_rule_teaches_it(language: Language, rule: Rule) -> No
     assert language.understand(text).kind == "statement"
 
 
+@settings(max_examples=100, deadline=None)
+@given(st.one_of(functional, action), st.sampled_from(["anna", "kim"]))
+def test_a_generated_report_is_parsed_to_its_meaning(
+    language: Language, told: Rule, source: str
+) -> None:
+    """The sentence says who told it."""
+    meaning = Statement((replace(told, source=source),))
+    text = language.generate(meaning)
+
+    assert language.understand(text).meaning == meaning, text
+
+
 @pytest.mark.parametrize(
     ("meaning", "text"),
     [

@@ -14,7 +14,7 @@ from hilt.ontology.errors import DataError
 EMPTY = (
     "conditions: []\nnames: []\nnouns: {part: [], abstract: []}\n"
     "part_words: []\nholding_words: []\nowners: []\nembedding: []\n"
-    "determiners: []\nacts: []\nabstract_endings: []\n"
+    "determiners: []\nacts: []\nabstract_endings: []\nnameless_endings: []\n"
 )
 
 
