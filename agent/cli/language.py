@@ -79,9 +79,13 @@ def check(
     *,
     as_json: AsJson = False,
 ) -> None:
-    """Check a lexicon file: every category declared, every term of the type it needs."""
-    before = sum(1 for _ in _session(None).language.lexicon.senses())
+    """Check a lexicon file: declared categories, terms of the right type, unmixed features."""
+    from ...nlu.semantics.spelling_features import check_spellings
+
+    language = _session(None).language
+    before = sum(1 for _ in language.lexicon.senses())
     entries = sum(1 for _ in _session(file).language.lexicon.senses()) - before
+    check_spellings(file, language.parser.features)
     found = {"file": str(file), "entries": entries}
     print_json(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
 

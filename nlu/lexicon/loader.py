@@ -37,7 +37,7 @@ _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
     *("constructions", "discourse_markers", "endings", "naming", "joining", "denying", "denied"),
-    *("insisting", "classes"),
+    *("insisting", "classes", "varies"),
 )
 
 

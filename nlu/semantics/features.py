@@ -90,6 +90,7 @@ class FeatureReader:
         determiners: words of which one precedes the name of a thing that is asked for.
         endings: those of abstract nouns.
         nameless_endings: those of words that hardly ever name a person.
+        defaults: the value of a feature that no words show, where it has one.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
@@ -105,6 +106,7 @@ class FeatureReader:
     acts: frozenset[str]
     endings: tuple[str, ...]
     nameless_endings: tuple[str, ...]
+    defaults: Values
 
     def features(
         self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]
@@ -112,6 +114,13 @@ class FeatureReader:
         """Return the features of an utterance by its words and the phrases taken out of it."""
         main, condition = (_joined(self._found(_of_clause(words, c))) for c in (MAIN, CONDITION))
         return self.with_asides(UtteranceFeatures(main, condition), removed)
+
+    def of_words(self, words: Sequence[str]) -> Values:
+        """The values of the features that some words have; of a feature with a default, always one.
+
+        A value that no words show is the default: `affirmative`, where nothing denies.
+        """
+        return {**self.defaults, **_joined(self._found(words))}
 
     def has_feature(self, word: str) -> bool:
         """Whether a word alone has a feature, so that it is no part of a name."""
@@ -167,8 +176,12 @@ def load_features(path: Path) -> FeatureReader:
     parts = read_yaml(path).entries(required=_KEYS, optional=())
     found: dict[tuple[str, ...], dict[str, frozenset[str]]] = {}
     values: dict[str, frozenset[str]] = {}
+    defaults: dict[str, frozenset[str]] = {}
     for feature, group in parts["features"].entries().items():
         values[feature] = frozenset(group.entries())
+        unmarked = {value for value, phrases in group.entries().items() if not phrases.items()}
+        if unmarked:
+            defaults[feature] = frozenset(unmarked)
         for value, phrases in group.entries().items():
             for item in phrases.items():
                 for phrase in spellings(item):
@@ -191,6 +204,7 @@ def load_features(path: Path) -> FeatureReader:
         acts=_words(parts["acts"]),
         endings=parts["abstract_endings"].texts(),
         nameless_endings=parts["nameless_endings"].texts(),
+        defaults=defaults,
     )
 
 

@@ -129,6 +129,20 @@ def test_a_mistake_in_a_lexicon_is_told(hilt: Run, tmp_path: Path) -> None:
     assert '"trowl" is neither bound nor declared' in err
 
 
+def test_a_pattern_that_mixes_values_of_a_feature_is_told(hilt: Run, tmp_path: Path) -> None:
+    """File, line, column, the pattern, and the two values; exit code 2."""
+    path = tmp_path / "garden.yaml"
+    path.write_text(
+        'words:\n  - {says: "(you|they) can [always]", is: "V/V : λv.v"}\n', encoding="utf-8"
+    )
+
+    code, out, err = hilt("lexicon", "check", str(path))
+
+    assert (code, out) == (2, "")
+    assert "garden.yaml:2:" in err
+    assert all(each in err for each in ('"(you|they) can [always]"', "agent", "addressee", "they"))
+
+
 def test_the_lexicon_is_listed(hilt: Run) -> None:
     """Words, category and term."""
     _, out, _ = hilt("lexicon", "list", "knife", "--json")

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Features of the spellings of a word file: a pattern has at most one value of each feature.
+
+"(you|they) hold it" says in one spelling that the robot does it and in another that others do. What
+an entry may become would then depend on which of its words were said. A file that lets a feature
+vary all the same (`varies: [agent]`) relies on its being read off the words of each sentence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import chain, islice
+from pathlib import Path
+
+from ...ontology.yaml_reader import YamlNode, read_yaml
+from ..grammar.word_patterns import compile_pattern, expand
+from .features import FeatureReader
+
+MAX_COMPARED = 20_000
+"""Spellings of one pattern that are compared."""
+
+Spelling = tuple[str, ...]
+
+
+def check_spellings(path: Path, reader: FeatureReader) -> None:
+    """Check that no pattern of a word file mixes two values of a feature.
+
+    Raises:
+        DataError: one does; says where, which values, and a spelling with each of them.
+    """
+    parts = read_yaml(path).entries()
+    varying = parts["varies"].texts(choices=reader.values) if "varies" in parts else ()
+    for pattern in _patterns(parts):
+        for feature, found in _features(pattern, reader).items():
+            mixed = _mixed(found) if feature not in varying else None
+            if mixed:
+                (one, spelling), (other, other_spelling) = mixed
+                raise pattern.fail(
+                    f'"{pattern.text()}" mixes two values of {feature}: {_shown(one - other)} in '
+                    f'"{" ".join(spelling)}" and {_shown(other - one)} in '
+                    f'"{" ".join(other_spelling)}". Write a pattern for each.'
+                )
+
+
+def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
+    """The patterns of words, constructions, word classes and discourse markers."""
+    for key in ("words", "constructions"):
+        for item in parts[key].items() if key in parts else ():
+            yield from item.entries(required=("says",))["says"].listed()
+    for key in ("classes", "discourse_markers"):
+        groups = parts[key].entries().values() if key in parts else ()
+        yield from chain.from_iterable(group.listed() for group in groups)
+
+
+def _features(
+    pattern: YamlNode, reader: FeatureReader
+) -> dict[str, dict[frozenset[str], Spelling]]:
+    """The values of each feature that spellings of a pattern have, each with one that has it."""
+    found: dict[str, dict[frozenset[str], Spelling]] = {}
+    spellings = list(islice(expand(compile_pattern(pattern.text())), MAX_COMPARED + 1))
+    if len(spellings) > MAX_COMPARED:
+        raise pattern.fail(f"stands for more than {MAX_COMPARED} spellings.")
+    for words in spellings:
+        for feature, values in reader.of_words(words).items():
+            found.setdefault(feature, {}).setdefault(values, words)
+    return found
+
+
+def _mixed(
+    found: Mapping[frozenset[str], Spelling],
+) -> tuple[tuple[frozenset[str], Spelling], tuple[frozenset[str], Spelling]] | None:
+    """Two spellings of which each has a value that the other has not; None when there are none."""
+    each = list(found.items())
+    pairs = ((one, other) for place, one in enumerate(each) for other in each[:place])
+    return next((two for two in pairs if two[0][0] - two[1][0] and two[1][0] - two[0][0]), None)
+
+
+def _shown(values: frozenset[str]) -> str:
+    return " and ".join(sorted(values))
