@@ -82,6 +82,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     utterance = _delegated("reader", RuleReader.utterance)
     history = _delegated("reader", RuleReader.history)
     words = _delegated("reader", RuleReader.words)
+    phrases = _delegated("reader", RuleReader.phrases)
     trust = _delegated("reader", RuleReader.trust)
     trust_by_speaker = _delegated("reader", RuleReader.trust_by_speaker)
     speakers = _delegated("reader", RuleReader.speakers)
@@ -92,6 +93,8 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     retract = _delegated("writer", RuleWriter.retract)
     set_trust = _delegated("writer", RuleWriter.set_trust)
     forget_word = _delegated("writer", RuleWriter.forget_word)
+    learn_phrase = _delegated("writer", RuleWriter.learn_phrase)
+    forget_phrase = _delegated("writer", RuleWriter.forget_phrase)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store, which is closed with the base; an empty one becomes a base.

@@ -28,6 +28,7 @@ from .rule import Atom, Status
 from .stores.base import Store
 
 LEXICON = iri("graph", "lexicon")
+WORD = term("Word")
 _FIELDS = {
     "atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
     "said": FieldProperty(TEXT, str),
@@ -71,7 +72,7 @@ def word_iri(atom: Atom) -> Iri:
 def word_quads(word: LearnedWord, utterance: int, *, status: Status = "active") -> Iterator[Quad]:
     """The statements about a word learned from an utterance."""
     node = word_iri(word.atom)
-    for kind in (term("Word"), external("ontolex:LexicalEntry")):
+    for kind in (WORD, external("ontolex:LexicalEntry")):
         yield Quad(node, TYPE, kind, LEXICON)
     yield Quad(node, LABEL, word.atom.name, LEXICON)
     yield Quad(node, STATUS, status_iri(status), LEXICON)
@@ -81,7 +82,11 @@ def word_quads(word: LearnedWord, utterance: int, *, status: Status = "active") 
 
 def read_words(store: Store) -> list[LearnedWord]:
     """The active words of a store, sorted by what they denote."""
-    nodes = [q.subject for q in store.quads(None, STATUS, status_iri("active"), LEXICON)]
+    nodes = [q.subject for q in store.quads(None, TYPE, WORD, LEXICON)]
     # As a dict, because a word that was learned again has several utterances.
     found = (group_properties(dict(store.properties(node, LEXICON)).items()) for node in nodes)
-    return sorted(LearnedWord(**read_fields(each, _FIELDS, "A word")) for each in found)
+    return sorted(
+        LearnedWord(**read_fields(each, _FIELDS, "A word"))
+        for each in found
+        if status_iri("active") in each[STATUS]
+    )

@@ -18,6 +18,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
 from .interval import Interval
+from .learned_phrases import LearnedPhrase, read_phrases
 from .learned_words import LearnedWord, read_words
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
@@ -148,6 +149,10 @@ class RuleReader:
     def words(self) -> list[LearnedWord]:
         """The learned words that were not revoked."""
         return read_words(self.store)
+
+    def phrases(self) -> list[LearnedPhrase]:
+        """The learned phrases that were not revoked."""
+        return read_phrases(self.store)
 
     @property
     def sequence(self) -> int:

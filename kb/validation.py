@@ -54,6 +54,7 @@ _GRAPHS = {
     "Episode": EPISODES,
     "Step": EPISODES,
     "Word": LEXICON,
+    "Phrase": LEXICON,
     "Base": BASE_GRAPH,
 }
 BASE_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)

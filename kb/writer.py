@@ -18,6 +18,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, term
 from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
 from .interval import Interval
+from .learned_phrases import LearnedPhrase, phrase_iri, phrase_quads
 from .learned_words import LEXICON, LearnedWord, word_iri, word_quads
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
@@ -184,6 +185,36 @@ class RuleWriter:
             moment = to_milliseconds(self.clock())
             self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
         return word
+
+    def learn_phrase(self, phrase: LearnedPhrase) -> None:
+        """Store a phrase that the last utterance confirmed; durable when this returns."""
+        with self._store.writing():
+            before = self._store.quads(phrase_iri(phrase.pattern), None, None, LEXICON)
+            change = _Change()
+            change.replace(before, phrase_quads(phrase, self._reader.sequence))
+            self._store.apply(insert=change.insert, delete=change.delete)
+
+    def forget_phrase(self, pattern: str, text: str, speaker: str) -> LearnedPhrase:
+        """Retract a learned phrase, whose node stays.
+
+        Args:
+            pattern: its pattern, or an utterance from which it was learned.
+            text: the utterance that retracts it, for the history.
+            speaker: who retracts it.
+
+        Raises:
+            NotFoundError: there is no such phrase.
+        """
+        with self._store.writing():
+            known = {each: p for p in self._reader.phrases() for each in (p.said, p.pattern)}
+            if pattern not in known:
+                raise NotFoundError("learned phrase", pattern, known)
+            phrase, change = known[pattern], _Change()
+            kept = phrase_quads(phrase, phrase.utterance or 0, status="retracted")
+            change.replace(self._store.quads(phrase_iri(phrase.pattern), None, None, LEXICON), kept)
+            moment = to_milliseconds(self.clock())
+            self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
+        return phrase
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None

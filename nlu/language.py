@@ -33,12 +33,14 @@ from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.learned_lexicon import LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
-from .lexicon.tokenizer import tokenize
+from .lexicon.tokenizer import Tokens, tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OfferChecks, load_check_words
 from .offers.choice_answers import load_choice_words
+from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import Offers, load_model
+from .offers.phrase_memory import NO_PHRASES, Phrase, PhraseMemory, phrase_from
 from .offers.typing_slips import is_misspelled
 from .parsing.clarification import Clarification
 from .parsing.parser import SentenceParser, UtteranceContext
@@ -84,6 +86,7 @@ class Language:
     Attributes:
         name: its folder.
         examples: sentences that are understood, each with its words.
+        phrases: turns of phrase that the grammar does not have, and whose meaning was confirmed.
     """
 
     name: str
@@ -95,6 +98,7 @@ class Language:
     inflection: Inflection
     degrees: Degrees
     controls: ControlPhrases
+    phrases: PhraseMemory = NO_PHRASES
 
     @classmethod
     @paused_garbage_collection()
@@ -203,26 +207,51 @@ class Language:
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         found = self.utterance_parser.understand(text, context, accepted)
-        question = self._offered(text, context, found.meaning)
-        found = replace(found, meaning=question) if question else found
+        if _is_not_understood(found.meaning, text):
+            found = self._by_phrase(text, context) or self._with_offers(found, context)
         if not isinstance(found.meaning, AskBack):
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
 
-    def _offered(self, text: str, context: UtteranceContext, said: Meaning) -> AskBack | None:
-        """The question which meaning an utterance has that was not understood."""
-        match said:
-            case Misunderstanding(where=where, expected=()) if where == text.strip():
-                return None  # it was understood as a whole
-            case Misunderstanding() | AskBack(choices=() | (str(),)):
-                tokens = tokenize(text, self.builder.contractions)
-            case _:
-                return None
-        is_slip = isinstance(said, AskBack) and bool(said.choices)
+    def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
+        """An utterance that is not understood, with the question which meaning it has."""
+        tokens = self._tokens(found.text)
+        is_slip = isinstance(found.meaning, AskBack) and bool(found.meaning.choices)
         if is_slip and not is_misspelled(tokens, self.offers.known):
-            return None
+            return found
         at_point = replace(context, discourse=context.discourse.accessible)
-        return self.offers.question(tokens, at_point)
+        question = self.offers.question(tokens, at_point)
+        return replace(found, meaning=question) if question else found
+
+    def _by_phrase(self, text: str, context: UtteranceContext) -> Understanding | None:
+        """What an utterance means that is a turn of phrase whose meaning was confirmed."""
+        if not self.phrases.phrases:
+            return None
+        mentions = self.offers.mentions(self._tokens(text), Discourse())
+        meaning = self.phrases.meaning(mentions)
+        if meaning is None:
+            return None
+        sentence = self.generate(meaning_from_json(meaning))
+        found = self.utterance_parser.understand(sentence, context, ())
+        return replace(found, text=text) if found.meaning.as_json() == meaning else None
+
+    def phrase_of(self, text: str, meaning: Meaning) -> Phrase | None:
+        """Return the turn of phrase by which a text has a confirmed meaning.
+
+        It is None where the phrase is not to be learned: too short, with a word that is not known,
+        or with a name that the meaning does not have.
+        """
+        tokens = self._tokens(text)
+        unknown = (token.word for token in self.offers.known.unknown(tokens))
+        mentions = self.offers.mentions(tokens, Discourse())
+        return phrase_from(mentions, meaning.as_json(), self.tool_acts, unknown)
+
+    def with_phrases(self, phrases: Iterable[Phrase]) -> Language:
+        """Return this language with further turns of phrase."""
+        return replace(self, phrases=self.phrases.with_phrases(phrases))
+
+    def _tokens(self, text: str) -> Tokens:
+        return tokenize(text, self.builder.contractions)
 
     @cached_property
     def offers(self) -> Offers:
@@ -363,6 +392,17 @@ class Session:
         for text in texts:
             _, session = session.hear(text, speaker=speaker)
         return session
+
+
+def _is_not_understood(meaning: Meaning, text: str) -> bool:
+    """Whether an utterance may have a meaning that the grammar did not find."""
+    match meaning:
+        case Misunderstanding(where=where, expected=()):
+            return where != text.strip()  # else it was understood as a whole
+        case Misunderstanding() | AskBack(choices=() | (str(),)):
+            return True
+        case _:
+            return False
 
 
 def _folder(language: str) -> Path:

@@ -24,7 +24,17 @@ INDIVIDUALS = "https://w3id.org/hilt/"
 # Kinds of atoms in rules.
 ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance", "material")
 # Kinds of records in the graph.
-RECORD_KINDS = ("node", "functor", "rule", "utterance", "speaker", "episode", "step", "word")
+RECORD_KINDS = (
+    "node",
+    "functor",
+    "rule",
+    "utterance",
+    "speaker",
+    "episode",
+    "step",
+    "word",
+    "phrase",
+)
 KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")
 
 # The named graphs of a knowledge base; `base` holds its format version and sequence number.

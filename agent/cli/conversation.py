@@ -147,9 +147,9 @@ def chat(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> Non
 
 @app.command(epilog=example("words --json"))
 def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
-    """List the words that were learned, with their teachers."""
+    """List the words and the turns of phrase that were learned, with their teachers."""
     from ..presentation import console
 
     with open_for_reading(kb) as base:
-        found = base.words()
+        found = [*base.words(), *base.phrases()]
     show(found, console.words, as_json=as_json)

@@ -55,9 +55,9 @@ def forget(
     what: Annotated[
         list[str],
         typer.Argument(
-            metavar="RULE|last|word WORD",
+            metavar="RULE|last|word WORD|phrase PHRASE",
             help='A rule by its id or the first digits of it (see "hilt rules"), the last sentence '
-            "that taught something, or a learned word.",
+            "that taught something, or a learned word or phrase.",
         ),
     ],
     *,
@@ -65,7 +65,7 @@ def forget(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Take back a rule, the last thing that was told, or a learned word; the history keeps it."""
+    """Take back a rule, what was told last, or a learned word or phrase; the history keeps it."""
     from ...kb.diff import rule_changes
 
     with open_base(kb) as base:
@@ -210,12 +210,19 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
         case ["word", name]:
             base.forget_word(name, said, speaker)
             return f'Forgot the word "{name}".'
+        case ["phrase"]:
+            raise typer.BadParameter('Which phrase? "hilt words" lists those that were learned.')
+        case ["phrase", *words]:
+            phrase = base.forget_phrase(" ".join(words), said, speaker)
+            return f'Forgot the phrase "{phrase.pattern}".'
         case ["last"]:
             gone = last_taught_rules(base.reader, speaker)
         case [name]:
             gone = [find_rule(base.reader, name)]
         case _:
-            raise typer.BadParameter('Expected RULE, "last", or "word" and a word.')
+            raise typer.BadParameter(
+                'Expected RULE, "last", "word" and a word, or "phrase" and a phrase.'
+            )
     over = [rule for rule in gone if rule.status != "active"]
     if over:
         raise HiltError(f"{over[0].id} is {over[0].status} already.")

@@ -117,7 +117,9 @@ class ClarificationDialogue:
         if turn.understood.reading is not None:
             return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
         text = self._conversation.language.generate(choice)
-        return self._hear(text, speaker=turn.speaker, heard=turn.heard)
+        reply = self._hear(text, speaker=turn.speaker, heard=turn.heard)
+        self._conversation.learn_phrase(turn, choice)
+        return reply
 
     def _with_referent(self, turn: DialogueTurn, named: meaning.Answer) -> Reply | None:
         """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""

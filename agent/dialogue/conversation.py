@@ -15,11 +15,13 @@ from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.coreference import Discourse
+from ...nlu.semantics.meaning import Meaning
 from .. import protocols
 from ..execution.outcome import Ending, Slot, SpokenAnswer
 from .answer_sources import Knowledge
 from .open_question import OpenQuestion
 from .reply import Reply
+from .teaching import phrase_to_keep
 from .translation import meaning_from_rule
 
 
@@ -130,6 +132,13 @@ class Conversation:
     def learn_words(self, words: Iterable[NewWord]) -> None:
         """Add new words to the language."""
         self.language = self.language.with_words(words)
+
+    def learn_phrase(self, turn: DialogueTurn, meant: Meaning) -> None:
+        """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""
+        phrase = self.language.phrase_of(turn.understood.text, meant)
+        if phrase is not None and self.trusts(turn.speaker):
+            self.language = self.language.with_phrases([phrase])
+            self._base.learn_phrase(phrase_to_keep(phrase, turn.understood.text, turn.speaker))
 
     def refer_to(self, name: str) -> None:
         """Make the object of this name the one that "it" refers to."""

@@ -33,7 +33,7 @@ from .conversation import Conversation, DialogueTurn
 from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
-from .teaching import word_for_person, word_from_base
+from .teaching import phrase_from_base, word_for_person, word_from_base
 from .translation import choosing, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
@@ -76,9 +76,10 @@ class DialogueManager:
     ) -> None:
         people = (word_for_person(name) for name in base.trust_by_speaker())
         words = (*(word_from_base(word) for word in base.words()), *people)
+        known = language.with_words(words).with_phrases(map(phrase_from_base, base.phrases()))
         self._base = base
         self._conversation = Conversation(
-            base, language.with_words(words), visible, holding=holding, seed=seed, other=other
+            base, known, visible, holding=holding, seed=seed, other=other
         )
         self._beliefs = BeliefRevision(base, self._conversation)
         self._clarification = ClarificationDialogue(self._conversation, self.hear, self._respond)

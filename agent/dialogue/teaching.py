@@ -13,9 +13,12 @@ from dataclasses import dataclass
 
 from ...kb.history import IMPORT
 from ...kb.knowledge_base import KnowledgeBase
+from ...kb.learned_phrases import LearnedPhrase
 from ...kb.learned_words import LearnedWord
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.offers.meaning_shapes import MeaningShape
+from ...nlu.offers.phrase_memory import Phrase
 from ...nlu.semantics import meaning
 from ...nlu.semantics.meaning import (
     ANY_OBJECT,
@@ -192,6 +195,16 @@ def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:
 def word_from_base(word: LearnedWord) -> NewWord:
     """Return a stored word as the language takes it."""
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
+
+
+def phrase_to_keep(phrase: Phrase, said: str, speaker: str) -> LearnedPhrase:
+    """Return a phrase as it is kept in the base."""
+    return LearnedPhrase(" ".join(phrase.pattern), phrase.shape.text, said, speaker)
+
+
+def phrase_from_base(phrase: LearnedPhrase) -> Phrase:
+    """Return a phrase of the base as the language knows it."""
+    return Phrase(tuple(phrase.pattern.split(" ")), MeaningShape(phrase.meaning))
 
 
 def word_for_person(name: str) -> NewWord:

@@ -28,6 +28,7 @@ from ...kb.diff import BaseDifference, UtteranceChanges
 from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
+from ...kb.learned_phrases import LearnedPhrase
 from ...kb.learned_words import LearnedWord
 from ...kb.rdf.terms import Iri, Term
 from ...kb.rule import Rule
@@ -256,10 +257,11 @@ def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
     return _table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
 
 
-def words(found: Sequence[LearnedWord]) -> Table:
-    """Learned words with their teachers."""
-    rows = ((w.atom.name, w.atom.kind, w.said, w.speaker, str(w.utterance)) for w in found)
-    return _table(("word", "is", "said as", "speaker", "utterance"), rows, "word")
+def words(found: Sequence[LearnedWord | LearnedPhrase]) -> Table:
+    """Learned words and phrases with their teachers."""
+    keys = ("word", "kind", "said", "speaker", "utterance")
+    rows = ([str(each[key]) for key in keys] for each in (one.as_json() for one in found))
+    return _table(("word", "is", "said as", "speaker", "utterance"), rows, "entry", "entries")
 
 
 def results(found: SelectResult | BooleanResult) -> RenderableType:

@@ -60,6 +60,16 @@ class MeaningShape:
         return tuple(dict.fromkeys(_slots(self.template)))
 
     @cached_property
+    def constants(self) -> frozenset[str]:
+        """The names that are no slots, without those of acts."""
+        names = (
+            value
+            for key, value in _leaves(self.template)
+            if key in _ROLES_OF_KEYS and _ROLES_OF_KEYS[key] != ("act",)
+        )
+        return frozenset(str(name) for name in names if not str(name).startswith("?"))
+
+    @cached_property
     def roles(self) -> Mapping[str, tuple[str, ...]]:
         """The slots that a name fills, by its role."""
         found: dict[str, tuple[str, ...]] = {}
@@ -120,7 +130,12 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
             return f"?last.{key}"
         return "?it" if key == "object" and value == mentions.it else value
 
-    return MeaningShape(json.dumps(change("", meaning, meaning), separators=(",", ":")))
+    return shape_from({key: change(key, value, meaning) for key, value in meaning.items()})
+
+
+def shape_from(template: Json) -> MeaningShape:
+    """Return the shape that is this JSON object with slots."""
+    return MeaningShape(json.dumps(template, separators=(",", ":")))
 
 
 def _is_last(last: Rule | None, within: Json) -> bool:

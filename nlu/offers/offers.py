@@ -24,7 +24,7 @@ from ..semantics.coreference import Discourse
 from ..semantics.meaning import AskBack, Command, Confidence, Meaning, Statement, ToolCommand
 from .candidates import CandidateMeaning, candidates
 from .checks import OfferChecks
-from .meaning_shapes import MeaningShape, meaning_from_json
+from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
 from .mentions import Mentions, find_mentions
 from .ranker import Ranker, left_over
 from .typing_slips import corrected_texts
@@ -180,7 +180,7 @@ def _content(meaning: Meaning) -> Meaning:
 def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    shapes = tuple(MeaningShape(json.dumps(each, separators=(",", ":"))) for each in data["shapes"])
+    shapes = tuple(map(shape_from, data["shapes"]))
     traits = [each if isinstance(each, str) else shapes[each].text for each in data["traits"]]
     weights = {
         feature: {

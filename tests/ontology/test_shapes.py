@@ -49,6 +49,8 @@ TRUST = """speaker:sam a hilt:Speaker ; rdfs:label "sam" ; hilt:trustLower 0.9 ;
     hilt:trustUpper 1.0 ."""
 WORD = """word:ladle a hilt:Word ; rdfs:label "ladle" ; hilt:denotes object:ladle ;
     prov:wasAttributedTo speaker:sam ."""
+PHRASE = """phrase:0123abcd a hilt:Phrase ; hilt:pattern "you cut with a ?object" ;
+    hilt:meaning "{}" ; prov:wasAttributedTo speaker:sam ."""
 BASE = """<https://w3id.org/hilt/base> a hilt:Base ; hilt:formatVersion 1 ; hilt:sequence 3 ;
     hilt:domainHash "x" ."""
 EXAMPLES = {
@@ -63,6 +65,7 @@ EXAMPLES = {
     "Object": OBJECT,
     "Speaker": TRUST,
     "Word": WORD,
+    "Phrase": PHRASE,
     "Base": BASE,
     "Status": "hilt:active a hilt:Status .",
     "Functor": 'functor:moveTo a hilt:Functor ; rdfs:label "moveTo" .',
@@ -147,6 +150,9 @@ BREAKS = [
     (TRUST, "hilt:trustUpper 1.0", "hilt:trustUpper 1.5", "hilt:trustUpper is one decimal"),
     (WORD, "word:ladle a", "object:ladle a", "A word is a node"),
     (WORD, "object:ladle", "speaker:ladle", "hilt:denotes leads to"),
+    (PHRASE, "phrase:0123abcd a", "phrase:x a", "A phrase is a node"),
+    (PHRASE, 'hilt:pattern "you cut with a ?object" ;', "", "A phrase has one hilt:pattern"),
+    (PHRASE, 'hilt:meaning "{}" ;', "", "A phrase has one hilt:meaning"),
     (BASE, "hilt:formatVersion 1 ;", "", "one hilt:formatVersion"),
     (BASE, "hilt:sequence 3", 'hilt:sequence "3"', "at most one hilt:sequence"),
     (BASE, 'hilt:domainHash "x"', "hilt:domainHash 1", "at most one hilt:domainHash"),

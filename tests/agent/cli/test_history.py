@@ -109,6 +109,20 @@ def test_forgetting_a_word(run: Run):
     assert learned not in {each["word"] for each in document(run("words", "--json"))}
 
 
+def test_forgetting_a_phrase(run: Run, tmp_path: Path):
+    """It is named by what was said, and is remembered no more."""
+    said = "a spoon is what comes out here for cutting"
+    with Agent.open(str(tmp_path / "kb"), AgentConfig(simulate=False)) as agent:
+        agent.hear(said)
+        agent.hear("yes")
+    (phrase,) = (each for each in document(run("words", "--json")) if each["kind"] == "phrase")
+
+    code, answer, _ = run("forget", "phrase", said)
+
+    assert (code, answer) == (0, f'Forgot the phrase "{phrase["word"]}".\n')
+    assert "phrase" not in {each["kind"] for each in document(run("words", "--json"))}
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [

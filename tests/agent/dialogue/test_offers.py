@@ -52,3 +52,26 @@ def test_only_who_was_asked_can_choose(agent: Agent) -> None:
     agent.hear("1", speaker="kim")
 
     assert agent.base.rules() == []
+
+
+def test_a_confirmed_phrase_is_remembered(agent: Agent) -> None:
+    """It means the same of other names, and is understood at once."""
+    agent.hear("a spoon is what comes out here for cutting")
+    agent.hear("yes")
+
+    reply = agent.hear("a shoe is what comes out here for cutting")
+
+    assert reply.is_done
+    assert [rule.object for rule in agent.base.rules()] == ["spoon", "shoe"]
+    assert [each.pattern for each in agent.base.phrases()] == [
+        "a ?object is what comes out here for ?affordance"
+    ]
+
+
+def test_a_phrase_that_was_not_confirmed_is_not_remembered(agent: Agent) -> None:
+    """After a "no" it is asked about again."""
+    agent.hear("a spoon is what comes out here for cutting")
+    agent.hear("no")
+
+    assert agent.base.phrases() == []
+    assert agent.hear("a shoe is what comes out here for cutting").ending == "asked"

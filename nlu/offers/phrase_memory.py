@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Phrase memory: turns of phrase whose meaning somebody confirmed, with slots for names.
+
+A phrase is what Hilt did not understand, with a slot instead of each name. When somebody says it
+again, with the same or with other names, it means the same of these names. It is a memory for what
+one robot's people say, and is asked only about what the grammar does not understand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from ..lexicon.tokenizer import BREAK
+from ..semantics.meaning import ANY_OBJECT, Json
+from .meaning_shapes import MeaningShape, shape_from, shape_of
+from .mentions import Mentions
+
+LEAST_FIXED = 3
+"""The least number of words of a phrase that are no names."""
+
+_ROLES = {
+    "<new>": "object",
+    "<new-ing>": "affordance",
+    **{f"<{role}>": role for role in ("object", "part", "property", "material", "person")},
+    "<affordance>": "affordance",
+    "<degree>": "degree",
+}
+
+Key = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Phrase:
+    """A turn of phrase.
+
+    Attributes:
+        pattern: its words, with a slot of the shape for each name.
+        shape: its meaning.
+    """
+
+    pattern: tuple[str, ...]
+    shape: MeaningShape
+
+    @property
+    def key(self) -> Key:
+        """The pattern with the roles of its slots, by which an utterance is compared with it."""
+        return tuple(_role(each) if each.startswith("?") else each for each in self.pattern)
+
+
+@dataclass(frozen=True)
+class PhraseMemory:
+    """The phrases that are known, by their keys; immutable."""
+
+    phrases: Mapping[Key, Phrase]
+
+    def with_phrases(self, phrases: Iterable[Phrase]) -> PhraseMemory:
+        """Return this memory with further phrases; a later one replaces one with its key."""
+        return PhraseMemory({**self.phrases, **{each.key: each for each in phrases}})
+
+    def meaning(self, mentions: Mentions) -> Json | None:
+        """Return what an utterance that is a known phrase means, None for any other."""
+        gaps = dict(_gaps(mentions))
+        phrase = self.phrases.get(_key(mentions, gaps))
+        if phrase is None:
+            return None
+        slots = (each for each in phrase.pattern if each.startswith("?"))
+        values = {
+            slot: _value(mentions, *gap) for slot, gap in zip(slots, gaps.items(), strict=True)
+        }
+        return None if None in values.values() else phrase.shape.filled(values)
+
+
+NO_PHRASES = PhraseMemory({})
+
+
+def phrase_from(
+    mentions: Mentions, meaning: Json, tool_acts: Mapping[str, str], unknown: Iterable[str]
+) -> Phrase | None:
+    """Return the phrase by which an utterance has a meaning; None where it is not to be learned.
+
+    A phrase has enough words of its own, all of them known, so that no later name is taken for one
+    of them; and each of its names is in its meaning once, and no name of the meaning elsewhere.
+
+    Args:
+        mentions: what the utterance names.
+        meaning: the JSON object of the meaning that was confirmed.
+        tool_acts: the acts done with a tool, each with the affordance that the tool must have.
+        unknown: the words of the utterance that are not known.
+    """
+    shape = shape_of(meaning, mentions, tool_acts)
+    if shape.constants - {ANY_OBJECT}:
+        return None  # a name that was not said
+    values = {slot: _at(slot, shape.template, meaning) for slot in shape.slots}
+    fixed_values = {slot: values[slot] if _is_fixed(slot) else slot for slot in values}
+    shape = shape_from(shape.filled(fixed_values))
+    gaps = dict(_gaps(mentions))
+    slot_of = {(_role(slot), str(values[slot])): slot for slot in shape.slots}
+    slots = [slot_of.get((f"?{gap[1]}", str(_value(mentions, *gap))), "") for gap in gaps.items()]
+    if sorted(slots) != sorted(shape.slots):
+        return None  # a name that is not in the meaning, or twice
+    said = iter(slots)
+    pattern = tuple(next(said) if n in gaps else word for n, word in _words(mentions))
+    fixed = [word for word in pattern if not word.startswith("?") and word.isalpha()]
+    if len(fixed) < LEAST_FIXED or not set(fixed).isdisjoint(unknown):
+        return None
+    phrase = Phrase(pattern, shape)
+    return phrase if PhraseMemory({phrase.key: phrase}).meaning(mentions) == meaning else None
+
+
+def _role(slot: str) -> str:
+    return "?" + slot[1:].rstrip("23456789")
+
+
+def _is_fixed(slot: str) -> bool:
+    """Whether a slot is part of a phrase: an act, and the use that it needs a tool for."""
+    return _role(slot) in {"?act", "?tool"}
+
+
+def _gaps(mentions: Mentions) -> Iterator[tuple[int, str]]:
+    """The places of the names that vary, with their roles; an act is part of the phrase."""
+    for place, label in enumerate(mentions.labels):
+        if label in _ROLES:
+            yield place, _ROLES[label]
+
+
+def _words(mentions: Mentions) -> Iterator[tuple[int, str]]:
+    """The places and words, with the first place of each name for the whole of it."""
+    for place, label in enumerate(mentions.labels):
+        if label and label != BREAK:
+            yield place, mentions.tokens.words[place] if label.startswith("<act") else label
+
+
+def _key(mentions: Mentions, gaps: Mapping[int, str]) -> Key:
+    return tuple(f"?{gaps[n]}" if n in gaps else word for n, word in _words(mentions))
+
+
+def _value(mentions: Mentions, place: int, role: str) -> object:
+    if role == "degree":
+        return next(list(each) for start, _, each in mentions.degrees if start == place)
+    found = (each.name for each in mentions.names if (each.start, each.role) == (place, role))
+    return next(found, None)
+
+
+def _at(slot: str, template: object, meaning: object) -> object:
+    """The value that a meaning has where its shape has a slot."""
+    if template == slot:
+        return meaning
+    pairs: Iterable[tuple[object, object]] = ()
+    if isinstance(template, dict) and isinstance(meaning, dict):
+        pairs = ((each, meaning[key]) for key, each in template.items())
+    elif isinstance(template, list) and isinstance(meaning, list):
+        pairs = zip(template, meaning, strict=True)
+    return next(filter(None, (_at(slot, *pair) for pair in pairs)), None)
