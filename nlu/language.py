@@ -36,7 +36,7 @@ from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import Tokens, tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
-from .offers.checks import OfferChecks, load_check_words
+from .offers.checks import OPERATORS, OfferChecks, load_check_words
 from .offers.choice_answers import load_choice_words
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import Offers, load_model
@@ -44,6 +44,7 @@ from .offers.phrase_memory import NO_PHRASES, Phrase, PhraseMemory, phrase_from
 from .offers.typing_slips import is_misspelled
 from .parsing.clarification import Clarification
 from .parsing.parser import SentenceParser, UtteranceContext
+from .parsing.periphery import PeripheryReader, load_periphery
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
@@ -273,6 +274,7 @@ class Language:
             self.answers,
             self.generate,
             self._meaning_of,
+            self._set_off,
         )
 
     def chosen(self, text: str, count: int) -> int | None:
@@ -286,6 +288,9 @@ class Language:
     def _meaning_of(self, text: str, context: UtteranceContext) -> Meaning:
         """The meaning of a text that somebody says at some point, without offers."""
         return self.utterance_parser.understand(text, context, ()).meaning
+
+    def _set_off(self, tokens: Tokens) -> Mapping[int, bool]:
+        return self.utterance_parser.periphery.set_off(self.builder.expand_endings(tokens))
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
@@ -311,7 +316,21 @@ class Language:
             self.parser, known, self.inflection, self.answers, self.realizer, self.examples
         )
         reading_filter = ReadingFilter(known, self.inflection, self.parser.features)
-        return UtteranceParser(self.parser, self.builder, known, reading_filter, clarification)
+        return UtteranceParser(
+            self.parser, self.builder, known, reading_filter, clarification, self._periphery(known)
+        )
+
+    def _periphery(self, known: KnownWords) -> PeripheryReader:
+        folder, builder = _folder(self.name), self.builder
+        words = load_check_words(folder / "offers.yaml")
+        return PeripheryReader(
+            load_periphery(folder / "periphery.yaml"),
+            {kind: words[kind] for kind in OPERATORS},
+            builder.qualifier_phrases,
+            self.parser.features,
+            builder.discourse_markers,
+            known,
+        )
 
     @property
     def learned(self) -> Collection[NewWord]:

@@ -32,9 +32,6 @@ class DiscourseMarkers:
         request_tags: the beginning and the tag of a request, a break between them: "you could not
             ..., could you?".
         clauses: patterns of reasons that add nothing before a pause or the end.
-        reasons: patterns of reasons for a request, up to a word like "so".
-        doubts: words that make a reason somebody else's, like "said".
-        stand_ins: words like "it", which may refer to something in a reason.
     """
 
     anywhere: frozenset[Phrase] = frozenset()
@@ -44,9 +41,6 @@ class DiscourseMarkers:
     ending: frozenset[Phrase] = frozenset()
     request_tags: frozenset[Phrase] = frozenset()
     clauses: tuple[Steps, ...] = ()
-    reasons: tuple[Steps, ...] = ()
-    doubts: frozenset[Phrase] = frozenset()
-    stand_ins: frozenset[Phrase] = frozenset()
 
     def with_phrases(self, kind: str, field: YamlNode) -> DiscourseMarkers:
         """Return these phrases and further ones of a kind.
@@ -84,18 +78,6 @@ class DiscourseMarkers:
             return tokens
         return replace(tokens.part(0, place), asks=tokens.words[place:] in self.question_tags)
 
-    def after_reason(self, tokens: Tokens) -> Tokens | None:
-        """Return what follows a reason ("..., so pass me the mug"), None without one."""
-        words = tokens.words
-        for end in sorted(
-            {end for steps in self.reasons for _, end in match_pattern(steps, words, 0)}
-        ):
-            reason, said = words[:end], words[end:]
-            if said and not _any_of(self.doubts, reason) and not _any_of(self.stand_ins, said):
-                rest = tokens.part(end, len(words))
-                return replace(rest, removed=(*tokens.removed, reason))
-        return None
-
     def request_before_tag(self, tokens: Tokens) -> Tokens | None:
         """Return the request before a tag that only urges: "..., will you?"; None without one."""
         place = self._tag(tokens, self.statement_tags)
@@ -116,7 +98,7 @@ class DiscourseMarkers:
         words = tokens.words
         edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
         edges |= {place for place, word in enumerate(words) if word == BREAK}
-        kept: list[tuple[int, Token]] = []
+        kept: list[int] = []
         removed: list[Phrase] = []
         place = 0
         while place < len(words):
@@ -128,11 +110,11 @@ class DiscourseMarkers:
             )
             if end == place:
                 end += whole or 1
-                kept += enumerate(tokens.items[place:end], start=place)
+                kept += range(place, end)
             else:
                 removed.append(words[place:end])
             place = end
-        return replace(_begun_once(_only(tokens, kept)), removed=(*tokens.removed, *removed))
+        return replace(_begun_once(tokens.only(kept)), removed=(*tokens.removed, *removed))
 
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
         """One past the longest marker from a place on; the place itself where there is none."""
@@ -167,11 +149,7 @@ def _begun_once(tokens: Tokens) -> Tokens:
         if words[pause - length : pause] == words[pause : pause + length]
         for place in range(pause - length, pause)
     }
-    return _only(tokens, [each for each in enumerate(tokens.items) if each[0] not in again])
-
-
-def _any_of(phrases: Collection[Phrase], words: Phrase) -> bool:
-    return any((word,) in phrases for word in words)
+    return tokens.only(place for place in range(len(words)) if place not in again)
 
 
 def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
@@ -206,16 +184,6 @@ def move_to_front(
     pauses = (p + end - start if p <= start else p for p in tokens.pauses if not start < p <= end)
     moved = (*items[start:end], *items[:start], *items[end:])
     return replace(tokens, items=moved, pauses=tuple(sorted({*pauses})))
-
-
-def _only(tokens: Tokens, kept: list[tuple[int, Token]]) -> Tokens:
-    pauses = {
-        next((new for new, (old, _) in enumerate(kept) if old >= pause), len(kept))
-        for pause in tokens.pauses
-    }
-    items = tuple(token for _, token in kept)
-    pauses -= {len(kept)}
-    return replace(tokens, items=items, pauses=tuple(sorted(pauses)))
 
 
 def _after_breaks(tokens: Tokens) -> Iterator[int]:

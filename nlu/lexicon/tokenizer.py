@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 MAX_CHARACTERS = 2000
@@ -98,6 +98,17 @@ class Tokens:
                 kept.append(token)
         pauses -= {0, len(kept)}
         return replace(self, items=tuple(kept), pauses=tuple(sorted(pauses)))
+
+    def only(self, places: Iterable[int]) -> Tokens:
+        """The tokens at some places, in this order; a pause moves to the next that is kept."""
+        kept = list(places)
+        last = len(kept)
+        pauses = {
+            next((new for new, old in enumerate(kept) if old >= pause), last)
+            for pause in self.pauses
+        }
+        items = tuple(self.items[place] for place in kept)
+        return replace(self, items=items, pauses=tuple(sorted(pauses - {last})))
 
     def part(self, start: int, end: int) -> Tokens:
         """The tokens `[start, end)` as an utterance of their own, without breaks at its end."""

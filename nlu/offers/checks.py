@@ -41,9 +41,9 @@ _WORD_LISTS = (
     *("negative", "implied_negation", "weak_negation", "condition", "exception"),
     *("by", "before_part", "unfinished", "doubtful"),
 )
-_OPERATORS = (
-    *("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful"),
-)
+OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
+"""The lists of words on which a meaning may depend."""
+
 _DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
@@ -82,15 +82,31 @@ class OfferChecks:
             return None
         return self.licence.weakened(meaning, features)
 
-    def adds_nothing(self, span: Span, mentions: Mentions) -> bool:
-        """Whether what stands around a span names nothing and has no word that changes it."""
+    def around(self, span: Span, mentions: Mentions, told: Mapping[int, bool]) -> Sequence[Phrase]:
+        """Return the words around a span on which its meaning may depend.
+
+        Those of a preamble that tells the span, by the places of such spans, are left out.
+        """
+        start, end = span
+        return rest_of(mentions.tokens, (0 if told.get(start) else start, end))
+
+    def adds_nothing(self, span: Span, mentions: Mentions, told: Mapping[int, bool]) -> bool:
+        """Whether what stands around a span names nothing and has no word that changes it.
+
+        What stands before may name something when it is set off by a strong pause, and may have
+        such a word when it tells the span.
+        """
         start, end = span
         named = [(m.start, m.end) for m in mentions.names if not m.is_new and m.role in _DOMAIN]
         named += [(first, last) for first, last, _ in mentions.degrees]
-        return all(start <= first and last <= end for first, last in named) and not any(
+        if start in told:
+            named = [each for each in named if each[0] >= start]
+        is_told = told.get(start, True)
+        kept = is_told and all(start <= first and last <= end for first, last in named)
+        return kept and not any(
             self._has(kind, words)
-            for words in rest_of(mentions.tokens, span)
-            for kind in _OPERATORS
+            for words in self.around(span, mentions, told)
+            for kind in OPERATORS
         )
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:

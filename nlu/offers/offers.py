@@ -28,7 +28,7 @@ from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
 from .mentions import Mentions, find_mentions
 from .ranker import Ranker, left_over
 from .typing_slips import corrected_texts
-from .utterance_segments import rest_of, segments
+from .utterance_segments import segments
 
 MAX_OFFERS = 3
 
@@ -64,6 +64,8 @@ class Offers:
         answers: the words of the question.
         realize: returns the sentence for a meaning.
         meaning_of: returns the meaning of a text that somebody says at some point.
+        set_off: returns the places behind a strong pause, and whether what precedes only tells
+            what follows.
     """
 
     model: OfferModel
@@ -74,6 +76,7 @@ class Offers:
     answers: AnswerTemplates
     realize: Callable[[Meaning], str]
     meaning_of: Callable[[str, UtteranceContext], Meaning]
+    set_off: Callable[[Tokens], Mapping[int, bool]]
 
     def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | None:
         """Return the question which of some meanings was meant, None when none is to be offered."""
@@ -114,10 +117,12 @@ class Offers:
         tokens = mentions.tokens
         if len(tokens.items) > MAX_TOKENS:
             return ()
-        spans = (each for each in segments(tokens) if self.checks.adds_nothing(each, mentions))
-        for span in islice(spans, MAX_SEGMENTS):
+        told = self.set_off(tokens)
+        spans = segments(tokens, told)
+        harmless = (each for each in spans if self.checks.adds_nothing(each, mentions, told))
+        for span in islice(harmless, MAX_SEGMENTS):
             meaning = self.meaning_of(tokens.span(*span), context)
-            around = rest_of(tokens, span)
+            around = self.checks.around(span, mentions, told)
             if self.checks.is_licensed_beside(meaning, around) and self._is_understood(
                 meaning, context
             ):

@@ -2,12 +2,13 @@
 """Segments: spans of an utterance that may be all that it means.
 
 "Old trick of my trade: you cut with a knife" is understood after its colon. What stands around a
-segment is only said by the way if it names nothing and has no word on which the meaning may depend.
+segment is only said by the way if it names nothing and has no word on which the meaning may depend;
+a preamble behind a strong pause may, unless the segment is then somebody else's word or a pretence.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 
 from ..lexicon.tokenizer import BREAK, Tokens
@@ -18,10 +19,10 @@ LEAST_WORDS = 3
 Span = tuple[int, int]
 
 
-def segments(tokens: Tokens) -> Iterator[Span]:
-    """Yield the spans to try, from pause to pause, the longest first."""
+def segments(tokens: Tokens, starts: Iterable[int]) -> Iterator[Span]:
+    """Yield the spans from pause to pause, or from one of some starts, the longest first."""
     whole = (0, len(tokens.items))
-    spans = combinations(sorted({*whole, *tokens.pauses, *_breaks(tokens)}), 2)
+    spans = combinations(sorted({*whole, *starts, *tokens.pauses, *_breaks(tokens)}), 2)
     long_enough = (s for s in spans if s[1] - s[0] >= LEAST_WORDS and s != whole)
     yield from sorted(long_enough, key=lambda span: span[0] - span[1])
 

@@ -5,6 +5,7 @@ chart           the CCG chart of a token sequence, and its derivations
 clauses         the words of a derivation by clause, and the features of a sentence
 derivation      derivation trees as text, JSON and SVG
 parser          the readings of one sentence, from its chart
+periphery       what surrounds a core, and beside which meanings it may stand
 reading_filter  which readings may introduce new words, and what "no" negates
 segmentation    splitting at pauses, and combining the meanings of segments
 clarification   answers to utterances that have no single clear reading

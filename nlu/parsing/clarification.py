@@ -58,11 +58,15 @@ class Clarification:
             return Misunderstanding(self.answers.say("too_long", limit=f"{MAX_TOKENS} words"))
         if not tokens.items:
             return Misunderstanding(self.answers.say("empty"))
+        no_words = [token for token in self.known_words.unknown(tokens) if not is_word(token)]
+        return self.of_unknown_words(tokens, no_words) if no_words else None
+
+    def of_too_many_unknown_words(self, tokens: Tokens) -> Misunderstanding | None:
+        """The reason not to parse a sentence, None when it can be parsed."""
         unknown = self.known_words.unknown(tokens)
-        no_words = [token for token in unknown if not is_word(token)]
-        if no_words or len({token.word for token in unknown}) > MAX_NEW_WORDS:
-            return self.of_unknown_words(tokens, no_words or unknown)
-        return None
+        if len({token.word for token in unknown}) <= MAX_NEW_WORDS:
+            return None
+        return self.of_unknown_words(tokens, unknown)
 
     def of_recognition(self, text: str) -> AskBack:
         """The question whether a text that was not recognised well is what was said."""

@@ -4,7 +4,7 @@
 1. as one sentence, by the grammar;
 2. as a sequence of segments, split at the pauses, which have one meaning together;
 3. both again without discourse markers, and with a qualifier moved to the front;
-4. as a request after a reason: "the soup is hot, so pass me the ladle".
+4. as a core beside what says nothing more of it: "my hands are wet, so pass me the ladle".
 
 Each of them accounts for all words of the utterance.
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.loader import LexiconBuilder
@@ -34,9 +35,13 @@ from ..semantics.predicates import PredicateForm
 from .chart import Chart
 from .clarification import Clarification
 from .parser import SentenceParser, UtteranceContext, decide
+from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
 from .understanding import Reading, Understanding
+
+_ANYTHING = PredicateForm("anythingNamed")
+"""Stands for whatever a pronoun may refer to."""
 
 Strategy = Callable[[Tokens, UtteranceContext], Understanding | None]
 
@@ -50,6 +55,7 @@ class UtteranceParser:
     known_words: KnownWords
     reading_filter: ReadingFilter
     clarification: Clarification
+    periphery: PeripheryReader
 
     def understand(
         self, text: str, context: UtteranceContext, accepted: Collection[str]
@@ -98,10 +104,16 @@ class _Attempt:
         untagged = self._markers.remove_tag(tokens)
         return self._understand(tokens if untagged.asks else untagged, context)
 
-    def _understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
+    def _understand(
+        self, tokens: Tokens, context: UtteranceContext, *, is_core: bool = False
+    ) -> Understanding:
         """The first result with a meaning, else the first question, else the first failure."""
+        problem = self._tools.clarification.of_too_many_unknown_words(tokens)
+        if problem is not None:
+            found = None if is_core else self._by_core(tokens, context)
+            return found or _understanding(tokens, context, problem)
         result = self._as_sentence(tokens, context)
-        for strategy in self._strategies_after(result):
+        for strategy in self._strategies_after(result, is_core=is_core):
             found = strategy(tokens, context)
             if found is not None and found.reading is not None:
                 return found
@@ -109,10 +121,10 @@ class _Attempt:
                 result = found
         return result
 
-    def _strategies_after(self, result: Understanding) -> Sequence[Strategy]:
+    def _strategies_after(self, result: Understanding, *, is_core: bool) -> Sequence[Strategy]:
         """The strategies to try after the one that takes the utterance as one sentence."""
         by_grammar = (self._by_segments, self._without_markers)
-        strategies = (*by_grammar, self._after_reason)
+        strategies = by_grammar if is_core else (*by_grammar, self._by_core)
         if result.reading is not None:
             return ()
         match result.meaning:
@@ -180,10 +192,47 @@ class _Attempt:
                 return found
         return None
 
-    def _after_reason(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        rest = self._markers.after_reason(self._tools.builder.expand_endings(tokens))
-        found = self._understand(rest, context) if rest else None
-        return found if found and isinstance(found.meaning, (Command, ToolCommand)) else None
+    def _by_core(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """As the longest core that is understood, if its periphery lets it mean that."""
+        expanded = self._tools.builder.expand_endings(tokens)
+        for core in islice(self._tools.periphery.cores(tokens, expanded), MAX_CORES):
+            found = self._core(core, context)
+            if found is not None:
+                return found if self._is_meant(core, found, context) else None
+        return None
+
+    def _core(self, core: Core, context: UtteranceContext) -> Understanding | None:
+        """A core understood by itself, or as a command on the one thing named beside it."""
+        if not core.is_referring:
+            return self._with_reading(core.tokens, context)
+        found, referring = (
+            self._with_reading(core.tokens, _with_object(thing, context))
+            for thing in (None, _ANYTHING)
+        )
+        is_command = referring and isinstance(referring.meaning, (Command, ToolCommand))
+        if referring is None or (is_command and core.has_person):
+            return None
+        if found is not None:
+            return found if referring.meaning == found.meaning else None
+        if not is_command or core.referent is None:
+            return None
+        thing = PredicateForm(core.referent)
+        return self._with_reading(core.tokens, _with_object(thing, context))
+
+    def _with_reading(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        found = self._understand(tokens, context, is_core=True)
+        return found if found.reading is not None else None
+
+    def _is_meant(self, core: Core, found: Understanding, context: UtteranceContext) -> bool:
+        """Whether a core may have its meaning, and nothing else is meant before it."""
+        asked = isinstance(found.meaning, AskBack) and found.reading is not None
+        kinds = kinds_of_core(found.reading.meaning if asked and found.reading else found.meaning)
+        before = (self._understand(each, context, is_core=True) for each in core.preamble)
+        return (
+            bool(kinds)
+            and kinds <= core.kinds
+            and all(e.reading is None or isinstance(e.meaning, Acknowledgement) for e in before)
+        )
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
         """The utterance in fewer words of the same meaning, the closest first."""
@@ -308,8 +357,11 @@ def _failed(found: Understanding) -> Understanding:
 
 
 def _with_object(thing: PredicateForm | None, context: UtteranceContext) -> UtteranceContext:
-    named = (thing,) if thing else ()
-    return replace(context, discourse=replace(context.discourse, object=thing, named=named))
+    named, discourse = (thing,) if thing else (), context.discourse
+    failed = discourse.has_failed and thing is None
+    return replace(
+        context, discourse=replace(discourse, object=thing, named=named, has_failed=failed)
+    )
 
 
 def _understanding(

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from hilt.nlu import Language
@@ -53,23 +51,6 @@ def test_a_reason_is_removed_up_to_a_pause() -> None:
 
     assert said("because it is sharp, use it", known) == "use it"
     assert said("because it is not, use it", known) == "because it is not use it"
-
-
-def test_a_request_follows_its_reason() -> None:
-    """A reason is kept if it is hearsay, or if "it" may refer to something in it."""
-    known = replace(
-        discourse_markers("reasons", "the * * so"),
-        doubts=frozenset({("said",)}),
-        stand_ins=frozenset({("it",)}),
-    )
-
-    def after(text: str) -> str | None:
-        rest = known.after_reason(tokenize(text, {}))
-        return " ".join(rest.words) if rest else None
-
-    assert after("the soup boils, so pass the mug") == "pass the mug"
-    assert after("the boss said so, so pass the mug") is None
-    assert after("the soup boils, so pass it") is None
 
 
 @pytest.mark.parametrize(("kind", "asks"), [("question_tags", True), ("statement_tags", False)])

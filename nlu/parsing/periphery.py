@@ -1,0 +1,468 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Periphery: what surrounds the core of an utterance, by its form, its pause and its operators.
+
+"My hands are wet. Pass me the mug" has a core, a request, and before it a clause behind a strong
+pause. `TABLE` says beside which kinds of core a piece of periphery may stand without a question.
+What no row allows is asked about, or refused. The words are data (`periphery.yaml`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from ...ontology.yaml_reader import read_yaml
+from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
+from ..lexicon.discourse_markers import DiscourseMarkers
+from ..lexicon.tokenizer import BREAK, Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.features import MAIN, ClauseWord, FeatureReader
+from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statement, ToolCommand
+
+Phrase = tuple[str, ...]
+
+REQUEST, HOLDING, USE = "request", "holding", "use"
+"""The kinds of cores: a command or a question to the robot, and the rules of two kinds."""
+
+MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
+OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
+"""The forms of periphery; a clause goes by its subject, and what has none is `OTHER`."""
+
+WEAK, COLON, BUT, SO, STRONG, AFTER, WITHIN = range(7)
+"""How a piece is set off: the strongest pause between it and the core, or its other place."""
+
+LEAST_WORDS = 3
+"""The least length of a core [words]."""
+
+MAX_CORES = 8
+"""How many cores of one utterance are parsed."""
+
+_ANYWHERE = frozenset({WEAK, COLON, BUT, SO, STRONG, AFTER})
+_BEFORE = frozenset({COLON, BUT, SO, STRONG})
+_LEADS: Mapping[str, int] = {"so": SO, "but": BUT, "and": WEAK}
+_FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
+_LISTS = ("auxiliary", "speaker", "speech", "knowledge", "unreal", "person")
+_DASHES = ":–—"
+_QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
+_THINGS, _PEOPLE = ("N", "MS"), ("RN", "HN")
+_PLACED_NAMES = ("object", "part", "affordance", "context")
+
+# With these a piece makes the core somebody else's word or a pretence, or it is not sure to do so.
+_PRETENDED = frozenset(
+    {
+        *("report", "unreal", "quoted", "called", "doubtful", "source=hearsay", "source=other"),
+        *("attitude=hypothetical", "attitude=doubt", "belief=denied"),
+    }
+)
+# The same, and what asks for something else or only under a condition.
+_REPORTED = _PRETENDED | {"knowledge", "act", "condition", "exception", "condition=absent"}
+# On these a rule may depend as well; less so in a reason for it.
+_LIMITING = _REPORTED | {
+    *("negative", "implied_negation", "weak_negation", "degree", "exception=exception"),
+    *("tense=past", "tense=now", "modality=weak", "attitude=think", "attitude=hedged"),
+    *("agent=other", "agent=they", "agent=people", "agent=somebody"),
+    *("quantifier=most", "quantifier=partial"),
+}
+_LIMITING_REASON = _LIMITING - {
+    *("negative", "implied_negation", "modality=weak", "exception=exception", "exception"),
+    *("agent=they", "agent=people", "agent=somebody", "quantifier=partial", "weak_negation"),
+    *("tense=past", "degree", "quantifier=most"),
+}
+
+_LIMITING_ASIDE = (_LIMITING | {"named"}) - {"agent=other", "agent=they", "agent=people"}
+
+
+class Gap(NamedTuple):
+    """Where a piece ends and the next one begins, and the pause between them."""
+
+    end: int
+    start: int
+    pause: int
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of an utterance from pause to pause: its tokens `[start, end)`, form and operators.
+
+    Attributes:
+        lead: how many words of it only join it to what precedes: "so", "but".
+        joined: the pause that these words amount to.
+    """
+
+    start: int
+    end: int
+    lead: int
+    joined: int
+    form: str
+    signs: frozenset[str]
+
+    @property
+    def is_announcement(self) -> bool:
+        """Whether its speaker announces something: "I tell you"."""
+        return self.form in _PERSONS and "announced" in self.signs
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table: beside which cores a piece of some form, so set off, changes nothing.
+
+    Attributes:
+        unless: the operators with which it does.
+    """
+
+    of: frozenset[str]
+    forms: frozenset[str]
+    pauses: frozenset[int]
+    unless: frozenset[str] = frozenset()
+
+    def allows(self, kind: str, piece: Piece, pause: int) -> bool:
+        """Whether a core of a kind may stand beside a piece that is set off by a pause."""
+        return (
+            kind in self.of
+            and piece.form in self.forms
+            and pause in self.pauses
+            and self.unless.isdisjoint(piece.signs)
+        )
+
+
+_KINDS = frozenset({REQUEST, HOLDING, USE})
+_REQUESTS, _RULES = frozenset({REQUEST}), frozenset({HOLDING, USE})
+_CAUSES = frozenset({REASON, PURPOSE})
+_PERSONS = frozenset({OWN, HEARER})
+_CLAUSES = _CAUSES | {OWN, IMPERSONAL, OTHER}
+
+TABLE: Sequence[Row] = (
+    Row(_KINDS, frozenset({MARKER}), _ANYWHERE),
+    # What is asked for at the end is wanted, whatever made the speaker ask.
+    Row(_REQUESTS, _CLAUSES, _BEFORE, _REPORTED),
+    Row(_REQUESTS, frozenset({HEARER}), frozenset({SO}), _REPORTED),
+    Row(_REQUESTS, _CAUSES, _ANYWHERE, _REPORTED),
+    # A reason or a purpose does not limit a rule, before or after it.
+    Row(_RULES, _CAUSES, _ANYWHERE, _LIMITING_REASON),
+    Row(frozenset({HOLDING}), _CLAUSES, frozenset({SO}), _LIMITING_REASON),
+    # Nor does what speakers say of themselves or the hearer; a colon needs an announcement.
+    Row(_RULES, _PERSONS, frozenset({STRONG, SO, BUT}), _LIMITING),
+    Row(_RULES, frozenset({IMPERSONAL}), frozenset({SO}), _LIMITING),
+    # What is said of the thing by the way says nothing of its use.
+    Row(_KINDS, _CAUSES | {ASIDE, OWN}, frozenset({WITHIN}), _LIMITING_ASIDE),
+)
+
+
+@dataclass(frozen=True)
+class Core:
+    """What an utterance may mean, without what surrounds it.
+
+    Attributes:
+        tokens: the core, with its periphery as removed phrases.
+        kinds: the kinds of meaning that it may have there.
+        preamble: the sentences before it.
+        is_referring: whether the periphery may name what a pronoun of the core stands for.
+        referent: the only known thing that it names and the core does not.
+        has_person: whether the core has a pronoun for somebody.
+    """
+
+    tokens: Tokens
+    kinds: frozenset[str]
+    preamble: tuple[Tokens, ...]
+    is_referring: bool
+    referent: str | None
+    has_person: bool
+
+
+@dataclass(frozen=True)
+class PeripheryWords:
+    """The words of `periphery.yaml`.
+
+    Attributes:
+        patterns: how the pieces of each form begin, and what only joins a piece, by key.
+        lists: single words and phrases by key.
+    """
+
+    patterns: Mapping[str, tuple[Steps, ...]]
+    lists: Mapping[str, frozenset[Phrase]]
+
+    def begins(self, key: str, words: Phrase) -> int:
+        """The length of the longest beginning of some words that a key has, 0 without one."""
+        ends = (end for steps in self.patterns[key] for _, end in match_pattern(steps, words, 0))
+        return max(ends, default=0)
+
+
+@dataclass(frozen=True, repr=False)
+class PeripheryReader:
+    """Finds the cores of utterances.
+
+    Attributes:
+        operators: the words on which a meaning may depend, by kind.
+        degrees: the words for degrees of confidence.
+    """
+
+    words: PeripheryWords
+    operators: Mapping[str, frozenset[Phrase]]
+    degrees: frozenset[Phrase]
+    features: FeatureReader
+    markers: DiscourseMarkers
+    known: KnownWords
+
+    def cores(self, tokens: Tokens, expanded: Tokens) -> Iterator[Core]:
+        """Yield the cores to try, the longest first.
+
+        Args:
+            tokens: the utterance.
+            expanded: the same with its short forms written out, word by word.
+        """
+        gaps = list(self._gaps(expanded))
+        pieces = list(self._pieces(expanded, gaps))
+        starts = {piece.start + piece.lead for piece in pieces} | {0}
+        spans = ((start, piece.end) for start in starts for piece in pieces)
+        long_enough = [s for s in spans if s[1] - s[0] >= LEAST_WORDS]
+        for start, end in sorted(long_enough, key=lambda span: (span[0] - span[1], span)):
+            core = self._core(tokens, (start, end), pieces, gaps)
+            if core is not None:
+                yield core
+
+    def set_off(self, expanded: Tokens) -> Mapping[int, bool]:
+        """The places behind a strong pause, and whether what precedes tells what follows.
+
+        It does not when it is somebody else's word or a pretence, or has a condition at its end.
+        """
+        gaps = list(self._gaps(expanded))
+        found: dict[int, bool] = {}
+        before: list[Piece] = []
+        for piece in self._pieces(expanded, gaps):
+            start = piece.start + piece.lead
+            joined = piece.joined if piece.lead else WEAK
+            if before and _pause(before[-1], start, gaps, joined) in _BEFORE:
+                found[start] = _tells(before)
+            before.append(piece)
+        return found
+
+    def _core(
+        self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[Piece], gaps: Sequence[Gap]
+    ) -> Core | None:
+        start, end = span
+        around = [each for each in pieces if each.end <= start or each.start >= end]
+        within = [each for each in pieces if start < each.start and each.end < end]
+        asides = [each for each in within if _permitted(each, WITHIN)]
+        if not around and not asides:
+            return None
+        joined = max((p.joined for p in pieces if p.lead and p.start + p.lead == start), default=0)
+        if any(each.is_announcement and each.end <= start for each in around):
+            joined = max(joined, STRONG)
+        placed = [(each, _pause(each, start, gaps, joined)) for each in around]
+        kinds = _KINDS.intersection(
+            *(_permitted(*each) for each in placed), *(_permitted(each, WITHIN) for each in asides)
+        )
+        if not kinds:
+            return None
+        said = [each for each in (*around, *asides) if each.form != MARKER]
+        phrases = tuple(tokens.words[each.start : each.end] for each in said)
+        limiting = tuple(
+            phrase for each, phrase in zip(said, phrases, strict=True) if each.form not in _CAUSES
+        )
+        left_out = {place for each in asides for place in range(each.start, each.end)}
+        kept = [place for place in range(start, end) if place not in left_out]
+        return Core(
+            replace(tokens.part(0, end).only(kept), removed=(*tokens.removed, *limiting)),
+            kinds,
+            tuple(_sentences(tokens, start, gaps)),
+            any(self.known.may_be_a_thing(word) for phrase in phrases for word in phrase),
+            self._referent(said, tokens, (start, end)),
+            any((word,) in self.words.lists["person"] for word in tokens.words[start:end]),
+        )
+
+    def _referent(
+        self, pieces: Sequence[Piece], tokens: Tokens, span: tuple[int, int]
+    ) -> str | None:
+        """The only thing that some pieces name and a core does not, None unless it is known."""
+        words = tokens.words
+        named = {
+            words[place]
+            for each in pieces
+            for place in range(each.start + 1, each.end)
+            if words[place - 1] in self.features.determiners
+            and self._may_be_meant(words[place - 1], words[place])
+        }
+        things = named.difference(words[slice(*span)])
+        is_known = all(self.known.lexicon.is_name(word, _THINGS) for word in things)
+        is_past = any("tense=past" in each.signs for each in pieces)
+        return things.pop() if is_known and len(things) == 1 and not is_past else None
+
+    def _may_be_meant(self, before: str, word: str) -> bool:
+        """Whether a pronoun may stand for a word after a determiner, if after "'s" for a name."""
+        if before == "'s":
+            return self.known.lexicon.is_name(word, _THINGS)
+        return self.known.may_be_a_thing(word)
+
+    def _gaps(self, tokens: Tokens) -> Iterator[Gap]:
+        """The gaps between the pieces of an utterance, from left to right."""
+        words = tokens.words
+        for place, word in enumerate(words):
+            if word == BREAK:
+                yield Gap(place, place + 1, STRONG)
+            elif place in tokens.pauses and place and words[place - 1] != BREAK:
+                between = tokens.text[tokens.items[place - 1].end : tokens.items[place].start]
+                yield Gap(place, place, COLON if set(_DASHES) & set(between) else WEAK)
+            elif self._may_join(tokens, place):
+                yield Gap(place, place, WEAK)
+
+    def _may_join(self, tokens: Tokens, place: int) -> bool:
+        """Whether a clause may begin without a pause: "I am tired so pass me the mug"."""
+        is_within = place > 0 and tokens.words[place - 1] != BREAK
+        is_lead = is_within and self.words.begins("so", tokens.words[place : place + 1]) > 0
+        return is_lead and not _ends_soon(tokens, place + 1)
+
+    def _pieces(self, tokens: Tokens, gaps: Sequence[Gap]) -> Iterator[Piece]:
+        starts = (0, *(gap.start for gap in gaps))
+        ends = (*(gap.end for gap in gaps), len(tokens.items))
+        for start, end in zip(starts, ends, strict=True):
+            if start < end:
+                yield self._piece(tokens, start, end)
+
+    def _piece(self, tokens: Tokens, start: int, end: int) -> Piece:
+        part = tokens.part(start, end)
+        lead, joined = max((self.words.begins(k, part.words), p) for k, p in _LEADS.items())
+        joined = joined if lead else WEAK
+        bare = self.markers.remove_markers(part).words
+        form = MARKER if not bare else self._form(part.words, bare)
+        said = tokens.part(start + lead, end)
+        signs = frozenset() if form == MARKER else frozenset(self._signs(said, form))
+        return Piece(start, end, lead, joined, form, signs)
+
+    def _form(self, words: Phrase, bare: Phrase) -> str:
+        lead = self.words.begins("and", bare)
+        found = (
+            form
+            for form in _FORMS
+            if self.words.begins(form, words) or self.words.begins(form, bare[lead:])
+        )
+        return next(found, OTHER)
+
+    def _signs(self, tokens: Tokens, form: str) -> Iterator[str]:
+        words = tokens.words
+        features = self.features.features([ClauseWord(word, MAIN) for word in words], ())
+        for feature, values in features.main.items():
+            yield from (f"{feature}={value}" for value in values)
+        for place, word in enumerate(words):
+            for phrase, kind in self._operators.get(word, ()):
+                if words[place : place + len(phrase)] == phrase:
+                    yield kind
+        yield from self._speech(words, form)
+        if _QUOTED.search(tokens.text):
+            yield "quoted"
+        if len(words) < LEAST_WORDS and not all(map(self._is_common, words)):
+            yield "called"
+        if any(map(self._is_name, words)):
+            yield "named"
+        if words and self._is_act(words[0]):
+            yield "act"
+
+    @cached_property
+    def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
+        """The phrases on which a meaning may depend, with their kinds, by their first word."""
+        found: dict[str, list[tuple[Phrase, str]]] = {}
+        unreal = {"unreal": self.words.lists["unreal"], "degree": self.degrees}
+        for kind, phrases in {**self.operators, **unreal}.items():
+            for phrase in phrases:
+                found.setdefault(phrase[0], []).append((phrase, kind))
+        return found
+
+    def _speech(self, words: Phrase, form: str) -> Iterator[str]:
+        """Whether somebody else says, knows or thinks something in a piece, or its speaker says it.
+
+        "In case nobody has told you" reports nothing.
+        """
+        for place, word in enumerate(words):
+            is_said = (word,) in self.words.lists["speech"]
+            is_known = (word,) in self.words.lists["knowledge"]
+            if not is_said and not is_known and word not in self.features.embedding:
+                continue
+            if self._is_own(words, place, or_of_hearer=not is_said):
+                yield "announced" if is_said or is_known else ""
+            elif form != PURPOSE:
+                yield "report" if is_said else "knowledge"
+
+    def _is_own(self, words: Phrase, place: int, *, or_of_hearer: bool) -> bool:
+        """Whether a verb has the speaker, or also the hearer, as subject, or is an imperative."""
+        first = place
+        while first and (words[first - 1],) in self.words.lists["auxiliary"]:
+            first -= 1
+        if not first:
+            return not words[place].endswith(("s", "d"))
+        is_joined = any(self.words.begins(key, words[first - 1 : first]) for key in _LEADS)
+        subject = words[0] if is_joined else words[first - 1]
+        is_hearer = bool(self.words.begins(HEARER, (subject,)))
+        return (subject,) in self.words.lists["speaker"] or (or_of_hearer and is_hearer)
+
+    def _is_common(self, word: str) -> bool:
+        """Whether a word is known and calls nobody."""
+        return self.known.has(word) and not self.known.lexicon.is_name(word, _PEOPLE)
+
+    def _is_name(self, word: str) -> bool:
+        return any(self.known.names(word, role) for role in _PLACED_NAMES)
+
+    def _is_act(self, word: str) -> bool:
+        return self.known.names(word, "context")
+
+
+def kinds_of_core(meaning: Meaning) -> frozenset[str]:
+    """Return the kinds of a meaning, none for one that nothing but markers may surround."""
+    match meaning:
+        case Command() | ToolCommand() | Question():
+            return _REQUESTS
+        case Statement(rules):
+            return frozenset(HOLDING if isinstance(rule, ActionRule) else USE for rule in rules)
+        case _:
+            return frozenset()
+
+
+@lru_cache(maxsize=4)
+def load_periphery(path: Path) -> PeripheryWords:
+    """Return the words of a file; `DataError` says where it is not as expected."""
+    begins = (*_LEADS, *_FORMS)
+    parts = read_yaml(path).entries(required=(*begins, *_LISTS), optional=())
+    patterns = {key: tuple(map(read_pattern, parts[key].items())) for key in begins}
+    lists = {
+        key: frozenset(words for item in parts[key].items() for words in spellings(item))
+        for key in _LISTS
+    }
+    return PeripheryWords(patterns, lists)
+
+
+def _tells(pieces: Sequence[Piece]) -> bool:
+    """Whether some pieces tell what follows them, and neither report nor pretend it."""
+    signs = frozenset[str]().union(*(piece.signs for piece in pieces))
+    barring = _PRETENDED - {"report"} if "announced" in signs else _PRETENDED
+    return barring.isdisjoint(signs) and pieces[-1].signs.isdisjoint({"condition", "exception"})
+
+
+def _permitted(piece: Piece, pause: int) -> frozenset[str]:
+    """The kinds of cores beside which a piece changes nothing."""
+    return frozenset(k for k in _KINDS if any(row.allows(k, piece, pause) for row in TABLE))
+
+
+def _pause(piece: Piece, start: int, gaps: Sequence[Gap], joined: int) -> int:
+    """How a piece around a core that begins at a place, so joined to it, is set off."""
+    if piece.end > start:
+        return AFTER
+    return max(joined, *(gap.pause for gap in gaps if piece.end <= gap.end <= start))
+
+
+def _ends_soon(tokens: Tokens, start: int) -> bool:
+    """Whether too few words for a core stand between a place and the next pause."""
+    near = range(start, start + LEAST_WORDS)
+    return any(
+        n >= len(tokens.items) or n in tokens.pauses or tokens.words[n] == BREAK for n in near
+    )
+
+
+def _sentences(tokens: Tokens, end: int, gaps: Sequence[Gap]) -> Iterator[Tokens]:
+    """The parts before a place, split at strong pauses."""
+    start = 0
+    for gap in gaps:
+        if gap.end <= end and gap.pause != WEAK and start < gap.end:
+            yield tokens.part(start, gap.end)
+            start = gap.start

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Utterances with something around what they mean."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from hilt.nlu import AskBack, Command, Language, Retraction, Statement, ToolCommand
+from hilt.nlu.parsing.periphery import TABLE, USE
+
+FAMILIES: dict[str, dict[str, list[object]]] = yaml.safe_load(
+    (Path(__file__).parents[1] / "data" / "periphery.yaml").read_text(encoding="utf-8")
+)
+
+
+def cases(kind: str) -> list[object]:
+    """All cases of a kind, of all families."""
+    return [each for family in FAMILIES.values() for each in family[kind]]
+
+
+@pytest.mark.parametrize(("text", "core"), cases("at_once"))
+def test_a_core_is_understood_beside_its_periphery(
+    language: Language, text: str, core: str
+) -> None:
+    """It means what it means by itself, without a question."""
+    meant = language.understand(core).meaning
+    assert not isinstance(meant, AskBack)
+
+    assert language.understand(text).meaning == meant
+
+
+@pytest.mark.parametrize("text", [*cases("no_more"), *cases("unmeant")])
+def test_nothing_is_believed_or_done_beside_other_periphery(language: Language, text: str) -> None:
+    """Reports, pretences, conditions and other requests around it do not leave a core as it is."""
+    meaning = language.understand(text).meaning
+
+    assert not isinstance(meaning, (Statement, Command, ToolCommand, Retraction))
+
+
+@pytest.mark.parametrize("text", cases("unmeant"))
+def test_the_word_of_others_is_not_offered(language: Language, text: str) -> None:
+    """What is pretended or somebody else's word is no choice of a question either."""
+    meaning = language.understand(text).meaning
+
+    assert not isinstance(meaning, AskBack) or not meaning.choices
+
+
+def test_what_is_named_before_it_is_no_loss(language: Language) -> None:
+    """A core behind a strong pause is offered although its preamble names something."""
+    rule = language.understand("a knife is always used for cutting").meaning
+
+    found = language.understand("Hands off the handle! A knife is always used for cutting.").meaning
+
+    assert isinstance(found, AskBack)
+    assert found.choices == (rule,)
+
+
+def test_a_pronoun_is_never_guessed(language: Language) -> None:
+    """Of two things beside a core neither is what "it" stands for."""
+    one = "The nail is loose, so pound it with the hammer."
+    two = "The nail is loose and the tack is bent, so pound it with the hammer."
+
+    found = [language.understand(text).meaning for text in (one, two)]
+
+    assert isinstance(found[0], ToolCommand)
+    assert not isinstance(found[1], ToolCommand)
+
+
+def test_no_row_takes_a_use_beside_a_report() -> None:
+    """Whatever its form, what somebody else says makes no rule of what follows."""
+    rows = [row for row in TABLE if USE in row.of and row.unless]
+
+    assert rows
+    assert all("report" in row.unless and "quoted" in row.unless for row in rows)
