@@ -124,12 +124,21 @@ class Interpreter:
                 return Acknowledgement(content.name)
 
     def _statement(self, form: PredicateForm) -> Statement:
+        if form.name == "and" and form.arguments[0].name == "graspObject":
+            raise self._order_beside_rule(*form.arguments)
         rules = tuple(dict.fromkeys(self._rules(form)))
         if len({rule.source for rule in rules}) > 1:
             raise RefusedError("whose_words", asks=True)
         if is_contradictory(rules):
             raise RefusedError("contradiction", asks=True)
         return Statement(rules)
+
+    def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> RefusedError:
+        """Why an order is no rule: "grab it by the rim and never grab it by the rim"."""
+        part, target = self._part_of_object(order.arguments[1])
+        held = ActionRule(target.object or "", "grasp", part, self.intervals["high"], target.props)
+        is_denied = is_contradictory((held, *self._rules(rule)))
+        return RefusedError("contradiction" if is_denied else "one_thing_at_a_time", asks=is_denied)
 
     def _rules(self, form: PredicateForm) -> Iterator[Rule]:
         """The rules that a form states, in the order they were said."""
