@@ -28,10 +28,10 @@ from utterances import DATA, Utterance, data_sets
 
 from hilt.nlu import Language, Session
 from hilt.nlu.lexicon.tokenizer import tokenize
-from hilt.nlu.offers.candidates import CandidateMeaning, candidates
+from hilt.nlu.offers.candidates import Asides, CandidateMeaning, candidates
 from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from hilt.nlu.offers.mentions import Mentions
-from hilt.nlu.offers.offers import LEAST, OfferModel
+from hilt.nlu.offers.offers import DIGITS, LEAST, MORE, OfferModel
 from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
 from hilt.nlu.parsing.parser import UtteranceContext
 from hilt.nlu.semantics.coreference import Discourse
@@ -55,11 +55,15 @@ PENALTY = 0.5
 """The weight of the squared weights in the loss."""
 
 
+_PEOPLE = ("recipient", "speaker")
+
+
 @dataclass(frozen=True)
 class Example:
     """An utterance, what it names, and the meanings that are right; none if it is to be refused."""
 
     text: str
+    discourse: Discourse
     mentions: Mentions
     right: tuple[Json, ...]
     is_refused: bool  # by the grammar as it is
@@ -75,8 +79,7 @@ def main() -> None:
     options = parser.parse_args()
     language = Language.load()
     examples = list(read_examples(language))
-    runs = np.random.default_rng(options.seed).permutation(len(examples) // RUN + 1) % FOLDS
-    folds = [int(runs[number // RUN]) for number in range(len(examples))]
+    folds = folds_of(examples, options.seed)
     results = [
         result
         for fold in range(options.folds)
@@ -89,6 +92,12 @@ def main() -> None:
         OFFERS_FILE.write_text(as_json(model, options.seed), encoding="utf-8")
 
 
+def folds_of(examples: Sequence[Example], seed: int) -> list[int]:
+    """Return the fold of each example; neighbours are in the same one."""
+    runs = np.random.default_rng(seed).permutation(len(examples) // RUN + 1) % FOLDS
+    return [int(runs[number // RUN]) for number in range(len(examples))]
+
+
 def read_examples(language: Language) -> Iterator[Example]:
     """Yield the utterances of all files with what they mean, in their order."""
     for each in _utterances():
@@ -96,8 +105,9 @@ def read_examples(language: Language) -> Iterator[Example]:
         understood, _ = session.hear(each.text)
         yield Example(
             each.text,
+            session.discourse,
             mentions_of(session, each.text),
-            tuple(_right(each.wanted)),
+            tuple(right_meanings(each.wanted)),
             understood.kind in {"error", "ask_back"},
             _is_open(each.wanted),
         )
@@ -125,14 +135,15 @@ def _is_open(wanted: dict[str, object] | None) -> bool:
     return not wanted or bool(wanted.keys() & {"error", "ask_back"})
 
 
-def _right(wanted: dict[str, object] | None) -> Iterator[Json]:
+def right_meanings(wanted: dict[str, object] | None) -> Iterator[Json]:
     """The meanings that fit what is wanted."""
     choices = (wanted or {}).get("any_of")
     for each in choices if isinstance(choices, list) else ():
-        yield from _right(each)
+        yield from right_meanings(each)
     if wanted and not wanted.keys() & {"any_of", "error", "ask_back", "ack"}:
         with contextlib.suppress(ValueError, KeyError, TypeError):  # the check of a part of it
-            yield json.loads(json.dumps(meaning_from_json(wanted).as_json()))
+            right = json.loads(json.dumps(meaning_from_json(wanted).as_json()))
+            yield {key: v.lower() if key in _PEOPLE else v for key, v in right.items()}
 
 
 def shapes_of(examples: Iterable[Example], acts: Mapping[str, str]) -> tuple[MeaningShape, ...]:
@@ -192,17 +203,34 @@ class Design:
 
 
 def used_features(data: Sequence[Choices]) -> list[tuple[str, str]]:
-    """The features that at least `LEAST_FEATURES` right choices have."""
+    """The features that at least `LEAST_FEATURES` right choices have, of equal traits one."""
     count: Counter[tuple[str, str]] = Counter()
     for choice in data:
-        said = list(utterance_features(choice.example.mentions))
-        seen = {(f, NONE) for f in said} if choice.right[-1] else set()
+        mentions = choice.example.mentions
+        none = utterance_features(mentions, mentions.asides(mentions.known))
+        seen = {(f, NONE) for f in none} if choice.right[-1] else set()
         for each, right in zip(choice.candidates, choice.right, strict=False):
             if right:
+                said = list(utterance_features(mentions, each.asides(mentions)))
                 seen.update((f, trait) for trait in each.shape.traits for f in said)
-                seen.update(filling_features(each, choice.example.mentions))
+                seen.update(filling_features(each, mentions))
         count.update(seen)
-    return [f for f, n in count.items() if n >= LEAST_FEATURES]
+    doubled = _doubled({each.shape for choice in data for each in choice.candidates})
+    return [f for f, n in count.items() if n >= LEAST_FEATURES and f[1] not in doubled]
+
+
+def _doubled(shapes: Iterable[MeaningShape]) -> set[str]:
+    """The traits of just those shapes that have another trait, too."""
+    owners: dict[str, set[str]] = defaultdict(set)
+    for shape in shapes:
+        for trait in shape.traits:
+            owners[trait].add(shape.text)
+    firsts: dict[frozenset[str], str] = {}
+    for trait in sorted(
+        owners, key=lambda each: (each.startswith("{"), not each.startswith("kind"), each)
+    ):
+        firsts.setdefault(frozenset(owners[trait]), trait)
+    return owners.keys() - set(firsts.values())
 
 
 def design(data: Sequence[Choices], names: list[tuple[str, str]]) -> Design:
@@ -213,22 +241,36 @@ def design(data: Sequence[Choices], names: list[tuple[str, str]]) -> Design:
     shapes, fillings = _Rows(), _Rows()
     of_shape: list[int] = []
     for choice in data:
-        by_trait: dict[str, list[int]] = defaultdict(list)
-        for feature in utterance_features(choice.example.mentions):
-            for trait, number in columns.get(feature, {}).items():
-                by_trait[trait].append(number)
-        rows: dict[str, int] = {}
+        mentions = choice.example.mentions
+        by_trait: dict[Asides, dict[str, list[int]]] = {}
+        rows: dict[tuple[str, Asides], int] = {}
         for each in choice.candidates:
-            if each.shape.text not in rows:
-                rows[each.shape.text] = shapes.add(
-                    n for t in each.shape.traits for n in by_trait[t]
+            asides = each.asides(mentions)
+            if asides not in by_trait:
+                by_trait[asides] = _by_trait(mentions, asides, columns)
+            key = (each.shape.text, asides)
+            if key not in rows:
+                rows[key] = shapes.add(
+                    n for t in each.shape.traits for n in by_trait[asides].get(t, ())
                 )
-            of_shape.append(rows[each.shape.text])
-            found = filling_features(each, choice.example.mentions)
+            of_shape.append(rows[key])
+            found = filling_features(each, mentions)
             fillings.add(columns[f][t] for f, t in found if t in columns.get(f, {}))
-        of_shape.append(shapes.add(by_trait[NONE]))
+        none = _by_trait(mentions, mentions.asides(mentions.known), columns)
+        of_shape.append(shapes.add(none.get(NONE, ())))
         fillings.add(())
     return Design(names, shapes.matrix(len(names)), np.array(of_shape), fillings.matrix(len(names)))
+
+
+def _by_trait(
+    mentions: Mentions, asides: Asides, columns: Mapping[str, Mapping[str, int]]
+) -> dict[str, list[int]]:
+    """The numbers of the features that an utterance has, by trait."""
+    found: dict[str, list[int]] = defaultdict(list)
+    for feature in utterance_features(mentions, asides):
+        for trait, number in columns.get(feature, {}).items():
+            found[trait].append(number)
+    return found
 
 
 class _Rows:
@@ -371,13 +413,14 @@ def _print_row(
 
 
 def as_json(model: OfferModel, seed: int) -> str:
-    """The file of a model: shapes, traits, and for each feature `trait:weight`, in tenths."""
+    """The file of a model: shapes, traits, and the traits and weights of each feature as digits."""
     shapes, ranker = model.shapes, model.ranker
-    traits = list(dict.fromkeys(t for weights in ranker.weights.values() for t in weights))
+    count = Counter(t for weights in ranker.weights.values() for t in weights)
+    traits = [trait for trait, _ in count.most_common()]
     number = {trait: n for n, trait in enumerate(traits)}
     shape_numbers = {shape.text: n for n, shape in enumerate(shapes)}
     weights = {
-        feature: " ".join(f"{number[t]}:{round(w * 10)}" for t, w in each.items())
+        feature: "".join(_packed(number[t], round(w * 10)) for t, w in each.items())
         for feature, each in sorted(ranker.weights.items())
     }
     made_by = f"python benchmarks/train_offers.py --write --seed {seed}"
@@ -388,6 +431,14 @@ def as_json(model: OfferModel, seed: int) -> str:
         '"weights":' + _compact(weights) + "}\n",
     ]
     return "\n".join(lines)
+
+
+def _packed(trait: int, weight: int) -> str:
+    """A trait, by its number, and its weight in tenths: a digit each, more for a great number."""
+    more, digit = divmod(trait, len(DIGITS) - MORE)
+    bound = len(DIGITS) // 2
+    prefix = DIGITS[len(DIGITS) - MORE + more - 1] if more else ""
+    return prefix + DIGITS[digit] + DIGITS[max(-bound, min(bound - 1, weight)) + bound]
 
 
 def _compact(value: object) -> str:

@@ -10,10 +10,13 @@ from itertools import islice, permutations, product
 
 from ..semantics.meaning import Json
 from .meaning_shapes import MeaningShape
-from .mentions import Mention, Mentions
+from .mentions import Mention, Mentions, Span
 
 MAX_FILLINGS = 12
 """The greatest number of ways in which the names of an utterance may fill one shape."""
+
+
+Asides = tuple[Span, ...]
 
 
 @dataclass(frozen=True)
@@ -29,13 +32,17 @@ class CandidateMeaning:
         """The meaning as a JSON object of the meaning schema."""
         return self.shape.filled(self.values)
 
+    def asides(self, mentions: Mentions) -> Asides:
+        """The spans of an utterance that say nothing of this meaning."""
+        return mentions.asides(m for used in self.used.values() for m in used)
+
 
 def candidates(
     mentions: Mentions, shapes: Iterable[MeaningShape], tool_acts: Mapping[str, str]
 ) -> Iterator[CandidateMeaning]:
     """Yield the ways in which the names of an utterance fill the shapes."""
     for shape in shapes:
-        if len(mentions.required) > len(shape.slots):
+        if mentions.fewest > len(shape.slots):
             continue
         given = _given(shape, mentions)
         if given is None or any(
@@ -54,7 +61,9 @@ def candidates(
                 for slot, name in names.items()
             }
             said = {value for value in values.values() if isinstance(value, str)}
-            if _apart(used) and not any(said.isdisjoint(names) for names in mentions.required):
+            if _apart(used) and not any(
+                said.isdisjoint(names) for names in mentions.required_beside(used.values())
+            ):
                 yield CandidateMeaning(shape, values, used)
 
 

@@ -9,7 +9,7 @@ for the other checks are data (`offers.yaml`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -20,7 +20,14 @@ from ..grammar.word_patterns import spellings
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_features import features_of_names
-from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, UtteranceFeatures
+from ..semantics.features import (
+    CONDITION,
+    HIDING,
+    MAIN,
+    ClauseWord,
+    FeatureReader,
+    UtteranceFeatures,
+)
 from ..semantics.licence_table import ACCEPT, Licence
 from ..semantics.meaning import (
     ActionRule,
@@ -37,14 +44,16 @@ from .utterance_segments import Span, rest_of
 
 Phrase = tuple[str, ...]
 
-_WORD_LISTS = (
-    *("negative", "implied_negation", "weak_negation", "condition", "exception"),
-    *("by", "before_part", "unfinished", "doubtful"),
-)
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
 """The lists of words on which a meaning may depend."""
 
+_SIGNS = (*OPERATORS, "by", "before_part")
+_WORD_LISTS = (
+    *_SIGNS,
+    *("unfinished", "doer", "other_doer", "asked", "at_end", "gripping", "joining", "turning"),
+)
 _DOMAIN = frozenset({"object", "part", "affordance", "act"})
+_ASKED = 3  # words after the beginning of a phrase that asks for something
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
@@ -60,27 +69,39 @@ class OfferChecks:
     reader: FeatureReader
     licence: Licence
 
-    def checked(self, meaning: Meaning, mentions: Mentions) -> Meaning | None:
-        """Return a meaning as sure as the utterance says it, None if it would lose something."""
-        words = mentions.tokens.words
-        keeps_all = (
-            self._is_complete(meaning, mentions)
-            and self._keeps_sign(meaning, words)
-            and self._keeps_degree(meaning, mentions)
-            and self._keeps_condition(meaning, mentions)
-            and self._keeps_grip(meaning, mentions)
-            and (not mentions.tokens.asks or isinstance(meaning, (Question, Command, ToolCommand)))
-        )
-        if not keeps_all:
-            return None
-        features = self.clause_features(mentions)
+    def weakened(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> Meaning:
+        """Return a meaning as sure as the utterance says it."""
+        return self.licence.weakened(meaning, self.clause_features(mentions, asides))
+
+    def lost(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> str:
+        """Return what a meaning would lose of an utterance, empty if nothing.
+
+        Args:
+            meaning: the meaning.
+            mentions: the utterance.
+            asides: the spans of it that say nothing of the meaning.
+        """
+        kept: Mapping[str, Callable[[], bool]] = {
+            "completeness": lambda: self._is_complete(meaning, mentions),
+            "sign": lambda: self._keeps_sign(meaning, mentions, asides),
+            "scope": lambda: self._keeps_scope(meaning, mentions),
+            "degree": lambda: self._keeps_degree(meaning, mentions),
+            "condition": lambda: self._keeps_condition(meaning, mentions),
+            "grip": lambda: self._keeps_grip(meaning, mentions),
+            "question": lambda: not mentions.tokens.asks or not isinstance(meaning, Statement),
+            "licence": lambda: self._is_licensed(meaning, mentions, asides),
+        }
+        return next((name for name, keeps in kept.items() if not keeps()), "")
+
+    def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
+        """Whether doer, source, time and modality allow a meaning."""
+        features = self.clause_features(mentions, asides)
         if isinstance(meaning, (Command, ToolCommand)) and "tense" in features.main:
-            return None
-        named = features_of_names(self.reader, words, meaning, tuple(_new_words(mentions)))
-        features = replace(features, main={**features.main, **dict(named)})
-        if self.licence.outcome(meaning, features) != ACCEPT:
-            return None
-        return self.licence.weakened(meaning, features)
+            return False
+        words, new = mentions.tokens.words, tuple(_new_words(mentions))
+        named = dict(features_of_names(self.reader, words, meaning, new))
+        features = replace(features, main={**features.main, **named})
+        return self.licence.outcome(meaning, features) == ACCEPT
 
     def around(self, span: Span, mentions: Mentions, told: Mapping[int, bool]) -> Sequence[Phrase]:
         """Return the words around a span on which its meaning may depend.
@@ -116,14 +137,17 @@ class OfferChecks:
         aside = self.reader.features((), around)
         return self.licence.outcome(meaning, aside) == ACCEPT
 
-    def clause_features(self, mentions: Mentions) -> UtteranceFeatures:
+    def clause_features(self, mentions: Mentions, asides: Sequence[Span]) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
-        return self.reader.features(tuple(self._clauses(mentions)), ())
+        words = mentions.tokens.words
+        beside = {place for span in asides for place in range(*span)}
+        main = [each for n, each in enumerate(self._clauses(mentions)) if n not in beside]
+        return self.reader.features(main, [words[start:end] for start, end in asides])
 
     def signs(self, mentions: Mentions) -> frozenset[str]:
         """What the words of an utterance say of doer, time, source and sign."""
-        words, features = mentions.tokens.words, self.clause_features(mentions)
-        found = {kind for kind in self.phrases if self._has(kind, words)}
+        words, features = mentions.tokens.words, self.clause_features(mentions, ())
+        found = {kind for kind in _SIGNS if self._has(kind, words)}
         for clause in (MAIN, CONDITION):
             for feature, values in features.of(clause).items():
                 found |= {f"{clause} {feature}={value}" for value in values}
@@ -136,13 +160,58 @@ class OfferChecks:
         doubled = (n for n, (one, two) in enumerate(pairwise(words), start=1) if one == two)
         return not is_cut and all(place in pauses for place in doubled)
 
-    def _keeps_sign(self, meaning: Meaning, words: Sequence[str]) -> bool:
-        if self._has("implied_negation", words) or self._has("weak_negation", words):
+    def _keeps_sign(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
+        """Whether a meaning is as negative as what is said of it; a clause aside has its own."""
+        words = mentions.tokens.words
+        own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
+        beside = {place for span in own for place in range(*span)} | self._idle(mentions)
+        if self.spoken("implied_negation", mentions):
             return False
-        count = self._count("negative", words)
+        if not beside.issuperset(self._places("weak_negation", words)):
+            return False
+        count = len(set(self._places("negative", words)) - beside)
         if _is_negative(meaning):
             return count == 1 or (count == 2 and _corrects(meaning))
         return count == 0 or (count == 1 and _corrects(meaning))
+
+    def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
+        """Whether the one of two rules is denied whose part or use is next to the negation."""
+        if not isinstance(meaning, Statement) or len(set(map(_denies, meaning.rules))) < 2:
+            return True
+        denied = {_said_of(rule) for rule in meaning.rules if _denies(rule)}
+        named = [m for m in mentions.names if m.name in set(map(_said_of, meaning.rules))]
+        return all(
+            not after or after[0].name in denied
+            for place in self._places("negative", mentions.tokens.words)
+            for after in [[m for m in named if m.start > place]]
+        )
+
+    def is_clause_of_its_own(self, words: Sequence[str]) -> bool:
+        """Whether a clause has a doer, and is not about what somebody says or thinks."""
+        return self._has("doer", words) and self.reader.embedding.isdisjoint(words)
+
+    def denying_pieces(self, mentions: Mentions) -> Iterator[Span]:
+        """Yield the pieces of an utterance that have a negation."""
+        words, idle = mentions.tokens.words, self._idle(mentions)
+        found = {*self._places("negative", words), *self._places("weak_negation", words)} - idle
+        yield from (piece for piece in mentions.pieces if not found.isdisjoint(range(*piece)))
+
+    def _idle(self, mentions: Mentions) -> set[int]:
+        """The places of the words of degrees and of phrases that hide the features of theirs."""
+        words = mentions.tokens.words
+        found = {place for start, end, _ in mentions.degrees for place in range(start, end)}
+        for start, word in enumerate(words):
+            for phrase, values in self.reader.phrases.get(word, ()):
+                if HIDING in values and words[start : start + len(phrase)] == phrase:
+                    found.update(range(start, start + len(phrase)))
+        return found
+
+    def spoken(self, kind: str, mentions: Mentions) -> list[int]:
+        """The places of words of a kind; of one that is an adverb at the end of a clause none."""
+        words, last = mentions.tokens.words, {end - 1 for _, end in mentions.pieces}
+        idle = self._idle(mentions) | {n for n in self._places("at_end", words) if n in last}
+        idle |= {n + k for n in self._places("asked", words) for k in range(_ASKED)}
+        return [place for place in self._places(kind, words) if place not in idle]
 
     def _keeps_degree(self, meaning: Meaning, mentions: Mentions) -> bool:
         said = {interval for _, _, interval in mentions.degrees}
@@ -153,16 +222,15 @@ class OfferChecks:
         return all(_is_negative(meaning) and upper < _UNLIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
-        words = mentions.tokens.words
-        if self._has("exception", words) or self._has("doubtful", words):
+        if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
             return False
         if isinstance(meaning, (Command, ToolCommand)):
-            return not self._has("condition", words)
+            return not self.spoken("condition", mentions)
         names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(
             any(place < other <= place + _REACH for other in spoken)
-            for place in self._places("condition", words)
+            for place in self.spoken("condition", mentions)
         )
 
     def _keeps_grip(self, meaning: Meaning, mentions: Mentions) -> bool:
@@ -170,7 +238,9 @@ class OfferChecks:
         if not isinstance(meaning, Statement):
             return True
         words = mentions.tokens.words
-        held = any(each.role == "act" and each.name == "grasp" for each in mentions.names)
+        held = self._has("gripping", words) or any(
+            each.role == "act" and each.name == "grasp" for each in mentions.names
+        )
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
         before = [
             (each, words[max(0, each.start - 3) : each.start])
@@ -178,13 +248,16 @@ class OfferChecks:
             if each.role == "part" and each.name in parts
         ]
         return all(
-            (held or self._has("by", said)) and (not each.is_new or self._has("before_part", said))
+            (held or self._has("by", said))
+            and (
+                not each.is_new or self._has("before_part", said) or self.reader.is_part(each.name)
+            )
             for each, said in before
         )
 
     def _clauses(self, mentions: Mentions) -> Iterator[ClauseWord]:
-        """The words with their clauses; one that names something belongs to none."""
-        named = {n for m in mentions.names if m.role != "act" for n in range(m.start, m.end)}
+        """The words with their clauses; one that is known to name something belongs to none."""
+        named = {n for m in mentions.known for n in range(m.start, m.end)}
         clause = MAIN
         for place, word in enumerate(mentions.tokens.words):
             if place in mentions.tokens.pauses or word == BREAK:
@@ -246,6 +319,10 @@ def _is_negative(meaning: Meaning) -> bool:
 
 def _denies(rule: Rule) -> bool:
     return rule.confidence[1] < _UNLIKELY
+
+
+def _said_of(rule: Rule) -> str:
+    return rule.part if isinstance(rule, ActionRule) else rule.affordance
 
 
 def _corrects(meaning: Meaning) -> bool:

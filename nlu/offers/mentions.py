@@ -7,13 +7,14 @@ utterance also refers to the object mentioned last, and a correction to the last
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from ..grammar.categories import Category, Functor
 from ..lexicon.lexicon import Entry, Lexicon
-from ..lexicon.tokenizer import Tokens
+from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.coreference import Discourse
 from ..semantics.interpretation import GOALS
@@ -35,7 +36,21 @@ _BEFORE_VERBS = frozenset({"to", "can", "you", "we", "i", "and"})
 _LABELS = ("degree", "object", "part", "property", "material", "person", "act", "affordance", "new")
 """Of the roles of one word the first of these is its label."""
 
-_NEW_ROLES = {"object": "object", "part": "part", "affordance": "affordance", "context": "act"}
+_NEW_ROLES = {
+    **{role: role for role in ("object", "part", "affordance", "person")},
+    "context": "act",
+}
+
+LEAST_ASIDE = 4
+"""The least length of what is said aside, from pause to pause [words]."""
+
+_BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
+_BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
+
+
+_SPOKEN_OF = frozenset({"object", "part", "affordance", "material", "property"})
+
+Span = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +58,8 @@ class Mention:
     """A name at the tokens `[start, end)`, in its dictionary form, in one of its roles.
 
     Attributes:
-        is_new: whether the word is not known.
+        is_new: whether it is no name that is known.
+        is_unknown: whether the word itself is not known.
     """
 
     role: str
@@ -51,6 +67,7 @@ class Mention:
     start: int
     end: int
     is_new: bool = False
+    is_unknown: bool = False
 
 
 @dataclass(frozen=True)
@@ -82,17 +99,47 @@ class Mentions:
         return found
 
     @cached_property
-    def required(self) -> tuple[frozenset[str], ...]:
+    def required(self) -> Mapping[Span, frozenset[str]]:
         """The known names that a meaning must use: for each of their places, the names it has."""
-        spans: dict[tuple[int, int], dict[str, str]] = {}
+        spans: dict[Span, dict[str, str]] = {}
         for each in self.names:
             if not each.is_new:
                 spans.setdefault((each.start, each.end), {})[each.role] = each.name
-        return tuple(
-            dict.fromkeys(
-                frozenset(names.values()) for names in spans.values() if _is_required(names)
-            )
-        )
+        return {
+            span: frozenset(names.values()) for span, names in spans.items() if _is_required(names)
+        }
+
+    @cached_property
+    def fewest(self) -> int:
+        """The least number of slots that the names a meaning must use can fill."""
+        longer = any(each.is_new and each.end - each.start > 1 for each in self.names)
+        return 0 if longer else len(set(self.required.values()))
+
+    def required_beside(self, used: Iterable[Sequence[Mention]]) -> Iterator[frozenset[str]]:
+        """Yield what a meaning must use that is no part of the longer names it uses."""
+        longer = [m for some in used for m in some if m.end - m.start > 1]
+        for (start, end), names in self.required.items():
+            if not any(m.start <= start and end <= m.end for m in longer):
+                yield names
+
+    @cached_property
+    def pieces(self) -> tuple[Span, ...]:
+        """The spans of the tokens from pause to pause."""
+        breaks = [n for n, word in enumerate(self.tokens.words) if word == BREAK]
+        ends = {*self.tokens.pauses, *breaks, *(n + 1 for n in breaks), len(self.tokens.words)}
+        return tuple((start, end) for start, end in pairwise(sorted(ends | {0})) if start < end)
+
+    def asides(self, used: Iterable[Mention]) -> tuple[Span, ...]:
+        """Return the pieces that have none of some names and no degree, but a clause's length."""
+        places = {each.start for each in used}
+        named = places | {start for start, _, _ in self.degrees}
+        long = (piece for piece in self.pieces if piece[1] - piece[0] >= LEAST_ASIDE)
+        return tuple(each for each in long if places and named.isdisjoint(range(*each)))
+
+    @cached_property
+    def known(self) -> tuple[Mention, ...]:
+        """The names that are known, without acts."""
+        return tuple(each for each in self.names if not each.is_new and each.role in _SPOKEN_OF)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
@@ -166,13 +213,23 @@ def _result(category: Category) -> str:
 
 
 def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
-    guesses = known.guesses(tokens, known.unknown(tokens))
+    unknown = known.unknown(tokens)
+    guesses = known.guesses(tokens, unknown)
     for start, entries in guesses.items():
         for entry in entries:
             role = _NEW_ROLES.get(entry.role)
             if role and _fits(role, entry, tokens.words, start):
                 end = start + 1 + entry.says.count(" ")
-                yield Mention(role, entry.name, start, end, is_new=True)
+                is_unknown = tokens.items[start] in unknown
+                yield Mention(role, entry.name, start, end, is_new=True, is_unknown=is_unknown)
+                if role == "object" and _may_be_person(tokens.words, start):
+                    yield Mention("person", entry.name, start, end, True, is_unknown)
+
+
+def _may_be_person(words: tuple[str, ...], start: int) -> bool:
+    """Whether an unknown word may be a person to whom something is given."""
+    before = words[max(0, start - 2) : start]
+    return len(before) > 1 and before[1] in _BEFORE_PEOPLE and before[0] not in _BEFORE_PLACES
 
 
 def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:

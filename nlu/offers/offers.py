@@ -9,7 +9,7 @@ or acted on before its speaker has chosen it.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import islice
@@ -18,32 +18,53 @@ from pathlib import Path
 from ...ontology.errors import UnknownNameError
 from ..generation.templates import AnswerTemplates
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
-from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
+from ..lexicon.unknown_words import KnownWords
 from ..parsing.parser import UtteranceContext
 from ..semantics.coreference import Discourse
-from ..semantics.meaning import AskBack, Command, Confidence, Meaning, Statement, ToolCommand
+from ..semantics.meaning import (
+    AskBack,
+    Command,
+    Confidence,
+    Meaning,
+    Question,
+    Statement,
+    ToolCommand,
+)
 from .candidates import CandidateMeaning, candidates
 from .checks import OfferChecks
+from .introductions import Introductions
 from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
-from .mentions import Mentions, find_mentions
+from .mentions import Mention, Mentions, find_mentions
 from .ranker import Ranker, left_over
 from .typing_slips import corrected_texts
 from .utterance_segments import segments
 
 MAX_OFFERS = 3
 
-LEAST_FIRST: Mapping[type, float] = {Command: 0.5, ToolCommand: 0.5}
-"""The least probability of the first offer of a kind; `LEAST` for all others."""
-
 LEAST = 0.4
-LEAST_OTHER = 0.06
+"""The least probability of the first offer."""
+
+LEAST_NAMELESS = 0.9
+"""The least probability of a meaning that names nothing."""
+
+LEAST_OTHER = 0.03
 """The least probability of a further offer."""
 
 MAX_TRIED = 6
 """How many of the likeliest candidates are checked."""
 
+MAX_UNKNOWN = 5
+"""How many unknown words an utterance may have."""
+
 MAX_SEGMENTS = 30
 """How many segments are parsed."""
+
+
+DIGITS = "".join(each for each in map(chr, range(32, 127)) if each not in '"\\')
+"""The digits of the numbers in the file of a model, from zero on."""
+
+MORE = 5
+"""How many of the last digits add the number of the others, once to so many times."""
 
 
 @dataclass(frozen=True)
@@ -93,20 +114,31 @@ class Offers:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
         mentions = self.mentions(tokens, context.discourse)
         said = self.of_segments(mentions, context)
-        if said or not self._is_text(tokens):
+        if said or not self.is_text(tokens):
             return said
         corrected = self.of_corrected(tokens, context)
         if corrected:
             return corrected
-        return self.of_mentions(mentions, context)
+        return self.of_last_clause(mentions, context) or self.of_mentions(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
         found = find_mentions(tokens, self.known, self.degrees, discourse)
+        names = (each for each in found.names if not self._is_of_gripping(each, tokens))
+        found = replace(found, names=tuple(names))
         return replace(found, features=self.checks.signs(found))
+
+    def _is_of_gripping(self, mention: Mention, tokens: Tokens) -> bool:
+        """Whether a name is only that of what grips, or of gripping: "your gripper", "grabbed"."""
+        if mention.role == "affordance":
+            return mention.name in self.checks.reader.acts
+        words = tokens.words[mention.start : mention.end]
+        return mention.role != "act" and words in self.checks.phrases["gripping"]
 
     def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""
+        if any(self.checks.reader.is_noun(each.word) for each in self.known.unknown(tokens)):
+            return ()
         texts = corrected_texts(tokens, self.known)
         meanings = dict.fromkeys(self.meaning_of(text, context) for text in texts)
         found = (each for each in meanings if self._is_understood(each, context))
@@ -129,21 +161,54 @@ class Offers:
                 return (meaning,)
         return ()
 
+    def of_last_clause(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
+        """Return the meaning of the longest last clause that the others only introduce."""
+        tokens, introductions = mentions.tokens, Introductions(self.checks)
+        for start, end in segments(tokens, self.set_off(tokens)):
+            if end < len(tokens.items) or not introductions.introduces(start, mentions):
+                continue
+            meaning = self.meaning_of(tokens.span(start, end), context)
+            if (
+                isinstance(meaning, (Statement, Command, ToolCommand, Question))
+                and introductions.allows(meaning, start, mentions)
+                and self._is_understood(meaning, context)
+            ):
+                return (meaning,)
+        return ()
+
     def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
         found: list[Meaning] = []
         for probability, candidate in self.ranked(mentions):
             meaning = meaning_from_json(candidate.meaning)
-            least = LEAST_OTHER if found else LEAST_FIRST.get(type(meaning), LEAST)
+            least = LEAST_OTHER if found else LEAST
             if probability < least:
                 break
-            if not candidate.used or left_over(candidate, mentions).get("new"):
+            if not candidate.used and probability < LEAST_NAMELESS:
                 continue
-            checked = self.checks.checked(meaning, mentions)
-            is_new = checked and _content(checked) not in map(_content, found)
-            if checked and is_new and self._is_understood(checked, context):
+            if self.rejected(candidate, mentions, context):
+                continue
+            asides = candidate.asides(mentions)
+            checked = self.checks.weakened(meaning, mentions, asides)
+            if _content(checked) not in map(_content, found):
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
+
+    def rejected(
+        self, candidate: CandidateMeaning, mentions: Mentions, context: UtteranceContext
+    ) -> str:
+        """Return why a candidate is not offered, empty if it is."""
+        left = left_over(candidate, mentions)
+        if not left.get("new", frozenset()).isdisjoint(_beside(candidate)):
+            return "new words"
+        meaning, asides = meaning_from_json(candidate.meaning), candidate.asides(mentions)
+        lost = self.checks.lost(meaning, mentions, asides)
+        if lost:
+            return lost
+        is_understood = self._is_understood(
+            self.checks.weakened(meaning, mentions, asides), context
+        )
+        return "" if is_understood else "sentence"
 
     def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
         """Return the likeliest candidates with their probabilities, the likeliest first."""
@@ -158,20 +223,31 @@ class Offers:
         denying = self.checks.phrases["negative"]
         return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
 
-    def _is_text(self, tokens: Tokens) -> bool:
+    def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
         words = tokens.words
-        if len(words) > MAX_TOKENS or not all(word.isalpha() or word == BREAK for word in words):
+        if len(words) > MAX_TOKENS or not all(map(_is_word, words)):
             return False
-        return len({token.word for token in self.known.unknown(tokens)}) <= MAX_NEW_WORDS
+        return len({token.word for token in self.known.unknown(tokens)}) <= MAX_UNKNOWN
 
     def _is_understood(self, meaning: Meaning, context: UtteranceContext) -> bool:
         """Whether the sentence for a meaning is understood as it, said out of the blue."""
         alone = replace(context, discourse=Discourse())
         try:
-            return self.meaning_of(self.realize(meaning), alone) == meaning
+            found = self.meaning_of(self.realize(meaning), alone)
         except UnknownNameError:
             return False
+        return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
+
+
+def _is_word(word: str) -> bool:
+    return word.isalpha() or word in {BREAK, "'s"}
+
+
+def _beside(candidate: CandidateMeaning) -> set[int]:
+    """The places just before and after the names that a candidate uses."""
+    used = [each for mentions in candidate.used.values() for each in mentions]
+    return {place for each in used for place in (each.start - 1, each.end)}
 
 
 def _content(meaning: Meaning) -> Meaning:
@@ -187,10 +263,15 @@ def load_model(path: Path) -> OfferModel:
     data = json.loads(path.read_text(encoding="utf-8"))
     shapes = tuple(map(shape_from, data["shapes"]))
     traits = [each if isinstance(each, str) else shapes[each].text for each in data["traits"]]
-    weights = {
-        feature: {
-            traits[int(n)]: int(w) / 10 for n, w in (each.split(":") for each in said.split())
-        }
-        for feature, said in data["weights"].items()
-    }
+    weights = {feature: dict(_unpacked(said, traits)) for feature, said in data["weights"].items()}
     return OfferModel(shapes, Ranker(weights))
+
+
+def _unpacked(said: str, traits: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Yield the traits and weights in the digits of a feature."""
+    values = map(DIGITS.index, said)
+    width = len(DIGITS) - MORE
+    for value in values:
+        more = max(0, value - width + 1)
+        trait = width * more + (next(values) if more else value)
+        yield traits[trait], (next(values) - len(DIGITS) // 2) / 10

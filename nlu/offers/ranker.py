@@ -14,7 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from .candidates import CandidateMeaning
+from ..lexicon.tokenizer import BREAK
+from .candidates import Asides, CandidateMeaning
 from .mentions import Mentions
 
 NONE = "none"
@@ -37,21 +38,31 @@ class Ranker:
         self, mentions: Mentions, candidates: Sequence[CandidateMeaning]
     ) -> tuple[float, ...]:
         """Return the probability of each candidate, in [0, 1]; the rest is that of "none"."""
-        said: dict[str, float] = {}
-        for feature in utterance_features(mentions):
-            for trait, weight in self.weights.get(feature, {}).items():
-                said[trait] = said.get(trait, 0.0) + weight
-        of_shape: dict[str, float] = {}
-        scores = [said.get(NONE, 0.0)]
+        said = {
+            asides: self._said(mentions, asides) for asides in {mentions.asides(mentions.known)}
+        }
+        scores = [said[mentions.asides(mentions.known)].get(NONE, 0.0)]
+        of_shape: dict[tuple[str, Asides], float] = {}
         for each in candidates:
-            shape = each.shape
-            if shape.text not in of_shape:
-                of_shape[shape.text] = sum(said.get(trait, 0.0) for trait in shape.traits)
-            scores.append(of_shape[shape.text] + self._of_filling(each, mentions))
+            shape, asides = each.shape, each.asides(mentions)
+            if asides not in said:
+                said[asides] = self._said(mentions, asides)
+            if (shape.text, asides) not in of_shape:
+                weights = said[asides]
+                of_shape[shape.text, asides] = sum(weights.get(t, 0.0) for t in shape.traits)
+            scores.append(of_shape[shape.text, asides] + self._of_filling(each, mentions))
         greatest = max(scores)
         powers = [math.exp(score - greatest) for score in scores]
         total = sum(powers)
         return tuple(power / total for power in powers[1:])
+
+    def _said(self, mentions: Mentions, asides: Asides) -> dict[str, float]:
+        """The sum of the weights of what an utterance has, by the trait of the meaning."""
+        said: dict[str, float] = {}
+        for feature in utterance_features(mentions, asides):
+            for trait, weight in self.weights.get(feature, {}).items():
+                said[trait] = said.get(trait, 0.0) + weight
+        return said
 
     def _of_filling(self, candidate: CandidateMeaning, mentions: Mentions) -> float:
         found = (
@@ -61,21 +72,22 @@ class Ranker:
         return sum(found)
 
 
-def utterance_features(mentions: Mentions) -> Iterator[str]:
-    """What an utterance has: its words and labels, and pairs of neighbours."""
-    labels = _labels(mentions)
+def utterance_features(mentions: Mentions, asides: Asides) -> Iterator[str]:
+    """What an utterance has: its words and labels, and pairs of neighbours; `~` is said aside."""
+    labels = list(mentions.labels)
+    beside = [label for start, end in asides for label in labels[start:end]]
+    for start, end in asides:
+        labels[start:end] = [""] * (end - start)
+    kept = [label for label in labels if label and label != BREAK]
     yield ""
-    yield from dict.fromkeys(labels)
-    yield from dict.fromkeys(f"{one} {other}" for one, other in pairwise((_START, *labels, _END)))
+    yield from dict.fromkeys(kept)
+    yield from dict.fromkeys(f"{one} {other}" for one, other in pairwise((_START, *kept, _END)))
+    yield from dict.fromkeys(f"~{label}" for label in beside if label)
     yield from (f"!{each}" for each in sorted(mentions.features))
     if mentions.tokens.asks:
         yield "?"
     if mentions.last is not None:
         yield "last"
-
-
-def _labels(mentions: Mentions) -> tuple[str, ...]:
-    return tuple(filter(None, mentions.labels))
 
 
 def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterator[tuple[str, str]]:
@@ -94,13 +106,21 @@ def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterato
             yield "new", slot
             yield labels[first.start], kind + slot
     yield " ".join(slot for _, slot in sorted(order)), kind
-    for role, count in left_over(candidate, mentions).items():
+    asides = candidate.asides(mentions)
+    for role, places in left_over(candidate, mentions).items():
         yield f"left {role}", kind
-        yield f"left {role} {min(count, 3)}", ""
+        yield f"left {role} {min(len(places), 3)}", ""
+        if role in {"new", "person"}:
+            for place in places:
+                aside = any(start <= place < end for start, end in asides)
+                yield ("left aside", "") if aside else (f"left {labels[place - 1]} _", kind)
 
 
-def left_over(candidate: CandidateMeaning, mentions: Mentions) -> Mapping[str, int]:
-    """The number of names that a candidate does not use, by role; `new` for unknown words."""
+def left_over(candidate: CandidateMeaning, mentions: Mentions) -> Mapping[str, frozenset[int]]:
+    """Return the places of the names that a candidate does not use, by role.
+
+    The role `new` is that of unknown words, and `known` of known ones that could name something.
+    """
     spans = {
         place for used in candidate.used.values() for m in used for place in range(m.start, m.end)
     }
@@ -108,7 +128,8 @@ def left_over(candidate: CandidateMeaning, mentions: Mentions) -> Mapping[str, i
     left: dict[str, set[int]] = {}
     for each in mentions.names:
         if each.start not in spans and each.name not in names and each.role != "act":
-            left.setdefault("new" if each.is_new else each.role, set()).add(each.start)
+            new = "new" if each.is_unknown else "known"
+            left.setdefault(new if each.is_new else each.role, set()).add(each.start)
     if mentions.degrees and "?degree" not in candidate.shape.slots:
         left["degree"] = {place for place, _, _ in mentions.degrees}
-    return {role: len(places) for role, places in left.items()}
+    return {role: frozenset(places) for role, places in left.items()}

@@ -115,6 +115,8 @@ class Clarification:
         answer = licence.outcome(reading.meaning, reading.features)
         if answer == ACCEPT:
             return licence.weakened(reading.meaning, reading.features)
+        if not self.answers.slots(answer):  # no evidence that what it names is of its kind
+            return AskBack(self.answers.say(answer))
         own = _as_own(reading.meaning)
         return AskBack(self.answers.say(answer, meant=self._choice(own)), (own,))
 

@@ -21,6 +21,9 @@ from ..grammar.word_patterns import spellings
 Values: TypeAlias = Mapping[str, frozenset[str]]
 """The values of each feature that a clause has."""
 
+HIDING = "nothing"
+"""The feature of phrases that hide the features of their words."""
+
 MAIN, CONDITION, ASIDE = "main", "condition", "aside"
 
 NAMED: Values = {
@@ -132,6 +135,10 @@ class FeatureReader:
         """Return features with those of further phrases that add nothing to the meaning."""
         found = [value for phrase in phrases for value in self._found(phrase)]
         return replace(features, aside=_joined([features.aside, *found]))
+
+    def is_noun(self, word: str) -> bool:
+        """Whether a word is a noun of English, if only one of a kind."""
+        return any(word in nouns for nouns in self.nouns.values())
 
     def is_part(self, *words: str) -> bool:
         """Whether one of some nouns is commonly a part of a thing: "lid", "left handle"."""

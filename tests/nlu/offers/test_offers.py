@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.semantics.meaning import AskBack, Meaning
+from hilt.nlu.lexicon.tokenizer import tokenize
+from hilt.nlu.semantics.coreference import Discourse
+from hilt.nlu.semantics.meaning import AskBack, FunctionalRule, Meaning, Statement
 
 
 def offered(language: Language, text: str) -> tuple[Meaning | str, ...]:
@@ -80,3 +84,29 @@ def test_every_offer_is_understood_as_itself(language: Language) -> None:
     for choice in offered(language, "pas me somthing usd for cutting"):
         assert not isinstance(choice, str)
         assert language.understand(language.generate(choice)).meaning == choice
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Give me a break.", "Pick up the pace.", "To pick up a mug, grab it by the window."],
+)
+def test_what_is_no_thing_and_no_part_is_not_offered(language: Language, text: str) -> None:
+    """A noun is offered as a new thing or part only if it can be one."""
+    assert offered(language, text) == ()
+
+
+def test_one_of_two_rules_is_denied_as_it_was_said(language: Language) -> None:
+    """The rule whose use follows the negation is denied, and no other."""
+    checks = language.offers.checks
+    tokens = tokenize("not for cutting goes the spoon, for stirring", language.builder.contractions)
+    mentions = language.offers.mentions(tokens, Discourse())
+    stirring, cutting = (
+        FunctionalRule("spoon", use, (0.95, 1.0)) for use in ("stirring", "cutting")
+    )
+    denied = replace(cutting, confidence=(0.0, 0.05))
+
+    assert checks.lost(Statement((denied, stirring)), mentions, ()) == ""
+    assert (
+        checks.lost(Statement((cutting, replace(stirring, confidence=(0.0, 0.05)))), mentions, ())
+        == "scope"
+    )
