@@ -229,8 +229,10 @@ class OfferChecks:
         names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(
-            any(place < other <= place + _REACH for other in spoken)
+            any(place < other < end for other in spoken)
             for place in self.spoken("condition", mentions)
+            for start, end in mentions.pieces
+            if start <= place < end
         )
 
     def _keeps_grip(self, meaning: Meaning, mentions: Mentions) -> bool:
@@ -278,10 +280,6 @@ class OfferChecks:
             for place in range(len(words) - length + 1):
                 if tuple(words[place : place + length]) == phrase:
                     yield place
-
-
-_REACH = 9
-"""How far behind a word like "when" its act or use may stand [words]."""
 
 
 @lru_cache(maxsize=4)

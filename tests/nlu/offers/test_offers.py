@@ -56,6 +56,8 @@ def test_a_denial_is_said_aloud(language: Language) -> None:
         "a spoon a spoon is is cutting",
         "they say shoes pounding is for",
         "unless a shoe, pounding never",
+        "we used to pass a knife by the blade back home",
+        "when my boss is looking, a mug gets picked up by the handle",
     ],
 )
 def test_nothing_is_offered_that_loses_a_word_that_matters(language: Language, text: str) -> None:
