@@ -32,8 +32,11 @@ MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
 OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
 """The forms of periphery; a clause goes by its subject, and what has none is `OTHER`."""
 
-WEAK, COLON, BUT, SO, STRONG, AFTER, WITHIN = range(7)
-"""How a piece is set off: the strongest pause between it and the core, or its other place."""
+WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER, WITHIN = range(8)
+"""How a piece is set off: the strongest pause between it and the core, or its other place.
+
+`ASKING` is a weak pause before a question, whose beginning is as clear as after a strong one.
+"""
 
 LEAST_WORDS = 3
 """The least length of a core [words]."""
@@ -41,7 +44,7 @@ LEAST_WORDS = 3
 MAX_CORES = 8
 """How many cores of one utterance are parsed."""
 
-_ANYWHERE = frozenset({WEAK, COLON, BUT, SO, STRONG, AFTER})
+_ANYWHERE = frozenset({WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER})
 _BEFORE = frozenset({COLON, BUT, SO, STRONG})
 _LEADS: Mapping[str, int] = {"so": SO, "but": BUT, "and": WEAK}
 _FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
@@ -60,6 +63,7 @@ _PRETENDED = frozenset(
 )
 # The same, and what asks for something else or only under a condition.
 _REPORTED = _PRETENDED | {"knowledge", "act", "condition", "exception", "condition=absent"}
+_NAMING = _REPORTED | {"named"}
 # On these a rule may depend as well; less so in a reason for it.
 _LIMITING = _REPORTED | {
     *("negative", "implied_negation", "weak_negation", "degree", "exception=exception"),
@@ -139,6 +143,7 @@ TABLE: Sequence[Row] = (
     Row(_KINDS, frozenset({MARKER}), _ANYWHERE),
     # What is asked for at the end is wanted, whatever made the speaker ask.
     Row(_REQUESTS, _CLAUSES, _BEFORE, _REPORTED),
+    Row(_REQUESTS, frozenset({OWN, IMPERSONAL, OTHER}), frozenset({ASKING}), _NAMING),
     Row(_REQUESTS, frozenset({HEARER}), frozenset({SO}), _REPORTED),
     Row(_REQUESTS, _CAUSES, _ANYWHERE, _REPORTED),
     # A reason or a purpose does not limit a rule, before or after it.
@@ -252,6 +257,8 @@ class PeripheryReader:
         joined = max((p.joined for p in pieces if p.lead and p.start + p.lead == start), default=0)
         if any(each.is_announcement and each.end <= start for each in around):
             joined = max(joined, STRONG)
+        elif tokens.asks and end == len(tokens.items):
+            joined = max(joined, ASKING)
         placed = [(each, _pause(each, start, gaps, joined)) for each in around]
         kinds = _KINDS.intersection(
             *(_permitted(*each) for each in placed), *(_permitted(each, WITHIN) for each in asides)
@@ -353,7 +360,7 @@ class PeripheryReader:
         yield from self._speech(words, form)
         if _QUOTED.search(tokens.text):
             yield "quoted"
-        if len(words) < LEAST_WORDS and not all(map(self._is_common, words)):
+        if self._calls(tokens):
             yield "called"
         if any(map(self._is_name, words)):
             yield "named"
@@ -397,9 +404,17 @@ class PeripheryReader:
         is_hearer = bool(self.words.begins(HEARER, (subject,)))
         return (subject,) in self.words.lists["speaker"] or (or_of_hearer and is_hearer)
 
-    def _is_common(self, word: str) -> bool:
-        """Whether a word is known and calls nobody."""
-        return self.known.has(word) and not self.known.lexicon.is_name(word, _PEOPLE)
+    def _calls(self, tokens: Tokens) -> bool:
+        """Whether a piece only calls somebody: by an unknown word, or by a name."""
+        words = tokens.words
+        if len(words) == 1:
+            return not self.known.has(words[0]) or self._is_person(words[0])
+        return len(words) < LEAST_WORDS and (
+            any(map(self._is_person, words)) or any(each.capital for each in tokens.items[1:])
+        )
+
+    def _is_person(self, word: str) -> bool:
+        return self.known.lexicon.is_name(word, _PEOPLE)
 
     def _is_name(self, word: str) -> bool:
         return any(self.known.names(word, role) for role in _PLACED_NAMES)
@@ -433,10 +448,16 @@ def load_periphery(path: Path) -> PeripheryWords:
 
 
 def _tells(pieces: Sequence[Piece]) -> bool:
-    """Whether some pieces tell what follows them, and neither report nor pretend it."""
-    signs = frozenset[str]().union(*(piece.signs for piece in pieces))
-    barring = _PRETENDED - {"report"} if "announced" in signs else _PRETENDED
-    return barring.isdisjoint(signs) and pieces[-1].signs.isdisjoint({"condition", "exception"})
+    """Whether some pieces tell what follows them, and neither report nor pretend it.
+
+    What the speaker announces at the end is told, whatever was said before.
+    """
+    last = next((each.signs for each in reversed(pieces) if each.form != MARKER), frozenset())
+    if not last.isdisjoint({"condition", "exception"}):
+        return False
+    if "announced" in last:
+        return last.isdisjoint(_PRETENDED - {"report"})
+    return all(each.signs.isdisjoint(_PRETENDED) for each in pieces)
 
 
 def _permitted(piece: Piece, pause: int) -> frozenset[str]:
