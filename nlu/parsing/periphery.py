@@ -48,7 +48,7 @@ _ANYWHERE = frozenset({WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER})
 _BEFORE = frozenset({COLON, BUT, SO, STRONG})
 _LEADS: Mapping[str, int] = {"so": SO, "but": BUT, "and": WEAK}
 _FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
-_LISTS = ("auxiliary", "speaker", "speech", "knowledge", "unreal", "person")
+_LISTS = ("auxiliary", "speaker", "speech", "knowledge", "unreal", "person", "listener")
 _DASHES = ":–—"
 _QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
 _THINGS, _PEOPLE = ("N", "MS"), ("RN", "HN")
@@ -142,16 +142,17 @@ _CLAUSES = _CAUSES | {OWN, IMPERSONAL, OTHER}
 TABLE: Sequence[Row] = (
     Row(_KINDS, frozenset({MARKER}), _ANYWHERE),
     # What is asked for at the end is wanted, whatever made the speaker ask.
-    Row(_REQUESTS, _CLAUSES, _BEFORE, _REPORTED),
+    Row(_REQUESTS, _CLAUSES, _BEFORE - {COLON}, _REPORTED),
+    Row(_REQUESTS, _CLAUSES, frozenset({COLON}), _REPORTED | {"pointing"}),
     Row(_REQUESTS, frozenset({OWN, IMPERSONAL, OTHER}), frozenset({ASKING}), _NAMING),
     Row(_REQUESTS, frozenset({HEARER}), frozenset({SO}), _REPORTED),
     Row(_REQUESTS, _CAUSES, _ANYWHERE, _REPORTED),
     # A reason or a purpose does not limit a rule, before or after it.
     Row(_RULES, _CAUSES, _ANYWHERE, _LIMITING_REASON),
     Row(frozenset({HOLDING}), _CLAUSES, frozenset({SO}), _LIMITING_REASON),
-    # Nor does what speakers say of themselves or the hearer; a colon needs an announcement.
-    Row(_RULES, _PERSONS, frozenset({STRONG, SO, BUT}), _LIMITING),
-    Row(_RULES, frozenset({IMPERSONAL}), frozenset({SO}), _LIMITING),
+    # Nor does what speakers say of themselves; a colon needs an announcement.
+    Row(_RULES, frozenset({OWN}), frozenset({STRONG, BUT}), _LIMITING),
+    Row(_RULES, frozenset({HEARER}), frozenset({BUT}), _LIMITING),
     # What is said of the thing by the way says nothing of its use.
     Row(_KINDS, _CAUSES | {ASIDE, OWN}, frozenset({WITHIN}), _LIMITING_ASIDE),
 )
@@ -362,6 +363,8 @@ class PeripheryReader:
             yield "quoted"
         if self._calls(tokens):
             yield "called"
+        if words and self.words.begins(IMPERSONAL, words[-1:]):
+            yield "pointing"
         if any(map(self._is_name, words)):
             yield "named"
         if words and self._is_act(words[0]):
@@ -387,7 +390,9 @@ class PeripheryReader:
             is_known = (word,) in self.words.lists["knowledge"]
             if not is_said and not is_known and word not in self.features.embedding:
                 continue
-            if self._is_own(words, place, or_of_hearer=not is_said):
+            if is_said and words[place + 1 : place + 2] in self.words.lists["listener"]:
+                yield "report"
+            elif self._is_own(words, place, or_of_hearer=not is_said):
                 yield "announced" if is_said or is_known else ""
             elif form != PURPOSE:
                 yield "report" if is_said else "knowledge"
@@ -405,13 +410,11 @@ class PeripheryReader:
         return (subject,) in self.words.lists["speaker"] or (or_of_hearer and is_hearer)
 
     def _calls(self, tokens: Tokens) -> bool:
-        """Whether a piece only calls somebody: by an unknown word, or by a name."""
-        words = tokens.words
-        if len(words) == 1:
-            return not self.known.has(words[0]) or self._is_person(words[0])
-        return len(words) < LEAST_WORDS and (
-            any(map(self._is_person, words)) or any(each.capital for each in tokens.items[1:])
+        """Whether a piece may only call somebody: by one word, or by a name."""
+        is_name = any(map(self._is_person, tokens.words)) or any(
+            t.capital for t in tokens.items[1:]
         )
+        return len(tokens.words) == 1 or (len(tokens.words) < LEAST_WORDS and is_name)
 
     def _is_person(self, word: str) -> bool:
         return self.known.lexicon.is_name(word, _PEOPLE)
