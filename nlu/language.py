@@ -38,10 +38,12 @@ from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OPERATORS, OfferChecks, load_check_words
 from .offers.choice_answers import load_choice_words
+from .offers.courtesies import Courtesy, has_content, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import Offers, load_model
 from .offers.phrase_memory import NO_PHRASES, Phrase, PhraseMemory, phrase_from
 from .offers.typing_slips import is_misspelled
+from .offers.utterance_segments import parts
 from .parsing.clarification import Clarification
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.periphery import PeripheryReader, load_periphery
@@ -53,6 +55,7 @@ from .semantics.features import load_features
 from .semantics.interpretation import Interpreter
 from .semantics.licence_table import load_licence
 from .semantics.meaning import (
+    Acknowledgement,
     Answer,
     AskBack,
     Confidence,
@@ -208,6 +211,9 @@ class Language:
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         found = self.utterance_parser.understand(text, context, accepted)
+        aside = self._aside(text) if _is_not_understood(found.meaning, text) else None
+        if aside:
+            return replace(found, meaning=aside, discourse=context.discourse)
         if _is_not_understood(found.meaning, text):
             found = self._by_phrase(text, context) or self._with_offers(found, context)
         if not isinstance(found.meaning, AskBack):
@@ -303,6 +309,34 @@ class Language:
 
         found = self.controls.match(tokens.words, named)
         return Control(*found) if found else None
+
+    def courtesy(self, text: str) -> Courtesy | None:
+        """Return what a text that is not understood says by the way, None for nothing."""
+        tokens = tokenize(text, self.builder.contractions)
+        known = self.utterance_parser.known_words
+        return load_courtesies(_folder(self.name) / "courtesies.yaml").find(tokens, known)
+
+    def _aside(self, text: str) -> Control | Acknowledgement | None:
+        """What a text that is not understood as a whole stops, or how it is only polite."""
+        return self._halt_within(text) or self._only_courtesy(text)
+
+    def _only_courtesy(self, text: str) -> Acknowledgement | None:
+        """The greeting, thanks and so on that a text is as a whole."""
+        courtesy = self.courtesy(text)
+        is_whole = courtesy and courtesy.kind and not courtesy.rest
+        return Acknowledgement(courtesy.kind) if courtesy and is_whole else None
+
+    def _halt_within(self, text: str) -> Control | None:
+        """The "stop" that is part of a text, or the "wait" of one that says no more."""
+        tokens = tokenize(text, self.builder.contractions)
+        found = [tokens.part(*span) for span in parts(tokens)]
+        halts = {each: self.control(each.span(0, len(each.items))) for each in found}
+        if any(halt and halt.control == "stop" for halt in halts.values()):
+            return Control("stop")
+        known = self.utterance_parser.known_words
+        is_bare = not any(has_content(each, known) or each.asks for each in found)
+        waits = any(halt and halt.control == "wait" for halt in halts.values())
+        return Control("wait") if waits and is_bare else None
 
     def short_answers(self, text: str, *, speaker: str, discourse: Discourse) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.generation.templates import AnswerTemplates
+from ...nlu.parsing.understanding import Understanding
 from ..execution.outcome import Decision, Slot, SpokenAnswer
 from .reply import Reply
 from .translation import meaning_from_rule
@@ -30,6 +31,7 @@ class Knowledge:
         holding: the name of the object in the hand.
         said: the answer before this one.
         control: what a control did after the last command.
+        prohibition: the utterance because of which the last command was not carried out, if any.
         retracted: the rules that were just retracted; none once others were mentioned.
     """
 
@@ -43,6 +45,7 @@ class Knowledge:
     said: str = ""
     control: SpokenAnswer | None = None
     retracted: tuple[Rule, ...] = ()
+    prohibition: Understanding | None = None
 
     @property
     def decision(self) -> Decision | None:

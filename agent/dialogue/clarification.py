@@ -142,8 +142,10 @@ class ClarificationDialogue:
         Return the reply; None where the answer names nothing that the question asks for.
         """
         rule = rule_from_answer(asked, named, self._conversation.language.usual)
-        if rule is None:
-            return None
+        return self.learn_rule(turn, rule) if rule else None
+
+    def learn_rule(self, turn: DialogueTurn, rule: meaning.Rule) -> Reply:
+        """Learn the rule that an answer to a question of Hilt stands for; return the reply."""
         text = self._conversation.language.generate(meaning.Statement((rule,)))
         return self._hear(text, speaker=turn.speaker, heard=turn.heard)
 
@@ -158,7 +160,13 @@ class ClarificationDialogue:
             case (str(choice),) if unknown:
                 meant = " ".join(choice if word == unknown[0] else word for word in words)
                 new = partial(again, turn.understood.text, accepted=unknown[:1])
-                return OpenQuestion(speaker, lambda: again(meant), new, word=unknown[0])
+                return OpenQuestion(
+                    speaker,
+                    lambda: again(meant),
+                    new,
+                    choose=lambda named: again(meant) if named.name == choice else None,
+                    word=unknown[0],
+                )
             case _:
                 return None
 

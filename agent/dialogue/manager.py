@@ -29,12 +29,12 @@ from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
-from .conversation import Conversation, DialogueTurn
+from .conversation import Conversation, DialogueTurn, answer_to
 from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
 from .teaching import phrase_from_base, word_for_person, word_from_base
-from .translation import choosing, declined, request_from_command, use_of
+from .translation import choosing, declined, forbids, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -89,6 +89,8 @@ class DialogueManager:
         self._accepted: frozenset[str] = frozenset()  # words that were said to be new
         self._interrupted: tuple[DialogueTurn, Request] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
+        self._last: tuple[DialogueTurn, Request] | None = None  # the last command
+        self._prohibitions: dict[meaning.Command | meaning.ToolCommand, Understanding] = {}
         self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
         self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
             meaning.Statement: self._beliefs.learn,
@@ -159,6 +161,8 @@ class DialogueManager:
         """Act on what was understood, and return the reply."""
         self._conversation.discourse = turn.understood.discourse
         said = turn.understood.meaning
+        if turn.understood.kind in {"statement", "correction", "command"}:
+            self._conversation.prohibition = None
         reply = self._listeners[type(said)](turn, said)
         self._conversation.last_said = reply.said
         return reply
@@ -171,7 +175,12 @@ class DialogueManager:
         if not self._conversation.trusts(turn.speaker):
             return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.negated:
+            self._prohibitions[replace(said, negated=False)] = turn.understood
+            self._conversation.prohibition = turn.understood
             return self._conversation.spoken(turn, declined(said))
+        prohibited = next((each for each in self._prohibitions if forbids(each, said)), None)
+        if prohibited:
+            return self._ask_whether_allowed(turn, prohibited)
         if turn.understood.unknown:
             return self._ask_what_that_is(turn, use_of(said))
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
@@ -180,6 +189,21 @@ class DialogueManager:
         return self._carry_out(
             turn, replace(request, contexts=self.contexts, excluded=self._excluded)
         )
+
+    def _ask_whether_allowed(
+        self, turn: DialogueTurn, prohibited: meaning.Command | meaning.ToolCommand
+    ) -> Reply:
+        """Ask whether a command counts although what it wants was forbidden before."""
+        conversation = self._conversation
+
+        def allow() -> Reply:
+            del self._prohibitions[prohibited]
+            return self._respond(turn)
+
+        earlier = conversation.prohibition = self._prohibitions[prohibited]
+        conversation.open_question = OpenQuestion(turn.speaker, allow)
+        slots = {"speaker": earlier.speaker, "texts": earlier.text}
+        return conversation.answered(turn, "prohibited", "asked", **slots)
 
     def _ask_what_that_is(self, turn: DialogueTurn, asked: meaning.Question) -> Reply:
         """Ask what a thing is that nobody has spoken of, or what has such a use."""
@@ -213,6 +237,8 @@ class DialogueManager:
     def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:
         conversation = self._conversation
         result, spoken = self.attempt(request)
+        spoken = self._asking_for_use(turn, result, spoken)
+        self._last = (turn, request)
         reply = replace(
             conversation.reply(turn, spoken), ending=result.answer.ending, result=result
         )
@@ -236,6 +262,20 @@ class DialogueManager:
                 choose=lambda named: self._carry_out(turn, choosing(request, named, result)),
             )
         return reply
+
+    def _asking_for_use(self, turn: DialogueTurn, result: GoalResult, spoken: str) -> str:
+        """What is said of a command, with the question what has a use that nothing is known for."""
+        said, conversation = turn.understood.meaning, self._conversation
+        conversation.open_question = None
+        if result.answer.key != "nothing_used_for" or not isinstance(
+            said, (meaning.Command, meaning.ToolCommand)
+        ):
+            return spoken
+        asked = use_of(said)
+        choose = partial(self._clarification.learn_answer, turn, asked)
+        conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
+        slots = {"affordance": use_slot(asked.affordance or "", asked.material)}
+        return f"{spoken} {conversation.say(SpokenAnswer('tell_use', slots))}"
 
     # --- Controls -----------------------------------------------------------------------------
 
@@ -266,6 +306,12 @@ class DialogueManager:
             return pending.yes()
         if self._interrupted:
             return self._carry_out(*self._interrupted)
+        last = self._last
+        if last and last[0].speaker == turn.speaker:
+            self._conversation.open_question = OpenQuestion(
+                turn.speaker, lambda: self._carry_out(*last)
+            )
+            return self._conversation.answered(turn, "continue_what", "asked")
         return self._conversation.answered(turn, "nothing_to_continue", "failed")
 
     # --- Questions, acknowledgements, and what is asked back -----------------------------------
@@ -279,6 +325,8 @@ class DialogueManager:
             conversation.topic = ()
             choose = partial(self._clarification.learn_answer, turn, said)
             conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
+        if found.key in {"is_not_used_for", "is_used_otherwise"}:
+            conversation.open_question = self._whether_it_is(turn, said)
         conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
@@ -288,6 +336,17 @@ class DialogueManager:
             spoken = conversation.say(SpokenAnswer("as_said", {"said": spoken}))
         return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)
 
+    def _whether_it_is(self, turn: DialogueTurn, said: meaning.Question) -> OpenQuestion:
+        """Wait for the answer whether something is so that nobody has told."""
+        use, sure = said.affordance or "", self.language.usual
+        rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
+        return OpenQuestion(
+            turn.speaker,
+            lambda: self._clarification.learn_rule(turn, rule),
+            lambda: self._conversation.answered(turn, "dismissed", "done"),
+            needs_yes=True,
+        )
+
     def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
         conversation, pending = self._conversation, self._conversation.open_question
         if pending and pending.asked != turn.speaker:
@@ -296,10 +355,11 @@ class DialogueManager:
             conversation.open_question = None
         if pending:  # what was asked about can be referred to again
             conversation.restore_references()
-        if pending and pending.yes and said.ack in {"yes", "okay"}:
+        agreed = {"yes"} if pending and pending.needs_yes else {"yes", "okay"}
+        if pending and pending.yes and said.ack in agreed:
             return pending.yes()
         if pending and said.ack == "no" and pending.no:
             return pending.no()
-        key = {"thanks": "welcome", "praise": "praised"}.get(said.ack, said.ack)
-        key = "dismissed" if key == "no" and pending is None else key
-        return conversation.answered(turn, key, "done")
+        if said.ack == "no" and pending is None:
+            return conversation.answered(turn, "dismissed", "done")
+        return conversation.spoken(turn, answer_to(said.ack))

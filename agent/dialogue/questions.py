@@ -14,6 +14,7 @@ from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
 from ..execution.outcome import Decision, Slot, SpokenAnswer
 from ..execution.outcome_answer import use_slot
@@ -71,7 +72,8 @@ def _how(question: Question, known: Knowledge) -> Answered:
     rules = known.base.rules(object=question.object, context=question.context)
     grasps = _strongest((rule for rule in rules if rule.part), "part")
     if not grasps:
-        return spoken("no_how", goal=question.context or "grasp", object=question.object), ()
+        key = "no_how_with" if question.context in known.words.tool_acts else "no_how"
+        return spoken(key, goal=question.context or "grasp", object=question.object), ()
     return _told("how", grasps[0], known), (grasps[0],)
 
 
@@ -117,12 +119,19 @@ def _source(question: Question, known: Knowledge) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
         return spoken("no_source"), ()
-    rule, text = rules[0], known.base.utterance(rules[0].utterance).text
+    rule, said = rules[0], _texts(question, rules, known)
     reporter = reporter_of(known.base, rule)
     if reporter == rule.speaker:
-        return spoken("source", done=True, speaker=reporter, texts=text), (rule,)
+        return spoken("source", done=True, speaker=reporter, texts=said), (rule,)
     people = {"source": rule.speaker, "speaker": reporter}
-    return spoken("source_of_report", done=True, texts=text, **people), (rule,)
+    return spoken("source_of_report", done=True, texts=said, **people), (rule,)
+
+
+def _texts(question: Question, rules: Sequence[Rule], known: Knowledge) -> tuple[str, ...]:
+    """In which words the first of some rules was told; "who told you that?" asks for them all."""
+    asked = rules if question == Question("source") else rules[:1]
+    told = (rule for rule in asked if rule.utterance and rule.speaker == rules[0].speaker)
+    return tuple(dict.fromkeys(known.base.utterance(rule.utterance or 0).text for rule in told))
 
 
 def _what_if(question: Question, known: Knowledge) -> Answered:
@@ -192,6 +201,8 @@ def _trust(question: Question, known: Knowledge) -> Answered:
 
 def why(question: Question, known: Knowledge) -> Answered:
     """Return the sentences that a choice rests on, or the rules that were mentioned last."""
+    if known.prohibition and not question.part:
+        return _because_forbidden(known.prohibition), ()
     rules = _reasons(question, known)
     if rules:
         return _because(rules, known)
@@ -219,11 +230,20 @@ def _because_of_decision(known: Knowledge, last: Reply) -> SpokenAnswer:
 
 def why_not(question: Question, known: Knowledge) -> Answered:
     """Return the reasons against another object, or another part."""
+    if known.prohibition and not question.part:
+        return _because_forbidden(known.prohibition), ()
+    if not question.part and not question.object:
+        is_failed = known.last is not None and not known.last.is_done
+        return why(question, known) if is_failed else (spoken("not_told"), ())
     if question.part and not question.object and (known.last or _grasps(known.topic)):
         return _why_not_part(question.part, known)
     if known.last is None:
         return spoken("nothing_done"), ()
     return _why_not_thing(question.object or "thing", known.last, known)
+
+
+def _because_forbidden(said: Understanding) -> SpokenAnswer:
+    return spoken("because_told", done=True, speakers=(said.speaker,), texts=(said.text,))
 
 
 def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:

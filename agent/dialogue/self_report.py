@@ -98,20 +98,21 @@ def _listed(
     return spoken(f"{key}_many", done=True, number=number, objects=objects, **slots), ()
 
 
-def _last_told(question: Question, known: Knowledge) -> Answered:
+def _told_at_an_end(question: Question, known: Knowledge, *, newest_first: bool) -> Answered:
+    """What a speaker taught first, or last."""
     speaker = known.base.match_speaker(question.speaker or "")
-    last = next(_taught_by(speaker, known), None)
-    if last is None:
+    found = next(_taught_by(speaker, known, newest_first=newest_first), None)
+    if found is None:
         return spoken("told_nothing", done=True, speaker=speaker), ()
-    asserted = map(known.base.rule, last.asserts)
+    asserted = map(known.base.rule, found.asserts)
     rules = tuple(r for r in asserted if r.status == "active" and r.speaker == speaker)
     key = "source" if rules else "told_but_retracted"
-    return spoken(key, done=True, speaker=speaker, texts=last.text), rules
+    return spoken(key, done=True, speaker=speaker, texts=found.text), rules
 
 
-def _taught_by(speaker: str, known: Knowledge) -> Iterator[Utterance]:
-    """What a speaker taught, newest first."""
-    for each in known.base.history(newest_first=True):
+def _taught_by(speaker: str, known: Knowledge, *, newest_first: bool) -> Iterator[Utterance]:
+    """What a speaker taught, in order or newest first."""
+    for each in known.base.history(newest_first=newest_first):
         if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
             yield each
 
@@ -143,12 +144,13 @@ def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Ru
 SELF_REPORTS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
     "capabilities": partial(_fixed, "capabilities"),
     "exceptions": _exceptions,
+    "first_told": partial(_told_at_an_end, newest_first=False),
     "hearing": partial(_fixed, "hearing"),
     "holding": _holding,
     "identity": _identity,
     "known": _known,
     "last_done": _last_done,
-    "last_told": _last_told,
+    "last_told": partial(_told_at_an_end, newest_first=True),
     "repeated": _repeated,
     "told": _told,
     "wellbeing": partial(_fixed, "wellbeing"),

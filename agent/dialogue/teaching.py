@@ -170,12 +170,14 @@ def rules_to_retract(
 ) -> Sequence[Rule]:
     """Return the rules that a speaker retracts, or those of others if the speaker has none.
 
-    They are those about the object that is named, or the one rule that is named, else the last one
-    of the `topic`, else the last one taught.
+    They are those about the object that is named, or the one rule that is named, or the last one to
+    hold something by the part that is named, else the last one of the `topic`, else of all.
     """
     if said.about:
         rules = base.rules(object=None if said.about == ANY_OBJECT else said.about)
         return [rule for rule in rules if rule.speaker == speaker] or rules
+    if said.part:
+        return base.rules(part=said.part, speaker=speaker)[-1:]
     if said.rule is None and topic:
         return topic[-1:]
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)

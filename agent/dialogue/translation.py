@@ -113,6 +113,15 @@ def declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
     return SpokenAnswer("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
+def forbids(
+    one: meaning.Command | meaning.ToolCommand, other: meaning.Command | meaning.ToolCommand
+) -> bool:
+    """Return whether the prohibition of one command is also that of another."""
+    if isinstance(one, meaning.Command) and isinstance(other, meaning.Command):
+        return one.target == other.target and one.goal in {other.goal, "grasp"}
+    return (one.goal, getattr(one, "patient", "")) == (other.goal, getattr(other, "patient", None))
+
+
 def action_words(actions: Actions, language: Language) -> list[NewWord]:
     """Return the words that name actions and that the language does not have yet.
 

@@ -75,6 +75,8 @@ class Realizer:
         match meaning:
             case TopicStatement(name):
                 return self._say("rules", "topic", object=name)
+            case Retraction(part=str(part)):
+                return self._say("rules", "taken_back_part", part=part)
             case Retraction(about=None, rule=None):
                 return self._say("rules", "last_taken_back")
             case Retraction(rule) if rule is not None:

@@ -9,7 +9,7 @@ a preamble behind a strong pause may, unless the segment is then somebody else's
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 
 from ..lexicon.tokenizer import BREAK, Tokens
 
@@ -30,6 +30,13 @@ def segments(tokens: Tokens, starts: Iterable[int]) -> Iterator[Span]:
 def rest_of(tokens: Tokens, span: Span) -> Sequence[tuple[str, ...]]:
     """Return the words before and after a span."""
     return tuple(filter(None, (tokens.words[: span[0]], tokens.words[span[1] :])))
+
+
+def parts(tokens: Tokens) -> Iterator[Span]:
+    """Yield the spans from one pause or break to the next that have words."""
+    breaks = (place + 1 for place, word in enumerate(tokens.words) if word == BREAK)
+    places = sorted({0, *tokens.pauses, *breaks, len(tokens.items)})
+    return ((one, two) for one, two in pairwise(places) if set(tokens.words[one:two]) != {BREAK})
 
 
 def _breaks(tokens: Tokens) -> Iterator[int]:

@@ -70,10 +70,15 @@ class UtteranceParser:
             return _failed(_understanding(tokens, context, problem))
         found = _Attempt(self, accepted).understand(tokens, context)
         if found.reading is None:
-            return _failed(found)
+            return _failed(found) if self._may_name(tokens) else found
         if self.parser.pragmatics.is_enough(found.reading.interval):
             return found
         return _understanding(tokens, context, self.clarification.of_recognition(found.text))
+
+    def _may_name(self, tokens: Tokens) -> bool:
+        """Whether an utterance may name an object, so that "it" no longer is the last one."""
+        known = self.known_words
+        return any(not known.has(word) or known.names(word) for word in tokens.words)
 
     def answers(self, text: str, context: UtteranceContext) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""

@@ -10,7 +10,7 @@ is rejected.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from .meaning import (
@@ -52,6 +52,7 @@ class Discourse:
         object: the object mentioned last.
         rule: the rule taught, corrected or applied last.
         last: the last rule, question or command, which a fragment completes.
+        command: the last command, which "do it again" repeats.
         named: all objects that the last turn with any named, in order.
         pair: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row.
         has_failed: whether the last turn was not understood, so that nothing can be referred to.
@@ -60,6 +61,7 @@ class Discourse:
     object: PredicateForm | None = None
     rule: Rule | None = None
     last: Rule | Question | Command | ToolCommand | None = None
+    command: Command | ToolCommand | None = None
     named: tuple[PredicateForm, ...] = ()
     pair: tuple[PredicateForm, ...] = ()
     has_failed: bool = False
@@ -392,19 +394,26 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             return replace(discourse, rule=last, last=last)
         case Question(object=None, affordance=None):
             return discourse  # about Hilt or about what was just said
-        case Question() | Command() | ToolCommand():
+        case Question():
             return replace(discourse, last=meaning)
+        case Command() | ToolCommand():
+            return replace(discourse, last=meaning, command=meaning)
         case _:
             return discourse
 
 
-def after_offer(choices: Iterable[Meaning | str], discourse: Discourse) -> Discourse:
+def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:
     """Return the discourse state after meanings were offered: "it" is what they all name."""
     offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
     named = offered[0] if offered else ()
     if not named or any(each != named for each in offered):
         return discourse
-    return discourse.accessible.naming(*dict.fromkeys(named))
+    discourse = discourse.accessible.naming(*dict.fromkeys(named))
+    match choices:
+        case (Statement(rules=(rule,)),):  # "no, by the handle" may correct it
+            return replace(discourse, rule=rule, last=rule)
+        case _:
+            return discourse
 
 
 def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:

@@ -8,6 +8,7 @@ refused when that meaning has no such slot.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from .coreference import Discourse, RefusedError
@@ -25,6 +26,7 @@ from .meaning import (
     Statement,
     ToolCommand,
 )
+from .predicates import PredicateForm
 
 FRAGMENTS = {
     "alsoOf": ("target", "also"),
@@ -47,6 +49,7 @@ FRAGMENTS = {
     "correctDegree": ("degree", "instead"),
     "correctAct": ("context", "instead"),
     "fillObject": ("target", ""),
+    "otherOf": ("target", "other"),
     "fillUse": ("use", ""),
     "fillPart": ("part", ""),
     "fillRecipient": ("recipient", ""),
@@ -55,10 +58,11 @@ FRAGMENTS = {
 """The slot that each predicate of a fragment fills, and its mode.
 
 It adds to the last meaning (`also`), says the same as the last rule or command (`same`), adds to
-an answer (`too`), makes a rule of the last command (`keep`), wants it once more (`again`) or
-replaces a value (`instead`); without a mode, a fragment completes a command or question and
-corrects a rule."""
+an answer (`too`), makes a rule of the last command (`keep`), wants it once more (`again`), replaces
+a value (`instead`) or wants the other one of two (`other`); without a mode, a fragment completes a
+command or question and corrects a rule."""
 
+_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 _OF_OBJECTS = {"objects_for", "best_for"}
 _OF_USES = {"uses_of", "about", "how", "see"}
 
@@ -71,11 +75,13 @@ class Fragment:
         mode: that of its predicate; empty for none.
         default: the confidence of a rule without a degree.
         asks: whether it is a question.
+        is_other: whether its target was only named as the other one of two.
     """
 
     mode: str
     default: Confidence
     asks: bool = False
+    is_other: bool = False
     target: ObjectReference | None = None
     use: str | None = None
     material: str | None = None
@@ -102,13 +108,15 @@ def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
         return _kept(discourse.accessible, fragment.default)
     if fragment.mode == "again":
         return _once_more(discourse.accessible)
-    match _completed(fragment, discourse.accessible):
+    discourse = discourse.accessible
+    fragment = _with_other_of_pair(fragment, discourse)
+    match _completed(fragment, discourse):
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
         case Question() as question:
             return _as_question(fragment, question)
         case Command() as command if not fragment.asks:
-            return _as_command(fragment, command)
+            return _as_command(fragment, command, discourse)
         case ToolCommand() as command if not fragment.asks and (fragment.target or fragment.tool):
             patient = _kind(fragment.target)[0] if fragment.target else command.patient
             return replace(command, patient=patient, tool=fragment.tool or command.tool)
@@ -116,6 +124,27 @@ def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
             raise RefusedError("as_question", asks=True)
         case None:
             raise _nothing()
+
+
+def _with_other_of_pair(fragment: Fragment, discourse: Discourse) -> Fragment:
+    """The fragment with the other one of two objects spoken of, where it asks about that one."""
+    other = _other_of_pair(discourse)
+    if not isinstance(discourse.last, Question) or not _is_other(fragment) or other is None:
+        return fragment
+    return replace(fragment, target=ObjectReference(other), asks=True, is_other=True)
+
+
+def _is_other(fragment: Fragment) -> bool:
+    target = fragment.target
+    return target is not None and target == ObjectReference(target.object, other=True)
+
+
+def _other_of_pair(discourse: Discourse) -> str | None:
+    """The one of two objects spoken of that "it" does not stand for; None where it is not clear."""
+    pair, last = discourse.pair, discourse.object
+    others = [each for each in pair if each != last and not each.arguments]
+    known = len(pair) == 2 and len(others) == 1
+    return others[0].name.replace("_", " ").rstrip() if known else None
 
 
 def _completed(
@@ -130,7 +159,7 @@ def _completed(
     if rule is None or fragment.adds or fragment.asks:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
-        return rule
+        return last if isinstance(last, Question) and last.ask == "is_used_for" else rule
     if fragment.mode == "instead" and (fragment.part or fragment.use):
         # A correction is about the rule that was applied, unless the command named the part itself.
         is_kind = type(rule) is (ActionRule if fragment.part else FunctionalRule)
@@ -154,9 +183,9 @@ def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
 
 
 def _once_more(discourse: Discourse) -> Command | ToolCommand:
-    if isinstance(discourse.last, (Command, ToolCommand)):
-        return discourse.last
-    raise RefusedError("nothing_to_continue")
+    if discourse.command is None:
+        raise RefusedError("nothing_to_repeat", asks=True)
+    return discourse.command
 
 
 def _applies(rule: Rule, command: Command) -> bool:
@@ -171,8 +200,20 @@ def _as_rule(fragment: Fragment, rule: Rule) -> Meaning:
     changed = _changed(fragment, rule)
     if fragment.asks:
         return _question_on(changed)
+    if _is_denied(rule) and fragment.part and not fragment.adds and not fragment.confidence:
+        return _instead_of_denied(fragment, changed)
     is_same = replace(changed, confidence=rule.confidence) == rule
     return Statement((replace(changed, revises=is_same or not fragment.adds),))
+
+
+def _is_denied(rule: Rule) -> bool:
+    return rule.confidence[1] < _LIKELY
+
+
+def _instead_of_denied(fragment: Fragment, changed: Rule) -> Meaning:
+    """After "never hold it by the blade" another part is held; only "by the handle" may deny it."""
+    instead = Statement((replace(changed, confidence=fragment.default),))
+    return instead if fragment.part_of else AskBack(choices=(instead,))
 
 
 def _changed(fragment: Fragment, rule: Rule) -> Rule:
@@ -210,10 +251,14 @@ def _question_on(rule: Rule) -> Question:
     return Question("how", object=rule.object, context=rule.context, part=rule.part)
 
 
-def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
+def _as_question(  # noqa: PLR0911 - a case per slot
+    fragment: Fragment, question: Question
+) -> Question | AskBack:
     """The last question about what a fragment names; a part may also answer it."""
-    if fragment.confidence or fragment.recipient:
+    if fragment.recipient:
         raise _nothing()
+    if fragment.confidence:
+        return _as_answer(fragment, question)
     if fragment.material and not fragment.use:
         fragment = _with_use_of(question, fragment)
     if fragment.target:
@@ -226,6 +271,8 @@ def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
             raise RefusedError("one_thing_at_a_time")
         if fragment.context:
             return Question("how", object=name, context=fragment.context)
+        if fragment.asks and question.ask in _OF_OBJECTS and fragment.is_other:
+            return Question("uses_of", object=name)
         ask = "is_used_for" if question.ask in _OF_OBJECTS else question.ask
         return replace(question, ask=ask, object=name, part=None)
     if fragment.use:
@@ -242,6 +289,18 @@ def _as_question(fragment: Fragment, question: Question) -> Question | AskBack:
     return AskBack(choices=(Statement((rule,)),))
 
 
+def _as_answer(fragment: Fragment, question: Question) -> AskBack:
+    """The question whether a degree answers the last question: "sometimes, yes"."""
+    has_more = fragment.target or fragment.use or fragment.part
+    if question.object is None or question.affordance is None or has_more:
+        raise _nothing()
+    confidence = fragment.confidence or fragment.default
+    rule = FunctionalRule(
+        question.object, question.affordance, confidence, material=question.material
+    )
+    return AskBack(choices=(Statement((rule,)),))
+
+
 def _with_use_of(question: Question, fragment: Fragment) -> Fragment:
     """A fragment that names a material, with the use that was asked about on another one."""
     if question.ask not in _OF_OBJECTS or question.material is None:
@@ -249,8 +308,17 @@ def _with_use_of(question: Question, fragment: Fragment) -> Fragment:
     return replace(fragment, use=question.affordance)
 
 
-def _as_command(fragment: Fragment, command: Command) -> Command:
-    """The last command with what a fragment names."""
+def _as_command(fragment: Fragment, command: Command, discourse: Discourse) -> Command | AskBack:
+    """The last command with what a fragment names, or the question which other one is meant."""
+    other = _other_of_pair(discourse)
+    if (
+        fragment.mode in {"also", "other"}
+        and _is_other(fragment)
+        and other
+        and command.target.object in _names(discourse.pair)
+    ):
+        named = replace(command, target=ObjectReference(other), part=None, negated=False)
+        return AskBack(choices=(named,))
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
@@ -264,6 +332,10 @@ def _as_command(fragment: Fragment, command: Command) -> Command:
         target = replace(command.target, used_for=fragment.use, material=fragment.material)
         return replace(command, target=replace(target, other=False))
     raise _nothing()
+
+
+def _names(forms: Iterable[PredicateForm]) -> set[str]:
+    return {form.name.replace("_", " ").rstrip() for form in forms}
 
 
 def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:

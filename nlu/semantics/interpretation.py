@@ -63,6 +63,7 @@ _QUESTIONS = {
     "inHand": "holding",
     "lastDone": "last_done",
     "lastTold": "last_told",
+    "firstTold": "first_told",
     "source": "source",
     "see": "see",
     "told": "told",
@@ -165,6 +166,8 @@ class Interpreter:
         """The rule that replaces an earlier one, or the retraction of a rule."""
         if form.name == "retractAbout":
             return Retraction(about=_kind_and_properties(form.arguments[0])[0])
+        if form.name == "retractPart":
+            return Retraction(part=_part_name(form.arguments[0]))
         if form.name == "retract":
             if not form.arguments:
                 return Retraction()
@@ -336,8 +339,10 @@ class Interpreter:
                 return _question_on_use(_QUESTIONS[form.name], use)
             case ("whyPart" | "whyNotPart", (part, *_)):
                 return Question(_QUESTIONS[form.name], part=_part_name(part))
-            case ("trust" | "told" | "lastTold" | "identityOf", (person, *_)):
+            case ("trust" | "told" | "firstTold" | "lastTold" | "identityOf", (person, *_)):
                 return Question(_QUESTIONS[form.name], speaker=_name(person))
+            case "howSure", (PredicateForm(arguments=()) as thing, *_):
+                return Question("confidence", object=_kind(thing))
             case "isTrue" | "howSure", (rule, *_):
                 return self._question_on_rule(_QUESTIONS[form.name], rule)
             case "source", (PredicateForm(name="implies" | "and") as rule, *_):

@@ -211,10 +211,10 @@ class Question(_Record):
     """A question of the speaker.
 
     Attributes:
-        ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `hearing`,
-            `holding`, `how`, `identity`, `is_used_for`, `known`, `last_done`, `last_told`,
-            `objects_for`, `repeated`, `see`, `source`, `told`, `trust`, `uses_of`, `wellbeing`,
-            `what_if`, `which_context`, `why` or `why_not`.
+        ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`,
+            `hearing`, `holding`, `how`, `identity`, `is_used_for`, `known`, `last_done`,
+            `last_told`, `objects_for`, `repeated`, `see`, `source`, `told`, `trust`, `uses_of`,
+            `wellbeing`, `what_if`, `which_context`, `why` or `why_not`.
         object, affordance, context, part, speaker: what the question names, else None.
         material: what the affordance is asked for ("bread", for cutting), or None for anything.
     """
@@ -236,16 +236,20 @@ class Retraction:
     Attributes:
         rule: the rule to retract; None stands for the rule taught last.
         about: the object all of whose rules are retracted instead, or `ANY_OBJECT`.
+        part: the part that the last rule to hold something by it is retracted instead.
     """
 
     kind: ClassVar[str] = "correction"
     rule: Rule | None = None
     about: str | None = None
+    part: str | None = None
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
         if self.about:
             return {"retract": {"about": self.about}}
+        if self.part:
+            return {"retract": {"part": self.part}}
         return {"retract": "last" if self.rule is None else self.rule.as_json()}
 
 
@@ -266,7 +270,7 @@ class Acknowledgement(_Record):
     """An utterance that only keeps the conversation going.
 
     Attributes:
-        ack: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting` or `farewell`.
+        ack: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology` or `blame`.
     """
 
     kind: ClassVar[str] = "acknowledgement"

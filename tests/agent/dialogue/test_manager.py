@@ -23,7 +23,10 @@ def test_nothing_is_known_before_it_is_told(agent: Agent):
     """Without the sentences the command fails with the right answer."""
     reply = agent.hear("pass me something used for cutting")
 
-    assert (reply.ending, reply.said) == ("failed", "I don't see anything for cutting.")
+    assert (reply.ending, reply.said) == (
+        "failed",
+        "I don't see anything for cutting. What is used for cutting?",
+    )
     assert agent.base.rules() == []
 
 

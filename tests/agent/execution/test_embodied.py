@@ -49,7 +49,10 @@ def test_robot_does_not_move_for_what_it_was_not_told():
     with Agent.open("memory:", AgentConfig(scene=ALONE, seed=3)) as agent:
         reply = agent.hear("pass me something used for cutting")
 
-    assert (reply.ending, reply.said) == ("failed", "I don't see anything for cutting.")
+    assert (reply.ending, reply.said) == (
+        "failed",
+        "I don't see anything for cutting. What is used for cutting?",
+    )
     assert reply.result is not None
     assert reply.result.world == WorldOutcome()
 

@@ -200,7 +200,7 @@ def test_what_is_known_not_to_do_is_told_from_what_is_not_known():
     assert said == [
         "I don't see anything for rolling. I was told that a spoon won't do.",
         "I don't see anything for rolling. I know of a mug, but I don't see any here.",
-        "I don't see anything for rolling.",
+        "I don't see anything for rolling. What is used for rolling?",
     ]
 
 

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Courtesies: what in an utterance that is not understood only greets, thanks or praises.
+
+"Good morning, I'm your first pupil" is a greeting although nobody taught the word *pupil*. A part
+between pauses is a courtesy or chatter only where it names nothing that a rule or a command is
+about, denies nothing and asks nothing. Nothing follows from it but a polite answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from ...ontology.yaml_reader import YamlNode, read_yaml
+from ..grammar.word_patterns import Steps, match_pattern, read_pattern
+from ..lexicon.tokenizer import Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.coreference import Discourse
+from ..semantics.interpretation import GOALS
+from .mentions import find_mentions
+from .utterance_segments import parts
+
+_DENIALS = frozenset({"not", "never", "no", "nothing", "nobody", "without", "if", "unless", "said"})
+_PRONOUNS = frozenset({"it", "them", "that", "one", "me"})
+_JUDGING = frozenset({"praise", "blame"})
+_VALUED = _JUDGING | {"thanks"}
+_LONGEST_ADDRESS = 3  # words of "my little helper"
+_FORMAL = frozenset({"greeting", "thanks", "farewell"})
+
+
+@dataclass(frozen=True)
+class Courtesy:
+    """What is said by the way in an utterance, and what else it says.
+
+    Attributes:
+        kind: `farewell`, `greeting`, `thanks`, `apology`, `blame` or `praise`; empty for chatter.
+        rest: the text of all else, from the first to the last part of it; empty when there is none.
+        is_formal: whether only greetings, thanks and goodbyes are said by the way.
+    """
+
+    kind: str
+    rest: str
+    is_formal: bool
+
+
+@dataclass(frozen=True)
+class CourtesyPhrases:
+    """The phrases by which courtesies are found.
+
+    Attributes:
+        kinds: the phrases of each kind, in the order in which they count.
+        chatter: the beginnings of parts that are only said by the way.
+        openers: what praise or blame begins with: "you are clever", but not "the sky is lovely".
+    """
+
+    kinds: dict[str, tuple[Steps, ...]]
+    chatter: tuple[Steps, ...]
+    openers: tuple[Steps, ...]
+
+    def find(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
+        """Return the courtesy in an utterance; None where there is none."""
+        found: set[str] = set()
+        kept: list[tuple[int, int]] = []
+        for start, end in parts(tokens):
+            part = tokens.part(start, end)
+            kind = None if part.asks or has_content(part, known) else self._kind(part, known)
+            if kind is None:
+                kept.append((start, end))
+            else:
+                found.add(kind)
+        if not found:
+            return None
+        kind = next((each for each in self.kinds if each in found), "")
+        rest = _text(tokens, kept[0][0], kept[-1][1]) if kept else ""
+        return Courtesy(kind, rest, found <= _FORMAL)
+
+    def _kind(self, part: Tokens, known: KnownWords) -> str | None:
+        """The kind of a part: empty for chatter, None where it is neither."""
+        words = part.words
+        is_denied = not _DENIALS.isdisjoint(words)
+        is_of_hilt = _occurs(self.openers, words, 0)
+        for kind, phrases in self.kinds.items():
+            places = range(1 if kind in _JUDGING and not is_of_hilt else len(words))
+            if any(_occurs(phrases, words, at) for at in places):
+                return None if is_denied and kind in _VALUED else kind
+        is_address = len(words) <= _LONGEST_ADDRESS and known.unknown(part)
+        is_chatter = not is_denied and (is_address or _occurs(self.chatter, words, 0))
+        return "" if is_chatter else None
+
+
+def has_content(part: Tokens, known: KnownWords) -> bool:
+    """Whether a part names something that a rule or a command is about."""
+    found = find_mentions(part, known, {}, Discourse())
+    is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
+    return bool(found.required) or (is_act and not _PRONOUNS.isdisjoint(part.words))
+
+
+def _occurs(phrases: Sequence[Steps], words: Sequence[str], start: int) -> bool:
+    return any(True for steps in phrases for _ in match_pattern(steps, words, start))
+
+
+def _text(tokens: Tokens, start: int, end: int) -> str:
+    """The text from one token to before another, with the mark that ends it."""
+    following = tokens.items[end].start if end < len(tokens.items) else len(tokens.text)
+    return tokens.text[tokens.items[start].start : following].strip(" ,:-–—")
+
+
+@lru_cache(maxsize=4)
+def load_courtesies(path: Path) -> CourtesyPhrases:
+    """Return the courtesies of a language; `DataError` says where the file is not as expected."""
+    parts = read_yaml(path).entries(required=("courtesies", "chatter", "openers"), optional=())
+    kinds = {kind: _patterns(each) for kind, each in parts["courtesies"].entries().items()}
+    return CourtesyPhrases(kinds, _patterns(parts["chatter"]), _patterns(parts["openers"]))
+
+
+def _patterns(field: YamlNode) -> tuple[Steps, ...]:
+    return tuple(map(read_pattern, field.items()))
