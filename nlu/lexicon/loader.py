@@ -33,11 +33,13 @@ NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "p
 _MASS = "mass"  # the template of what is not counted
 _NOTHING = Constant("something")
 _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
+_N = AtomicCategory("N")
+_DETERMINERS = tuple(Functor(AtomicCategory(each), _N, forward=True) for each in ("NP", "NPG"))
 _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
     *("constructions", "discourse_markers", "endings", "naming", "joining", "denying", "denied"),
-    *("insisting", "classes", "varies"),
+    *("insisting", "classes", "varies", "homographs"),
 )
 
 
@@ -82,6 +84,7 @@ class LexiconBuilder:
         insisting: how one insists on a word that was taken for a slip of another.
         denying: words that deny the object named after them.
         denied: words for any object, which `denying` words may precede.
+        homographs: words of grammar that end names of things: "watering can".
         mass: names of what is not counted: "bread".
         lexicon: the entries of all files.
     """
@@ -100,6 +103,7 @@ class LexiconBuilder:
         self.insisting: tuple[Steps, ...] = ()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
+        self.homographs: frozenset[str] = frozenset()
         self.mass: frozenset[str] = frozenset()
         self._constructions = Lexicon()
         self.lexicon = Lexicon(base=self._constructions)
@@ -111,7 +115,7 @@ class LexiconBuilder:
             self.contractions[short] = tuple(field.text().split())
         for short, field in _entries(parts, "endings"):
             self._endings[short] = field.text()
-        for key in ("closed", "naming", "joining", "denying", "denied"):
+        for key in ("closed", "naming", "joining", "denying", "denied", "homographs"):
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):
@@ -210,6 +214,10 @@ class LexiconBuilder:
         if word in self.closed or word in self.denied:
             return True
         return any(not entry.name for entry in self.lexicon.own_entries(word))
+
+    def is_determiner(self, word: str) -> bool:
+        """Whether the name of one thing must follow a word: "a", "the"."""
+        return any(each.category in _DETERMINERS for each in self.lexicon.own_entries(word))
 
     @cached_property
     def qualifier_phrases(self) -> frozenset[tuple[str, ...]]:

@@ -11,27 +11,42 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from .inflection import Inflection
 from .learned_lexicon import LearnedLexicon
 from .lexicon import Entry, Sense
 from .loader import NOUN_TEMPLATES, LexiconBuilder, Verb
-from .tokenizer import Token, Tokens
+from .tokenizer import BREAK, Token, Tokens
 from .vocabulary import NewWord
 
-MAX_NEW_WORDS = 3
+MAX_NEW_WORDS = 5
 MIN_LETTERS = 3
 MAX_LETTERS = 30
 
 NOUNS = frozenset({"N", "NS", "P", "MS"})
 """The categories of names of things."""
 
+_ACTS = frozenset({"CP/NP", "(CP/UP)/NP"})
+
 _VERB_COST = 0.5  # a name is likelier than an act: there are more things than things to do
 _PERSON_COST = 1.0
+_RECIPIENT_COST = 3.0  # what may as well be a thing is one
 _COMPOUND_COST = 0.75
 _SINGULAR_COST = 0.25  # what looks like a plural is one
 _NAMEABLE_COST = 1.0  # a word of a construction hardly ever names something, too
+
+RECIPIENT = "recipient"
+"""The role of an entry for somebody who is not known, in the place of who is given something."""
+
+_COMPOUNDED = (
+    ("object", "object", ("N", "NS")),
+    ("part", "part", ("P",)),
+    ("human", RECIPIENT, ("HN",)),
+)
+"""The templates and roles of names of two words, with the categories of their second word."""
+
+_PEOPLE = frozenset({"person", RECIPIENT})
 
 _NAMED_BY = {
     "object": NOUNS,
@@ -43,7 +58,7 @@ _NAMED_BY = {
 
 def is_word(token: Token) -> bool:
     """Whether a token can be a word at all."""
-    return token.word.isalpha() and MIN_LETTERS <= len(token.word) <= MAX_LETTERS
+    return _has_letters(token.word)
 
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
@@ -51,9 +66,14 @@ def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
     words = (
         NewWord(entry.name, entry.role, entry.says)
         for entry in entries
-        if entry.role and entry.role != "person"
+        if entry.role and entry.role not in _PEOPLE
     )
     return tuple(dict.fromkeys(words))
+
+
+def new_recipients(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
+    """The people whom a reading takes for somebody who is not known yet."""
+    return tuple(NewWord(e.name, e.role, e.says) for e in entries if e.role == RECIPIENT)
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,6 +107,17 @@ class KnownWords:
             return False
         return self.lexicon.is_name(word.said, ("P",))
 
+    def is_surely_name(self, said: str) -> bool:
+        """Whether new words are a name: a single one, or a noun with a noun or gerund before it.
+
+        Any other first word may be an adjective, and any other last one an adverb: "the chipped
+        mug", "the mug pronto".
+        """
+        first, _, last = said.rpartition(" ")
+        if not first or last in self.builder.homographs or self.inflection.origins(first, "ing"):
+            return True
+        return self.lexicon.is_name(first, NOUNS) and self.lexicon.is_name(last, NOUNS)
+
     def may_be_a_thing(self, word: str) -> bool:
         """Whether a word names, or may name, an object or a part."""
         if word in self.builder.denied or not self.builder.is_of_grammar(word):
@@ -96,25 +127,59 @@ class KnownWords:
     def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
         """The entries of new words, and of names of two words, by their places."""
         found = {
-            place: self._guesses(
-                replace(token, capital=token in unknown) if tokens.is_transcript else token,
-                0.0 if token in unknown else _NAMEABLE_COST,
-            )
+            place: [
+                *self._guesses(
+                    self._capitalized(tokens, place) if token in unknown else token,
+                    0.0 if token in unknown else _NAMEABLE_COST,
+                ),
+                *self._recipients(tokens, place),
+            ]
             for place, token in enumerate(tokens.items)
             if token in unknown or self._may_be_taught(tokens, place)
         }
         for place, (first, second) in enumerate(pairwise(tokens.words)):
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
-            names = [] if is_cut else self._compounds(first, second)
+            if is_cut or self._may_be_clause(tokens, place):
+                continue
+            is_determined = place > 0 and _is_determiner(self.builder, tokens.words[place - 1])
+            names = self._compounds(first, second, is_determined)
             if names:
                 found[place] = [*found.get(place, ()), *names]
         return found
+
+    def _capitalized(self, tokens: Tokens, place: int) -> Token:
+        """A token as one writes it: a transcript has no capitals, so any word may be a name."""
+        token = tokens.items[place]
+        is_open = tokens.is_transcript and not self._is_after_naming(tokens.words, place)
+        return replace(token, capital=True) if is_open else token
+
+    def _is_after_naming(self, words: Sequence[str], place: int) -> bool:
+        return place > 0 and words[place - 1] in self.builder.naming
 
     def _guesses(self, token: Token, cost: float) -> list[Entry]:
         """The entries of one word, each marked with its role and dictionary form."""
         roles = self._open_roles(token.word)
         entries = _entries(self.builder, self.inflection, token.word, bool(token.capital), roles)
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
+
+    def _recipients(self, tokens: Tokens, place: int) -> Iterator[Entry]:
+        """The entries of a word as somebody who is given something: "to the cook", "to anna".
+
+        A proper name has no article: it follows a word like "to", or precedes what is given.
+        """
+        words = tokens.words
+        word, after = words[place], words[place + 1 : place + 2]
+        if self.lexicon.name_categories(word) or not is_word(tokens.items[place]):
+            return
+        kinds = ["human"]
+        is_alone = self._is_after_naming(words, place) or any(
+            map(self.builder.is_of_grammar, after)
+        )
+        if is_alone and not self.inflection.origins(word, "plural"):
+            kinds.append("person")
+        for kind in kinds:
+            for each in self.builder.noun(kind, word, role=RECIPIENT, cost=_RECIPIENT_COST):
+                yield each.entry()
 
     def _open_roles(self, word: str) -> frozenset[str]:
         """The roles in which a word is not known: what is an object is no part, too."""
@@ -123,29 +188,57 @@ class KnownWords:
         taken["context"] = kinds - NOUNS
         return frozenset(role for role, categories in taken.items() if not categories & kinds)
 
-    def _compounds(self, first: str, second: str) -> list[Entry]:
+    def _may_be_clause(self, tokens: Tokens, place: int) -> bool:
+        """Whether a word and the one after it may say something: "..., and pigs fly"."""
+        words, end = tokens.words, place + 2
+        is_joined = place > 0 and words[place - 1] in self.builder.joining
+        is_last = end == len(words) or end in tokens.pauses or words[end] == BREAK
+        return is_joined and is_last and not self.has(words[place + 1])
+
+    def _compounds(self, first: str, second: str, is_determined: bool) -> list[Entry]:
         """The entries of two neighbours as one name: "bread knife", "frying pans".
 
-        The second word, which carries the plural, must be an object or unknown, and the first an
-        object, a material or unknown; a pair of known words is a kind of the second.
+        The second word, which carries the plural, must be an object, a part or name nothing yet,
+        and the first one of these, a use or a material; a pair of known words is a kind of the
+        second.
         """
-        if (
-            first == second
-            or second in self.builder.closed
-            or not self._may_name(first, {"N", "MS", "K"})
-            or not self._may_name(second, {"N", "NS"})
-        ):
+        if first == second or not self._may_modify(first, is_determined):
             return []
         singular = next(iter(self.inflection.origins(second, "plural")), second)
-        found = self.builder.noun(
-            "object", f"{first} {singular}", role="object", cost=_COMPOUND_COST
+        found = chain.from_iterable(
+            self.builder.noun(kind, f"{first} {singular}", role=role, cost=_COMPOUND_COST)
+            for kind, role, kinds in _COMPOUNDED
+            if self._may_end(first, second, role, kinds)
+            or (is_determined and role == "object" and self._may_name(second))
         )
         return [each.entry() for each in found if each.says == f"{first} {second}"]
 
-    def _may_name(self, word: str, kinds: Iterable[str]) -> bool:
-        if word not in self.lexicon:
-            return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
-        return self.lexicon.is_name(word, kinds)
+    def _may_modify(self, word: str, is_determined: bool) -> bool:
+        """Whether a word may precede a noun: one that names a thing, a use or nothing yet.
+
+        After an article that may be a verb, too: "a hand drill".
+        """
+        if self.lexicon.is_name(word, NOUNS | {"K"}):
+            return True
+        return _has_letters(word) and (
+            not self.has(word) or (is_determined and self._may_name(word))
+        )
+
+    def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
+        """Whether a name in a role may end in a word after another one."""
+        if self.lexicon.is_name(second, kinds):
+            return role != "part" or not self.lexicon.is_name(first, kinds)
+        if second in self.builder.homographs:
+            return role == "object"
+        is_plural = bool(self.inflection.origins(first, "plural"))
+        return not is_plural and _has_letters(second) and not self.has(second)
+
+    def _may_name(self, word: str) -> bool:
+        """Whether a word that is known, but names no thing, may name one after an article."""
+        if not _has_letters(word) or self.builder.is_of_grammar(word) or not self.has(word):
+            return False
+        names = self.lexicon.name_categories(word)
+        return not names.isdisjoint(_ACTS) or not (names or self.inflection.origins(word, "adverb"))
 
     def _may_be_taught(self, tokens: Tokens, place: int) -> bool:
         """Whether a known word may name something new: a hook, the tip, for sticking, to stick.
@@ -155,15 +248,27 @@ class KnownWords:
         """
         words = tokens.words
         word, before = words[place], words[place - 1] if place else ""
-        if len(word) < MIN_LETTERS or self.builder.is_of_grammar(word):
+        if word in self.builder.homographs:
+            return _is_determiner(self.builder, before)
+        is_part = self.lexicon.is_name(word, ("P",))
+        if len(word) < MIN_LETTERS or (self.builder.is_of_grammar(word) and not is_part):
             return False
         is_denied = before in self.builder.denying and place < len(words) - 1
         if is_denied or before in self.builder.naming or self.inflection.origins(word, "ing"):
             return True
-        if self.lexicon.is_name(word, ("P",)) and self.lexicon.is_name(before, ("AP",)):
+        if is_part and self.lexicon.is_name(before, ("AP",)):
             return True
         is_listed = not before or place in tokens.pauses or before in self.builder.joining
         return is_listed and bool(self.inflection.origins(word, "plural"))
+
+
+def _has_letters(word: str) -> bool:
+    return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
+
+
+@lru_cache(maxsize=8192)
+def _is_determiner(builder: LexiconBuilder, word: str) -> bool:
+    return builder.is_determiner(word)
 
 
 @lru_cache(maxsize=8192)

@@ -10,24 +10,26 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
 from ..generation.templates import AnswerTemplates
 from ..lexicon.inflection import Inflection
-from ..lexicon.misspelling import intended_word
+from ..lexicon.misspelling import MIN_LETTERS, intended_word, slips
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import (
     MAX_NEW_WORDS,
     KnownWords,
     is_word,
+    new_recipients,
 )
 from ..lexicon.vocabulary import NewWord
 from ..semantics.coreference import RefusedError, UnlearnableError
 from ..semantics.licence_table import ACCEPT
 from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
 from .chart import Chart
+from .derivation import lexical_entries
 from .parser import SentenceParser
 from .understanding import Reading
 
@@ -78,8 +80,15 @@ class Clarification:
         """The question whether a new word is a misspelled name of its kind, None when none is.
 
         Words in `accepted` are new although they are close to known ones. It is also asked whether
-        what the language has as a part, like "handle", is an object of its own.
+        what the language has as a part, like "handle", is an object of its own. Instead of a
+        person, who is named anywhere, any word may be meant: "pass plese the mug".
         """
+        readings = tuple(readings)
+        people = (lexical_entries(each.derivation) for each in readings)
+        for word in chain.from_iterable(map(new_recipients, people)):
+            close = None if word.said in accepted else self._intended_instead(word.said)
+            if close is not None:
+                return self._did_you_mean(word.said, close)
         for reading, word in ((each, word) for each in readings for word in each.new_words):
             if word.said not in accepted and self._may_be_part(word, reading, tokens):
                 question = self.answers.say("also_an_object", word=word.word)
@@ -122,12 +131,10 @@ class Clarification:
 
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
         """The question whether an unknown word is a misspelled known one, None when none is."""
-        known = self.known_words
         for token in unknown:
             if token.word in accepted:
                 continue
-            close = self._intended(token.word, known.names)
-            close = close or self._intended(token.word, known.has)
+            close = self._intended_any(token.word)
             if close is not None:
                 return self._did_you_mean(token.word, close)
         return None
@@ -169,6 +176,17 @@ class Clarification:
         else:
             message = self.answers.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))
+
+    def _intended_instead(self, person: str) -> str | None:
+        """The known word that is likelier meant than somebody of that name."""
+        is_of_grammar = self.known_words.builder.is_of_grammar
+        near = filter(is_of_grammar, slips(person) if len(person) > MIN_LETTERS else ())
+        return self._intended_any(person) or next(near, None)
+
+    def _intended_any(self, word: str) -> str | None:
+        """The known name, else the known word of any kind, that a new word is a likely slip of."""
+        known = self.known_words
+        return self._intended(word, known.names) or self._intended(word, known.has)
 
     def _intended(self, word: str, is_known: Callable[[str], bool]) -> str | None:
         """The known word that a new one is a likely slip of."""

@@ -14,6 +14,7 @@ from dataclasses import replace
 from ..grammar.categories import AtomicCategory
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
+from ..lexicon.unknown_words import new_recipients
 from ..lexicon.vocabulary import NewWord
 from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, UtteranceFeatures
 from ..semantics.meaning import ActionRule, Command, FunctionalRule, Meaning, Statement, ToolCommand
@@ -35,6 +36,8 @@ def features_of(
     source = meaning.source if isinstance(meaning, Statement) else None
     if source and not _is_person(reader, derivation, tokens.words, source):
         named["source"] = frozenset({"other"})
+    if isinstance(meaning, Command) and _may_be_place(reader, derivation, tokens.words):
+        named["recipient"] = frozenset({"place"})
     return replace(found, main={**found.main, **named}) if named else found
 
 
@@ -76,13 +79,16 @@ def features_of_names(
             yield "part", frozenset(found)
         objects = {rule.object for rule in meaning.rules}
         if any(
-            reader.is_abstract(word.said, word.word) and word.word in objects for word in new_words
+            reader.is_abstract(word.said, word.word)
+            and word.word in objects
+            and not _is_subject(reader, words, word.said)
+            for word in new_words
         ):
             yield "thing", frozenset({"abstract"})
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
-        uses = (rule.affordance for rule in meaning.rules if isinstance(rule, FunctionalRule))
-        if not reader.acts.isdisjoint(uses):
+        uses = (rule for rule in meaning.rules if isinstance(rule, FunctionalRule))
+        if any(rule.material and rule.affordance in reader.acts for rule in uses):
             yield "use", frozenset({"act"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]
@@ -93,6 +99,18 @@ def features_of_names(
             yield "thing", frozenset({"own"})
         elif reader.determiners.isdisjoint(before):
             yield "thing", frozenset({"bare"})
+
+
+def _may_be_place(reader: FeatureReader, derivation: Derivation, words: Sequence[str]) -> bool:
+    """Whether a new recipient may be a place: one gives to people, but may carry to the lab."""
+    entries = lexical_entries(derivation)
+    is_goal = any(str(entry.category) == reader.goal for entry in entries)
+    return is_goal and bool(new_recipients(entries)) and not reader.carrying.isdisjoint(words)
+
+
+def _is_subject(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
+    """Whether a sentence is about what a noun names: "a match is used for lighting"."""
+    return words[0] in reader.determiners and _place(words, said) == 1
 
 
 def _part(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ..lexicon.inflection import Inflection
 from ..lexicon.tokenizer import BREAK, Tokens
-from ..lexicon.unknown_words import KnownWords
+from ..lexicon.unknown_words import KnownWords, new_recipients
 from ..lexicon.vocabulary import NewWord
 from ..semantics.features import FeatureReader
 from ..semantics.meaning import (
@@ -27,11 +27,13 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
+from .derivation import lexical_entries
 from .understanding import Reading
 
 MAX_NEW_NAMES = 2
-"""A command or question names at most so many unknown objects and uses."""
+"""A command or question names at most so many unknown objects and uses, a rule one more."""
 
+_NAMES = frozenset({"object", "affordance"})
 _LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
@@ -54,6 +56,7 @@ class ReadingFilter:
             and not (repaired and _is_of_several_rules(each.meaning))
             and not self._names_with_features(each)
             and self._may_introduce_words(each, tokens)
+            and self._may_introduce_recipients(each, tokens)
         ]
 
     def _is_thing_negated(self, tokens: Tokens) -> bool:
@@ -80,17 +83,49 @@ class ReadingFilter:
         if not words:
             return True
         if isinstance(meaning, Statement):
-            return not self._may_name_agent(words) and not any(
-                self._may_be_no_material(rule, words, tokens) for rule in meaning.rules
+            is_plain = len(words) <= MAX_NEW_NAMES * len(meaning.rules) + 1
+            return (
+                is_plain
+                and not self._may_name_agent(words)
+                and not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
             )
         if isinstance(meaning, TopicStatement):
-            return [word.role for word in words] == ["object"]
-        if len(words) > MAX_NEW_NAMES or not all(map(_is_name, words)):
+            is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
+            return is_thing and [word.role for word in words] == ["object"]
+        if len(words) > MAX_NEW_NAMES:
             return False
         if isinstance(meaning, (Command, ToolCommand)):
             # No action is done to people.
-            return not tokens.proper.intersection(word.said for word in words)
-        return isinstance(meaning, Question)
+            are_people = tokens.proper.intersection(word.said for word in words)
+            return not are_people and all(map(self._may_be_acted_on, words))
+        return isinstance(meaning, Question) and all(map(self._may_be_asked_about, words))
+
+    def _may_be_acted_on(self, word: NewWord) -> bool:
+        """Whether something may be done to what a new word names, or by the part that it names."""
+        is_part = word.role == "part" and self.features.is_part(word.said)
+        return is_part or self._may_be_asked_about(word)
+
+    def _may_be_asked_about(self, word: NewWord) -> bool:
+        return word.role in _NAMES and self.known_words.is_surely_name(word.said)
+
+    def _may_introduce_recipients(self, reading: Reading, tokens: Tokens) -> bool:
+        """Whether those whom a reading takes for people may be given something."""
+        people = new_recipients(lexical_entries(reading.derivation))
+        if not people:
+            return True
+        if reading.new_words and not self.features.carrying.isdisjoint(tokens.words):
+            return False  # "send an email to my landlord"
+        is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
+        return (
+            isinstance(reading.meaning, (Command, Statement))
+            and not is_said_of_them
+            and not any(map(self._may_be_no_person, people))
+        )
+
+    def _may_be_no_person(self, person: NewWord) -> bool:
+        kinds = (self.features.is_part, self.features.is_elsewhere, self.features.is_abstract)
+        is_adverb = bool(self.inflection.origins(person.said, "adverb"))
+        return is_adverb or any(is_kind(person.said) for is_kind in kinds)
 
     def _names_with_features(self, reading: Reading) -> bool:
         """Whether a word that shows a feature, like "reportedly", is part of a new name."""
@@ -125,7 +160,3 @@ def _is_negative(meaning: Meaning) -> bool:
 
 def _is_of_several_rules(meaning: Meaning) -> bool:
     return isinstance(meaning, Statement) and len(meaning.rules) > 1
-
-
-def _is_name(word: NewWord) -> bool:
-    return word.role in {"object", "affordance"} and " " not in word.said

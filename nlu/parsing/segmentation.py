@@ -22,6 +22,7 @@ from ..semantics.meaning import (
     Rule,
     Statement,
     ToolCommand,
+    TopicStatement,
     is_contradictory,
 )
 
@@ -81,7 +82,7 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
         return None
     if first == Retraction() and isinstance(last, Statement):
         return Statement(tuple(replace(rule, revises=True) for rule in last.rules))
-    return last if _asks_for_target(first, last) else None
+    return last if _asks_for_target(first, last) or _names_object(first, last) else None
 
 
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
@@ -99,6 +100,13 @@ def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:
         repairs = rule.revises and kept and type(kept[-1]) is type(rule)
         kept.append(replace(rule, revises=kept.pop().revises) if repairs else rule)
     return kept
+
+
+def _names_object(first: Meaning, last: Meaning) -> bool:
+    """Whether the first segment only names what the rules of the second one are about."""
+    if not isinstance(first, TopicStatement) or not isinstance(last, Statement):
+        return False
+    return all(rule.object == first.topic for rule in last.rules)
 
 
 def _asks_for_target(first: Meaning, last: Meaning) -> bool:

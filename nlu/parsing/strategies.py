@@ -158,7 +158,7 @@ class _Attempt:
             main, meaning = combined
             if self._may_be_rule(meaning, segments):
                 continue
-            words = tuple(word for each in found for word in each.new_words)
+            words = tuple(dict.fromkeys(word for each in found for word in each.new_words))
             whole = replace(found[main], meaning=meaning, new_words=words)
             return self._licensed_with_replies(whole, found)
         return None

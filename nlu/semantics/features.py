@@ -30,13 +30,15 @@ NAMED: Values = {
     "part": frozenset({"new", "own"}),
     "thing": frozenset({"new", "own", "abstract", "bare"}),
     "use": frozenset({"act"}),
+    "recipient": frozenset({"place"}),
 }
-"""The features of what is named: a part that is new or a person's, a new thing, a use."""
+"""The features of what is named: a part that is new or a person's, a new thing, a use, a place."""
 
 
 _KEYS = (
     *("features", "conditions", "names", "nouns", "abstract_endings", "nameless_endings"),
     *("part_words", "holding_words", "owners", "embedding", "determiners", "acts"),
+    *("goal", "carrying"),
 )
 
 
@@ -94,6 +96,8 @@ class FeatureReader:
         endings: those of abstract nouns.
         nameless_endings: those of words that hardly ever name a person.
         defaults: the value of a feature that no words show, where it has one.
+        goal: the category of the word between what is brought and to whom, "to".
+        carrying: verbs by which something gets to people or to places.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
@@ -110,6 +114,8 @@ class FeatureReader:
     endings: tuple[str, ...]
     nameless_endings: tuple[str, ...]
     defaults: Values
+    goal: str
+    carrying: frozenset[str]
 
     def features(
         self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]
@@ -212,6 +218,8 @@ def load_features(path: Path) -> FeatureReader:
         endings=parts["abstract_endings"].texts(),
         nameless_endings=parts["nameless_endings"].texts(),
         defaults=defaults,
+        goal=parts["goal"].text(),
+        carrying=_words(parts["carrying"]),
     )
 
 

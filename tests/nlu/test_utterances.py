@@ -54,6 +54,7 @@ def check(language: Language, text: str, before: str | None, group: dict[str, ob
         "conversation",
         "materials",
         "attitudes",
+        "new_words",
     ),
 )
 def test_an_utterance_means_what_it_should(

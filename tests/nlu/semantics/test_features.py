@@ -15,6 +15,7 @@ EMPTY = (
     "conditions: []\nnames: []\nnouns: {part: [], abstract: []}\n"
     "part_words: []\nholding_words: []\nowners: []\nembedding: []\n"
     "determiners: []\nacts: []\nabstract_endings: []\nnameless_endings: []\n"
+    "goal: TO\ncarrying: []\n"
 )
 
 
