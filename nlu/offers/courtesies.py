@@ -24,6 +24,7 @@ from .utterance_segments import parts
 
 _DENIALS = frozenset({"not", "never", "no", "nothing", "nobody", "without", "if", "unless", "said"})
 _PRONOUNS = frozenset({"it", "them", "that", "one", "me"})
+_STATING = frozenset({"is", "are", "was", "were", "be"})
 _JUDGING = frozenset({"praise", "blame"})
 _VALUED = _JUDGING | {"thanks"}
 _LONGEST_ADDRESS = 3  # words of "my little helper"
@@ -82,10 +83,15 @@ class CourtesyPhrases:
         is_denied = not _DENIALS.isdisjoint(words)
         is_of_hilt = _occurs(self.openers, words, 0)
         for kind, phrases in self.kinds.items():
-            places = range(1 if kind in _JUDGING and not is_of_hilt else len(words))
+            is_bare = kind in _JUDGING and not is_of_hilt
+            if is_bare and not _STATING.isdisjoint(words):
+                continue
+            places = range(1 if is_bare else len(words))
             if any(_occurs(phrases, words, at) for at in places):
                 return None if is_denied and kind in _VALUED else kind
-        is_address = len(words) <= _LONGEST_ADDRESS and known.unknown(part)
+        unknown = known.unknown(part)
+        is_address = len(words) <= _LONGEST_ADDRESS and unknown
+        is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
         is_chatter = not is_denied and (is_address or _occurs(self.chatter, words, 0))
         return "" if is_chatter else None
 
