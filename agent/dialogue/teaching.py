@@ -127,6 +127,8 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list
     last = topic[-1] if topic else None
     if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
         return same
+    if last.asserts and not new.asserts:  # "no, never for metal" leaves what it is used for
+        return same
     uses = [(rule.argument, rule.material) for rule in (last, new)]
     changed = (last.features != new.features) + (uses[0] != uses[1])
     return [last] if changed == 1 and last.context == new.context else []
