@@ -4,6 +4,8 @@
 interval_operators  operators on belief intervals: conjunction, modus ponens, fusion, and lambda
 types               goals, targets, observations; candidates and inferences as results
 affordance          inference at the nodes of an action tree
+node_rules          the rules that apply at a node, and to an object
+specificity         which of these rules override others
 decision            acceptance and ranking of candidates
 proof               derivation trees of intervals
 settings            operators and thresholds

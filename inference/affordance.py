@@ -8,41 +8,28 @@ equal conclusions, and lambda against the threshold of the context (section 2).
 
 Rules with the same antecedent are fused before modus ponens: the antecedent is one piece of
 evidence and would otherwise be counted once for each rule. With perfect detection both orders give
-the same result. A `NodeRules` selects the rules of one node for one goal.
-
-A use may have a material, which is a context of its rule: a saw is used for cutting wood. Which
-rules apply depends on whether the goal names a material:
-
-| rule | asked for bread | asked for no material |
-|---|---|---|
-| used for cutting; not used for cutting | applies | applies |
-| used for cutting bread | applies | applies |
-| not used for cutting bread | applies | does not apply |
-| used, or not used, for cutting wood | does not apply | as for bread |
+the same result. `NodeRules` selects the rules of one node for one goal; more specific rules
+override general ones (`specificity`).
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
-from ..kb.rule import USED_FOR, Atom, Rule
-from ..ontology.actions import Actions
+from ..kb.rule import Atom, Rule
 from .decision import DecisionRule, ObjectRules
+from .node_rules import FIND, NodeRules, features_of, implied_atoms
 from .proof import Proof, derive, rule_proof, unknown_proof
 from .settings import Settings
+from .specificity import MATERIAL, ImpliedAtoms
 from .taxonomy import FLAT, Taxonomy
-from .types import Candidate, Conclusion, Goal, Inference, Observation
+from .types import Candidate, Goal, Inference, Observation
 
-FIND = "findObject"  # the action that selects an object; its rules conclude usedFor(affordance)
 PERCEIVED = ("object", "part", "property")  # kinds of atoms that vision reports
-MATERIAL = "material"
-
-ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
 
 
 class RuleSource(Protocol):
@@ -79,9 +66,7 @@ class Affordances:
         `node` is the path of the node in the action tree of the goal ("pass/graspObject").
         """
         here = self._node_context(node, goal)
-        atoms = set(here.named_features)
-        for key in here.keys:
-            atoms.update(*(rule.features for rule in here.rules(key)))
+        atoms = {*here.named_features, *here.relevant_features}
         return tuple(sorted(kind for atom in atoms for kind in self.taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
@@ -127,7 +112,7 @@ class Affordances:
         argument, applied = None, ObjectRules()
         for conclusion, is_negated in target.wanted:
             argument = conclusion.argument
-            applied = here.concluding(conclusion, shown)
+            applied = here.concluding(conclusion, seen, shown)
             proof = self._conclude(applied.rules, here, seen, shown)
             operators = self.settings.operators
             steps.append(derive("not", [proof], operators) if is_negated else proof)
@@ -138,18 +123,11 @@ class Affordances:
     def _argument_candidates(
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Iterator[Candidate]:
-        """Yield the parts (or other arguments) that the rules of the nearest context name."""
+        """Yield the parts (or other arguments) that the most specific rules name."""
         shown = implied_atoms(seen.atoms, self.taxonomy)
-        for key in here.keys:
-            applied = nearest_rules(here.rules(key), shown)
-            if applied.rules:
-                groups: dict[Atom | None, list[Rule]] = defaultdict(list)
-                for rule in applied.rules:
-                    groups[rule.argument].append(rule)
-                for argument, group in groups.items():
-                    proof = self._conclude(group, here, seen, shown)
-                    yield decision.candidate(seen, argument, [proof], applied)
-                return
+        for applied in here.binding(seen, shown).by_argument():
+            proof = self._conclude(applied.rules, here, seen, shown)
+            yield decision.candidate(seen, applied.rules[0].argument, [proof], applied)
 
     def _absent_candidates(
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
@@ -160,7 +138,7 @@ class Affordances:
             groups: dict[str, list[Rule]] = defaultdict(list)
             wanted = conclusion.argument
             for rule in chain.from_iterable(map(here.rules, here.keys_of(conclusion))):
-                in_view = any(rule.features <= each.keys() for each in shown)
+                in_view = any(features_of(rule) <= each.keys() for each in shown)
                 fits = wanted is None or rule.argument in {None, wanted}
                 if rule.asserts and fits and not is_negated and not in_view:
                     groups[rule.object or "thing"].append(rule)
@@ -201,7 +179,7 @@ class Affordances:
 
 def _evidence_atoms(rule: Rule) -> frozenset[Atom]:
     """Return the antecedent without the material: rules for another material never get here."""
-    return frozenset(a for a in rule.features | rule.contexts if a.kind != MATERIAL)
+    return frozenset(a for a in features_of(rule) | rule.contexts if a.kind != MATERIAL)
 
 
 def _evidence(atom: Atom, here: NodeRules, seen: Observation, shown: ImpliedAtoms) -> Proof:
@@ -221,135 +199,3 @@ def _evidence(atom: Atom, here: NodeRules, seen: Observation, shown: ImpliedAtom
 
 def _kind_of(origin: Atom, atom: Atom) -> str:
     return "" if origin == atom else f", which is a kind of {atom.name}"
-
-
-class NodeRules:
-    """The rules that apply at one node for one goal; shared by all objects observed there.
-
-    `rules_at` returns the rules stored under a key.
-    """
-
-    def __init__(
-        self, node: str, goal: Goal, rules_at: Callable[[str], Sequence[Rule]], taxonomy: Taxonomy
-    ) -> None:
-        self.node, self.goal, self.taxonomy = node, goal, taxonomy
-        self.action = node.rsplit("/", 1)[-1]
-        self._rules_at = rules_at
-        self._selected: dict[str, Sequence[Rule]] = {}
-
-    @cached_property
-    def contexts(self) -> tuple[Atom, ...]:
-        """The actions above the node, nearest first, each with its more general actions."""
-        acting = (Atom("action", name) for name in Actions.contexts(self.node))
-        kinds = (above for atom in acting for above, _ in self.taxonomy.above(atom))
-        return tuple(dict.fromkeys(kinds))
-
-    @cached_property
-    def given(self) -> ImpliedAtoms:
-        """The other contexts of the goal, with their more general kinds."""
-        return implied_atoms(self.goal.contexts, self.taxonomy)
-
-    @cached_property
-    def named_features(self) -> tuple[Atom, ...]:
-        """The features that the command itself names; used at the find node only."""
-        if self.action != FIND:
-            return ()
-        target = self.goal.target
-        named = [Atom("object", target.object)] if target.object else []
-        return (*named, *(Atom("property", name) for name in sorted(target.properties)))
-
-    @cached_property
-    def keys(self) -> tuple[str, ...]:
-        """The keys of the rules of this node, nearest context first."""
-        if self.action != FIND:
-            return self._keys(self.action)
-        wanted = (self.keys_of(conclusion) for conclusion, _ in self.goal.target.wanted)
-        return tuple(key for keys in wanted for key in keys)
-
-    def keys_of(self, wanted: Conclusion) -> tuple[str, ...]:
-        """Return the keys of the rules that can conclude what is wanted."""
-        if wanted.functor == USED_FOR and wanted.argument:
-            return (f"{FIND}.{wanted.argument.name}",)
-        return self._keys(wanted.functor)
-
-    def threshold(self, settings: Settings) -> float:
-        """Return the threshold Λ at this node."""
-        if not settings.thresholds:
-            return settings.threshold
-        return settings.threshold_of((context.name for context in self.contexts), self.given)
-
-    def rules(self, key: str) -> Sequence[Rule]:
-        """Return the rules of a key whose contexts hold and (past the find node) object fits."""
-        if key not in self._selected:
-            rules = [rule for rule in self._rules_at(key) if self._holds(rule)]
-            name = self.goal.target.object
-            if name is not None and self.action != FIND:
-                wanted = {above.name for above, _ in self.taxonomy.above(Atom("object", name))}
-                rules = [rule for rule in rules if rule.object is None or rule.object in wanted]
-            self._selected[key] = rules
-        return self._selected[key]
-
-    def concluding(self, wanted: Conclusion, shown: ImpliedAtoms) -> ObjectRules:
-        """Return the rules of the nearest context that conclude what is wanted of an object."""
-        arguments = implied_atoms([wanted.argument], self.taxonomy) if wanted.argument else None
-        for key in self.keys_of(wanted):
-            rules = self.rules(key)
-            if arguments is not None:
-                rules = [r for r in rules if r.argument is None or r.argument in arguments]
-            applied = nearest_rules(rules, shown, arguments or {})
-            if applied.rules:
-                return applied
-        return ObjectRules()
-
-    @cached_property
-    def _held(self) -> frozenset[Atom]:
-        """The contexts that hold: the actions, and those of the goal."""
-        return frozenset((*self.contexts, *self.given))
-
-    @cached_property
-    def _material(self) -> frozenset[str]:
-        return material_kinds(self.goal.target.material, self.taxonomy)
-
-    def _holds(self, rule: Rule) -> bool:
-        contexts = (atom for atom in rule.contexts if atom.kind != MATERIAL)
-        return rule.applies_to(self._material) and self._held.issuperset(contexts)
-
-    def _keys(self, functor: str) -> tuple[str, ...]:
-        return (*(f"{context.name}.{functor}" for context in self.contexts), functor)
-
-
-def material_kinds(name: str | None, taxonomy: Taxonomy) -> frozenset[str]:
-    """Return the names of a material and of its more general kinds: rye bread is bread."""
-    kinds = taxonomy.above(Atom("object", name)) if name else ()
-    return frozenset(kind.name for kind, _ in kinds)
-
-
-def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:
-    """Return the atoms and all kinds above them, with distance and the atom they follow from."""
-    found: dict[Atom, tuple[int, Atom]] = {}
-    for atom in atoms:
-        for above, distance in taxonomy.above(atom):
-            if above not in found or distance < found[above][0]:
-                found[above] = (distance, atom)
-    return found
-
-
-def nearest_rules(
-    rules: Sequence[Rule], shown: ImpliedAtoms, arguments: ImpliedAtoms | None = None
-) -> ObjectRules:
-    """Return the nearest of the rules whose features are all observed."""
-    fitting = [rule for rule in rules if rule.features <= shown.keys()]
-    if not fitting:
-        return ObjectRules()
-    pairs = [(rule, _distance(rule, shown, arguments or {})) for rule in fitting]
-    least = min(distance for _, distance in pairs)
-    near = tuple(rule for rule, distance in pairs if distance == least)
-    return ObjectRules(near, least, tuple(rule for rule, far in pairs if far > least))
-
-
-def _distance(rule: Rule, shown: ImpliedAtoms, arguments: ImpliedAtoms) -> int:
-    """Return the number of is-a steps from the observation and the wanted argument to a rule."""
-    above = max((shown[feature][0] for feature in rule.features), default=0)
-    if rule.argument is None or rule.argument not in arguments:
-        return above
-    return above + arguments[rule.argument][0]

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
@@ -27,13 +28,32 @@ class ObjectRules:
 
     Attributes:
         rules: the most specific rules.
-        distance: their distance in the is-a hierarchy: 0 for rules about exactly this kind.
-        overruled: applicable rules that are less specific.
+        overrides: pairs of one of these and a rule that it overrides.
+        distances: the features of a rule -> their distance in the is-a hierarchy.
     """
 
     rules: tuple[Rule, ...] = ()
-    distance: int = 0
-    overruled: tuple[Rule, ...] = ()
+    overrides: tuple[tuple[Rule, Rule], ...] = ()
+    distances: Mapping[frozenset[Atom], int] = field(default_factory=dict[frozenset[Atom], int])
+
+    @property
+    def distance(self) -> int:
+        """The distance of the nearest rule: 0 for a rule about exactly this kind."""
+        return min((self.distances.get(rule.features, 0) for rule in self.rules), default=0)
+
+    @property
+    def overruled(self) -> tuple[Rule, ...]:
+        """The rules that more specific ones override."""
+        return tuple(dict.fromkeys(general for _, general in self.overrides))
+
+    def by_argument(self) -> Iterator[ObjectRules]:
+        """Yield the rules about each argument."""
+        groups: dict[Atom | None, list[Rule]] = defaultdict(list)
+        for rule in self.rules:
+            groups[rule.argument].append(rule)
+        for argument, rules in groups.items():
+            pairs = (pair for pair in self.overrides if pair[0].argument == argument)
+            yield ObjectRules(tuple(rules), tuple(pairs), self.distances)
 
 
 @dataclass(frozen=True)
@@ -55,6 +75,8 @@ class DecisionRule:
     ) -> Candidate:
         """Return the candidate for an object: the conjunction of proof steps, with a verdict."""
         proof = derive("and", steps, self.operators)
+        if applied.overrides:
+            proof = replace(proof, overruled=applied.overruled)
         if argument is not None and proof.step not in LEAVES:
             # Affordances and parts imply their functor: usedFor, graspObject.
             is_plain = argument.kind in {"affordance", "part"}
@@ -65,12 +87,11 @@ class DecisionRule:
         is_unknown = any(step.step == "unknown" for step in steps)
         verdict: Verdict = "absent" if is_absent else self._verdict(proof.interval, is_unknown)
         reason = _REASONS[verdict].format(proof.interval, sure, self.threshold)
-        if applied.distance:
-            plural = "s" if applied.distance > 1 else ""
-            reason += f"; inherited, {applied.distance} step{plural} up"
-        if applied.overruled:
-            reason += "; a nearer rule goes before " + ", ".join(map(repr, applied.overruled))
         inherited, overruled = applied.distance, applied.overruled
+        if inherited:
+            reason += f"; inherited, {inherited} step{'s' if inherited > 1 else ''} up"
+        if overruled:
+            reason += "; more specific than " + ", ".join(map(repr, overruled))
         return Candidate(
             seen.name, seen.object, argument, proof, sure, verdict, reason, inherited, overruled
         )

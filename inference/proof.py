@@ -33,6 +33,7 @@ class Proof:
         label: description of the evidence ("object:knife seen on knife 1").
         inputs: the proofs of its inputs; for modus ponens the antecedent, then the rule.
         rule: the rule, for a taught rule as evidence.
+        overruled: rules that would apply, but that more specific ones override.
     """
 
     step: Step
@@ -40,6 +41,7 @@ class Proof:
     label: str = ""
     inputs: tuple[Proof, ...] = ()
     rule: Rule | None = None
+    overruled: tuple[Rule, ...] = ()
 
     def __iter__(self) -> Iterator[Proof]:
         """Iterate over this step and all steps below it, the conclusion first."""
@@ -50,9 +52,7 @@ class Proof:
     @property
     def about(self) -> str:
         """A description of the evidence; empty for an operator without label."""
-        if self.rule is None:
-            return self.label
-        return f"{self.rule!r}, said {self.rule.speaker} in utterance {self.rule.utterance}"
+        return self.label if self.rule is None else _told(self.rule)
 
     @property
     def leaves(self) -> tuple[Proof, ...]:
@@ -82,6 +82,8 @@ class Proof:
             found["rule"] = self.rule.id
         if self.inputs:
             found["inputs"] = [each.as_json() for each in self.inputs]
+        if self.overruled:
+            found["overruled"] = [rule.id for rule in self.overruled]
         return found
 
     def lines(self, depth: int = 0) -> Iterator[str]:
@@ -89,6 +91,8 @@ class Proof:
         yield f"{'  ' * depth}{self.interval}  {self.step}  {self.about}".rstrip()
         for each in self.inputs:
             yield from each.lines(depth + 1)
+        for rule in self.overruled:
+            yield f"{'  ' * (depth + 1)}overruled by a more specific rule  {_told(rule)}"
 
 
 def unknown_proof(name: str) -> Proof:
@@ -118,3 +122,7 @@ def derive(step: Step, inputs: Sequence[Proof], operators: Operators, label: str
 def rule_proof(rule: Rule) -> Proof:
     """Return a rule as evidence, discounted by the trust in its speaker."""
     return Proof("told", rule.support, rule=rule)
+
+
+def _told(rule: Rule) -> str:
+    return f"{rule!r}, said {rule.speaker} in utterance {rule.utterance}"

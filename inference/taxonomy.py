@@ -2,7 +2,8 @@
 """The is-a hierarchy of objects, parts, actions and places, along which rules are inherited.
 
 A bread knife is a knife, so rules about knives apply to it unless there is a rule about bread
-knives: more specific rules take precedence. Distances are numbers of is-a steps.
+knives: more specific rules override general ones (`specificity`). Distances are numbers of is-a
+steps.
 """
 
 from __future__ import annotations

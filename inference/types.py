@@ -108,7 +108,7 @@ class Candidate:
             no rule; or "absent", there is a rule but the object is not in view.
         reason: the reason for the verdict, in a few words.
         inherited: distance of the rules in the is-a hierarchy: 0 for rules about this kind.
-        overruled: inherited rules that are replaced by more specific ones.
+        overruled: rules that more specific ones override.
     """
 
     name: str

@@ -7,9 +7,10 @@ from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ...inference.abduction import Hypothesis, find_hypotheses
-from ...inference.affordance import FIND, Affordances, material_kinds
+from ...inference.affordance import Affordances
 from ...inference.explanation import candidate_names, rejection_reason
 from ...inference.interval_operators import relative_plausibility
+from ...inference.node_rules import FIND, material_kinds
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN

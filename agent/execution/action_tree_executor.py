@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ...inference.affordance import FIND, Affordances
+from ...inference.affordance import Affordances
+from ...inference.node_rules import FIND
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
 from ...ontology.actions import FIXED, Actions, ActionTree, Loop, Precondition

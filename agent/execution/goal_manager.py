@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 
-from ...inference.affordance import FIND, Affordances
+from ...inference.affordance import Affordances
+from ...inference.node_rules import FIND
 from ...ontology.actions import Actions
 from ...sim.robot.interruption import Interruption
 from ..protocols import Motion, ReleasingMotion, Vision

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...inference.affordance import FIND
+from ...inference.node_rules import FIND
 from ..execution.outcome import WalkStep
 
 if TYPE_CHECKING:

@@ -292,8 +292,6 @@ def test_rule_with_a_place_is_weighted_by_the_interval_of_the_place():
 
 # --- Materials -----------------------------------------------------------------------------
 
-BOTH = Interval(0.0475, 0.9525)  # of [.95, 1] and [0, .05], by Yager's rule
-
 
 @pytest.mark.parametrize(
     ("told", "wanted", "expected"),
@@ -311,9 +309,11 @@ BOTH = Interval(0.0475, 0.9525)  # of [.95, 1] and [0, .05], by Yager's rule
         ([("wood", G), ("bread", NEVER)], None, G),
         ([("wood", G), ("bread", NEVER)], "wood", G),
         ([("wood", G), ("bread", NEVER)], "bread", NEVER),
-        ([(None, O), ("bread", S)], "bread", Interval(0.875, 1)),
+        ([(None, O), ("bread", S)], "bread", S),
         ([("wood", O), ("bread", S)], None, Interval(0.875, 1)),
-        ([(None, G), ("bread", NEVER)], "bread", BOTH),
+        ([(None, G), ("bread", NEVER)], "bread", NEVER),
+        ([(None, NEVER), ("bread", G)], "bread", G),
+        ([("bread", G), ("rye bread", NEVER)], "rye bread", NEVER),
         ([(None, G), ("bread", NEVER)], "wood", G),
         ([("bread", S)], "rye bread", S),
         ([("rye bread", S)], "bread", Interval(0, 1)),

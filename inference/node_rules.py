@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules that apply at a node of an action tree for a goal, and to an object observed there.
+
+A use may have a material, which is a context of its rule: a saw is used for cutting wood. Which
+rules apply depends on whether the goal names a material:
+
+| rule | asked for bread | asked for no material |
+|---|---|---|
+| used for cutting; not used for cutting | applies | applies |
+| used for cutting bread | applies | applies |
+| not used for cutting bread | applies | does not apply |
+| used, or not used, for cutting wood | does not apply | as for bread |
+
+A rule that names a part of any object ("to pass anything, grab it by the handle") applies to the
+objects that have such a part: the part is one of its features.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+from itertools import chain
+
+from ..kb.interval import Interval
+from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from ..ontology.actions import Actions
+from .decision import ObjectRules
+from .interval_operators import EPSILON
+from .settings import Settings
+from .specificity import MATERIAL, ImpliedAtoms, Premises, Specificity
+from .taxonomy import Taxonomy
+from .types import Conclusion, Goal, Observation
+
+FIND = "findObject"  # the action that selects an object; its rules conclude usedFor(affordance)
+GRASP = "grasp"  # the action of which every grasp is one: "never grab a knife by the blade"
+
+
+class NodeRules:
+    """The rules that apply at one node for one goal; shared by all objects observed there.
+
+    `rules_at` returns the rules stored under a key.
+    """
+
+    def __init__(
+        self, node: str, goal: Goal, rules_at: Callable[[str], Sequence[Rule]], taxonomy: Taxonomy
+    ) -> None:
+        self.node, self.goal, self.taxonomy = node, goal, taxonomy
+        self.action = node.rsplit("/", 1)[-1]
+        self._rules_at = rules_at
+        self._selected: dict[str, Sequence[Rule]] = {}
+
+    @cached_property
+    def contexts(self) -> tuple[Atom, ...]:
+        """The actions above the node, nearest first, each with its more general actions.
+
+        The last one is grasping, where an object is grasped, whatever for.
+        """
+        names = Actions.contexts(self.node)
+        itself = (GRASP,) if self.action == GRASP_OBJECT else ()
+        acting = (Atom("action", name) for name in (*names, *itself))
+        kinds = (above for atom in acting for above, _ in self.taxonomy.above(atom))
+        return tuple(dict.fromkeys(kinds))
+
+    @cached_property
+    def given(self) -> ImpliedAtoms:
+        """The other contexts of the goal, with their more general kinds."""
+        return implied_atoms(self.goal.contexts, self.taxonomy)
+
+    @cached_property
+    def named_features(self) -> tuple[Atom, ...]:
+        """The features that the command itself names; used at the find node only."""
+        if self.action != FIND:
+            return ()
+        target = self.goal.target
+        named = [Atom("object", target.object)] if target.object else []
+        return (*named, *(Atom("property", name) for name in sorted(target.properties)))
+
+    @cached_property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the rules of this node, nearest context first."""
+        if self.action != FIND:
+            return self._keys(self.action)
+        wanted = (self.keys_of(conclusion) for conclusion, _ in self.goal.target.wanted)
+        return tuple(key for keys in wanted for key in keys)
+
+    def keys_of(self, wanted: Conclusion) -> tuple[str, ...]:
+        """Return the keys of the rules that can conclude what is wanted."""
+        if wanted.functor == USED_FOR and wanted.argument:
+            return (f"{FIND}.{wanted.argument.name}",)
+        return self._keys(wanted.functor)
+
+    def threshold(self, settings: Settings) -> float:
+        """Return the threshold Λ at this node."""
+        if not settings.thresholds:
+            return settings.threshold
+        return settings.threshold_of((context.name for context in self.contexts), self.given)
+
+    @property
+    def relevant_features(self) -> Iterable[Atom]:
+        """The features of the rules of this node; the found object itself if a rule has none."""
+        named = self.goal.target.object
+        for rule in chain.from_iterable(map(self.rules, self.keys)):
+            features = features_of(rule)
+            if not features and named and self.action != FIND:
+                yield Atom("object", named)
+            yield from features
+
+    def rules(self, key: str) -> Sequence[Rule]:
+        """Return the rules of a key whose contexts hold and (past the find node) object fits."""
+        if key not in self._selected:
+            rules = [rule for rule in self._rules_at(key) if self._holds(rule)]
+            name = self.goal.target.object
+            if name is not None and self.action != FIND:
+                wanted = {above.name for above, _ in self.taxonomy.above(Atom("object", name))}
+                rules = [rule for rule in rules if rule.object is None or rule.object in wanted]
+            self._selected[key] = rules
+        return self._selected[key]
+
+    def concluding(self, wanted: Conclusion, seen: Observation, shown: ImpliedAtoms) -> ObjectRules:
+        """Return the most specific rules that conclude what is wanted of an object."""
+        rules = [rule for key in self.keys_of(wanted) for rule in self.rules(key)]
+        if wanted.argument is not None:
+            asked = implied_atoms([wanted.argument], self.taxonomy)
+            rules = [rule for rule in rules if rule.argument is None or rule.argument in asked]
+        return self._most_specific(rules, seen, shown, is_asked=True)
+
+    def binding(self, seen: Observation, shown: ImpliedAtoms) -> ObjectRules:
+        """Return the most specific rules about the action of this node on an object."""
+        rules = [rule for key in self.keys for rule in self.rules(key)]
+        return self._most_specific(rules, seen, shown, is_asked=False)
+
+    def _most_specific(
+        self, rules: Sequence[Rule], seen: Observation, shown: ImpliedAtoms, *, is_asked: bool
+    ) -> ObjectRules:
+        fitting = [rule for rule in rules if features_of(rule) <= shown.keys()]
+        if not fitting:
+            return ObjectRules()
+
+        def is_affirmed(one: Premises, other: Premises) -> bool:
+            evidence = self._evidence(one, seen, shown)
+            for origin in self._evidence(other, seen, shown):
+                evidence.pop(origin, None)
+            return all(each.lower + each.upper > 1 + EPSILON for each in evidence.values())
+
+        overriding = self._specificity.overriding_rules(fitting, is_affirmed, is_asked=is_asked)
+        pairs = list(zip(fitting, overriding, strict=True))
+        return ObjectRules(
+            tuple(rule for rule, by in pairs if not by),
+            tuple((one, rule) for rule, by in pairs for one in by),
+            {rule.features: _distance(rule, shown) for rule in fitting},
+        )
+
+    def _evidence(
+        self, premises: Premises, seen: Observation, shown: ImpliedAtoms
+    ) -> dict[Atom, Interval]:
+        """Return the evidence for premises; actions, arguments and materials are certain."""
+        found: dict[Atom, Interval] = {}
+        for _, atom in premises:
+            if atom in shown:
+                origin = shown[atom][1]
+                found[origin] = seen.atoms[origin]
+            elif atom in self.given:
+                origin = self.given[atom][1]
+                found[origin] = self.goal.contexts[origin]
+        return found
+
+    @cached_property
+    def _specificity(self) -> Specificity:
+        has_material = self.goal.target.material is not None
+        return Specificity(self.taxonomy, self.contexts, has_material=has_material)
+
+    @cached_property
+    def _held(self) -> frozenset[Atom]:
+        """The contexts that hold: the actions, and those of the goal."""
+        return frozenset((*self.contexts, *self.given))
+
+    @cached_property
+    def _material(self) -> frozenset[str]:
+        return material_kinds(self.goal.target.material, self.taxonomy)
+
+    def _holds(self, rule: Rule) -> bool:
+        contexts = (atom for atom in rule.contexts if atom.kind != MATERIAL)
+        return rule.applies_to(self._material) and self._held.issuperset(contexts)
+
+    def _keys(self, functor: str) -> tuple[str, ...]:
+        return (*(f"{context.name}.{functor}" for context in self.contexts), functor)
+
+
+def material_kinds(name: str | None, taxonomy: Taxonomy) -> frozenset[str]:
+    """Return the names of a material and of its more general kinds: rye bread is bread."""
+    kinds = taxonomy.above(Atom("object", name)) if name else ()
+    return frozenset(kind.name for kind, _ in kinds)
+
+
+def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:
+    """Return the atoms and all kinds above them, with distance and the atom they follow from."""
+    found: dict[Atom, tuple[int, Atom]] = {}
+    for atom in atoms:
+        for above, distance in taxonomy.above(atom):
+            if above not in found or distance < found[above][0]:
+                found[above] = (distance, atom)
+    return found
+
+
+def features_of(rule: Rule) -> frozenset[Atom]:
+    """Return the features that an object must show for a rule; its part, for one about any."""
+    argument = rule.argument
+    if argument is None or argument.kind != "part" or rule.object is not None:
+        return rule.features
+    return rule.features | {argument}
+
+
+def _distance(rule: Rule, shown: ImpliedAtoms) -> int:
+    """Return the number of is-a steps from the observation to the features of a rule."""
+    return max((shown[feature][0] for feature in rule.features), default=0)
