@@ -95,7 +95,7 @@ class FailureBranch:
         after: the failures it handles, some of `FAILURES` or "any".
         next: the parameter for which the next best candidate is tried.
         again: how often the steps are repeated.
-        steps: other steps; the tree succeeds when they do.
+        steps: other steps; a tree that contains this one goes on when they succeed.
     """
 
     after: frozenset[str]

@@ -195,16 +195,36 @@ class TreeExecutor:
             if index is None:
                 return failure
             branch = tree.otherwise[index]
-            if branch.steps and self._walk_steps(node, branch.steps, arguments):
-                return failure
-            self._setbacks.append(failure)
             if branch.steps:
-                return None
+                return self._do_instead(node, branch.steps, arguments, failure)
+            self._report_setback(failure)
             tries[index] -= 1
             if branch.next:
                 self._reject(arguments[branch.next], failure)
             failure = self._walk_steps(node, tree.steps, arguments)
         return None
+
+    def _do_instead(
+        self,
+        node: str,
+        steps: Sequence[TreeStep | Loop],
+        arguments: Mapping[str, Argument],
+        failure: SpokenAnswer,
+    ) -> SpokenAnswer | None:
+        """Carry out other steps after a failure; return the failure of the command, if it is one.
+
+        A tree that contains this one goes on after them. What was asked for is not done by them.
+        """
+        if self._primitives is None or self._walk_steps(node, steps, arguments):
+            return failure
+        self._report_setback(failure)
+        if "/" in node:
+            return None
+        return SpokenAnswer("did_instead", {}, "failed", failure.cause)
+
+    def _report_setback(self, failure: SpokenAnswer) -> None:
+        if failure not in self._setbacks:
+            self._setbacks.append(failure)
 
     def _branch(
         self,
@@ -319,37 +339,50 @@ class TreeExecutor:
     def _choose_part(
         self, percept: Percept, inference: Inference
     ) -> tuple[str | None, SpokenAnswer | None]:
-        if self.decision:
-            self.decision = replace(self.decision, part=inference)
-        part = self._part(percept, inference)
-        if part and self._primitives and self._lacks(percept, part):
-            slots = {"object": percept.object, "part": part}
-            return None, SpokenAnswer("no_part", slots, "failed", "no_part")
+        """Return the part to grasp by, if any is called for, or why there is none."""
+        decision = replace(self.decision, part=inference) if self.decision else None
+        self.decision = decision
+        chosen = decision.chosen_part if decision else None
+        if chosen:
+            return self._chosen_part(chosen, percept)
+        if decision and inference.denied:
+            allowed = self._allowed_part(percept, inference)
+            self.decision = replace(decision, allowed_part=allowed)
+            return allowed, None if allowed else self._no_part("no_part_allowed", percept)
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
-        if part is None and unsure:
+        if unsure:
             return None, outcome_answer.not_sure_how(
                 self._request.action, percept.object, unsure[0]
             )
+        is_tool = PATIENT in self._request.arguments
+        return self._context.grips.get(percept.object) if is_tool else None, None
+
+    def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, SpokenAnswer | None]:
+        part = self._own_part(name, percept)
+        if self._primitives and self._lacks(percept, part):
+            return None, self._no_part("no_part", percept, part=part)
         return part, None
+
+    def _no_part(self, key: str, percept: Percept, **slots: str) -> SpokenAnswer:
+        return SpokenAnswer(key, {"object": percept.object, **slots}, "failed", "no_part")
+
+    def _allowed_part(self, percept: Percept, inference: Inference) -> str | None:
+        """Return a part that is not forbidden: the one made for holding, or else one in view."""
+        forbidden = [each.argument for each in inference.denied]
+        above = self._context.affordances.taxonomy.above
+        known = dict.fromkeys((*percept.parts, *self._context.parts.get(percept.object, ())))
+        allowed = [
+            part
+            for part in known
+            if not any(kind in forbidden for kind, _ in above(Atom("part", part)))
+        ]
+        grip = self._context.grips.get(percept.object)
+        return grip if grip in allowed else next(iter(allowed), None)
 
     def _lacks(self, percept: Percept, part: str) -> bool:
         """Whether an object is known to have no such part, rather than it being out of view."""
         known = self._context.parts.get(percept.object)
         return known is not None and part not in known and part not in percept.parts
-
-    def _part(self, percept: Percept, inference: Inference) -> str | None:
-        """The part to grasp by: named, concluded, the first one not forbidden, a tool's grip."""
-        chosen = self.decision.chosen_part if self.decision else None
-        if chosen:
-            return self._own_part(chosen, percept)
-        forbidden = {
-            self._own_part(c.argument.name, percept) for c in inference.denied if c.argument
-        }
-        allowed = [part for part in percept.parts if part not in forbidden]
-        if forbidden and allowed:
-            return allowed[0]
-        is_tool = PATIENT in self._request.arguments
-        return self._context.grips.get(percept.object) if is_tool else None
 
     def _own_part(self, name: str, percept: Percept) -> str:
         """The object's own part of a kind: the serrated blade of a bread knife for "blade"."""

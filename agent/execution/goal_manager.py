@@ -109,7 +109,7 @@ class GoalManager:
     def _answer(
         self, request: Request, decision: Decision | None, recipient: str, unable: Sequence[str]
     ) -> SpokenAnswer:
-        if decision is None:  # a tree that looks for nothing
+        if decision is None or decision.object.best is None:  # nothing was looked for or needed
             return SpokenAnswer("okay")
         if unable:
             return outcome_answer.unable(request.action, unable[0], decision)

@@ -125,6 +125,7 @@ class Decision:
         named_part: the part that the command itself named, which needs no rule.
         patient: what a tool is used on.
         rejected: the candidates that were tried before it.
+        allowed_part: the part that is taken because others are forbidden.
     """
 
     object: Inference
@@ -132,18 +133,21 @@ class Decision:
     named_part: str | None = None
     patient: str | None = None
     rejected: tuple[FailedAttempt, ...] = ()
+    allowed_part: str | None = None
 
     @property
     def chosen_part(self) -> str | None:
-        """The part to act on; None when none is named or concluded."""
+        """The part to act on; None when none is named, concluded, or left by a prohibition."""
         best = self.part.best if self.part else None
-        return self.named_part or (best.argument.name if best and best.argument else None)
+        concluded = best.argument.name if best and best.argument else None
+        return self.named_part or concluded or self.allowed_part
 
     @property
     def rules(self) -> tuple[Rule, ...]:
         """The rules that the choice rests on: those of the object, then those of the part."""
         part = self.part.best if self.part and not self.named_part else None
-        chosen = [candidate for candidate in (self.object.best, part) if candidate]
+        forbidden = self.part.denied if self.part and self.allowed_part else ()
+        chosen = [candidate for candidate in (self.object.best, part, *forbidden) if candidate]
         return tuple(dict.fromkeys(rule for candidate in chosen for rule in candidate.rules))
 
     @property

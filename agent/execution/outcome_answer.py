@@ -33,6 +33,7 @@ _MOTION = {  # reason of a motion report -> the answer with a part, and without
     "nothing_held": ("dropped", "dropped"),
     "bumped": ("unreachable_part", "unreachable"),
     "nothing_seen": ("lost_sight_part", "lost_sight"),
+    "no_gripper": ("no_hand", "no_hand"),
 }
 
 
@@ -90,9 +91,16 @@ def not_sure_how(action: str, object_name: str, best: Candidate) -> SpokenAnswer
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> SpokenAnswer:
     """Return the answer to a motion that failed."""
-    with_part, without = _MOTION.get(reason, ("no_hand", "no_hand"))
+    if reason not in _MOTION:  # a failure of the robot's own
+        return failed(reason.replace("_", " "), object_name, reason)
+    with_part, without = _MOTION[reason]
     slots = {"object": object_name} | ({"part": part} if part else {})
     return SpokenAnswer(with_part if part else without, slots, "failed", reason)
+
+
+def failed(why: str, object_name: str, cause: str) -> SpokenAnswer:
+    """Return the answer to a step that failed for a reason without a sentence of its own."""
+    return SpokenAnswer("failed", {"object": object_name, "reason": why}, "failed", cause)
 
 
 def stopped(holding: str | None) -> SpokenAnswer:

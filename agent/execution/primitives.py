@@ -80,8 +80,7 @@ class PrimitiveExecutor:
         """Return the answer when a loop ended without sensing its event."""
         if event == DRIVEN:
             return self._not_driven("not_driven")
-        slots = {"object": self.tool or "thing"}
-        return SpokenAnswer("failed", slots | {"goal": event}, "failed", "not_driven")
+        return outcome_answer.failed(f"not {event}", self.tool or "thing", "not_driven")
 
     def _grasp(self, task: PrimitiveTask) -> SpokenAnswer | None:
         if task.percept is None:

@@ -25,6 +25,7 @@ from hilt.sim.vision.percept import PartPercept, Percept
 
 POUND = "pound the nail"
 POINT = np.zeros((1, 3))
+PARTS = ("blade", "handle")
 
 
 class Eyes:
@@ -335,7 +336,7 @@ def test_action_of_ones_own_is_asked_for_by_its_name(own: Path):
 
 
 @pytest.mark.parametrize(
-    ("reason", "shaken", "ending"), [("spilled!", 2, "done"), ("slipped!", 1, "done")]
+    ("reason", "shaken", "ending"), [("spilled!", 2, "done"), ("slipped!", 1, "failed")]
 )
 def test_branches_mend_what_failed(own: Path, reason: str, shaken: int, ending: str):
     """Spilling is tried again; anything else ends in putting it down, and is told."""
@@ -346,6 +347,99 @@ def test_branches_mend_what_failed(own: Path, reason: str, shaken: int, ending: 
 
     assert (arm.done.count("shake glass"), reply.ending) == (shaken, ending)
     assert ("hand over glass" in arm.done) == (reason == "slipped!")
+
+
+def test_command_whose_tries_all_failed_is_not_claimed_to_be_done(own: Path):
+    """A failure of one's own is said by its name, once, and other steps are not what was asked."""
+    arm = Arm({("shake", "glass"): "spilled"})
+    with robot(arm, own, glass=1.0, mug=1.0) as (agent, _):
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("season the mug")
+
+    assert arm.done.count("shake glass") == 3
+    assert arm.done[-1] == "hand over glass"
+    assert reply.ending == "failed"
+    assert reply.said == "It did not work with the glass: spilled. I did something else instead."
+
+
+def test_failure_is_the_answer_where_there_is_no_robot_for_other_steps(own: Path):
+    """Without a tool and without a robot nothing else is done instead."""
+    with Agent.open("memory:", AgentConfig(simulate=False, actions=own)) as agent:
+        reply = agent.hear("season the mug")
+
+    assert (reply.ending, reply.said) == ("failed", "I don't see anything for seasoning mugs.")
+
+
+NESTED = """
+  spice:
+    parameters: [patient, tool]
+    defaults: {tool: {usedFor: seasoning}}
+    steps:
+      - season: {patient: patient, tool: tool}
+      - pointAt: tool
+"""
+
+
+def test_tree_goes_on_after_other_steps_of_a_tree_in_it(own: Path):
+    """Only a command itself fails with its tree; one in another tree is mended."""
+    own.write_text(OWN + NESTED, encoding="utf-8")
+    arm = Arm({("shake", "glass"): "slipped"})
+    with robot(arm, own, glass=1.0, mug=1.0) as (agent, _):
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("spice the mug")
+
+    assert (reply.ending, arm.done[-2:]) == ("done", ["hand over glass", "point glass"])
+
+
+def test_event_that_was_never_sensed_is_said(own: Path):
+    """A loop that ends without its event has failed, and says which event it waited for."""
+    steps = "      - repeat: 2\n        until: driven\n        steps: [{shake: tool}]\n"
+    own.write_text(OWN.replace("      - shake: tool\n", steps), encoding="utf-8")
+    arm = Arm({("hand over", "glass"): "blocked"})
+    with robot(arm, own, glass=1.0, mug=1.0) as (agent, _):
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("season the mug")
+
+    assert (arm.done.count("shake glass"), reply.ending) == (2, "failed")
+
+
+HOLDING = """
+trees:
+  polish:
+    parameters: [object]
+    requires: [{holds: object}]
+    steps: [{pointAt: object}]
+"""
+
+
+def test_object_that_must_be_held_and_is_not_is_said(own: Path):
+    """A precondition that does not hold ends the goal before its first step."""
+    own.write_text(HOLDING, encoding="utf-8")
+    with robot(actions=own, glass=1.0) as (agent, arm):
+        reply = agent.hear("polish the glass")
+
+    assert (reply.said, arm.done) == ("I'm not holding the glass.", [])
+
+
+HELD_FIRST = """
+trees:
+  polish:
+    parameters: [object]
+    requires: [{holds: object}]
+    steps: [{pointAt: object}]
+  shine:
+    parameters: [object]
+    steps: [{pickUp: object}, {polish: object}]
+"""
+
+
+def test_object_that_must_be_held_and_is_held_will_do(own: Path):
+    """The object that was picked up before is in the hand."""
+    own.write_text(HELD_FIRST, encoding="utf-8")
+    with robot(actions=own, glass=1.0) as (agent, arm):
+        reply = agent.hear("shine the glass")
+
+    assert (reply.ending, arm.done) == ("done", ["grasp glass", "lift glass", "point glass"])
 
 
 def test_rule_of_any_functor_binds_a_primitive_of_ones_own(own: Path, tmp_path: Path):
@@ -379,6 +473,53 @@ def test_guess_that_is_not_sure_enough_is_asked_about_first():
         "Nobody has told me how to pass a screwdriver, but I know something similar. By the shaft?"
     )
     assert (asked.ending, done.said) == ("asked", "I would pass the screwdriver by the shaft.")
+
+
+@pytest.mark.parametrize(
+    ("lessons", "part"),
+    [
+        (["To pass a knife, never grab it by the blade"], "handle"),
+        (["To pass a knife, never grab it by the handle"], "blade"),
+        (["Never grab a knife by the blade"], "handle"),
+        (["Never grab anything by the blade"], "handle"),
+        (["To pass anything grab it by the handle"], "handle"),
+        (
+            ["To pass anything grab it by the handle", "To pass a knife grab it by the blade"],
+            "blade",
+        ),
+    ],
+)
+def test_part_that_is_forbidden_is_avoided_and_another_one_named(lessons: list[str], part: str):
+    """The plan without a robot names the part, and a robot takes hold of it."""
+    seen = Percept("knife", "knife", 1.0, {name: PartPercept("", POINT, 1) for name in PARTS})
+    arm = Arm({})
+    with (
+        Agent.open("memory:", AgentConfig(simulate=False)) as planner,
+        Agent.open("memory:", vision=OneThing(seen), motion=arm) as robot_,
+    ):
+        for lesson in lessons:
+            assert planner.hear(lesson).is_done
+            robot_.hear(lesson)
+        planned = planner.hear("pass me the knife")
+        done = robot_.hear("pass me the knife")
+
+    assert planned.said == f"I would pass the knife by the {part}."
+    assert planned.as_do_json()["decision"]["part"] == part
+    assert planned.as_do_json()["decision"]["rules"]
+    assert (done.ending, arm.parts) == ("done", [part])
+
+
+def test_object_that_may_not_be_held_by_any_part_is_left():
+    """With both parts forbidden nothing is done."""
+    seen = Percept("knife", "knife", 1.0, {name: PartPercept("", POINT, 1) for name in PARTS})
+    arm = Arm({})
+    with Agent.open("memory:", vision=OneThing(seen), motion=arm) as agent:
+        for part in PARTS:
+            agent.hear(f"Never grab a knife by the {part}")
+        reply = agent.hear("pass me the knife")
+
+    assert (reply.ending, arm.done) == ("failed", [])
+    assert reply.said == "I know no part of the knife that I may hold it by."
 
 
 def test_part_of_a_kind_is_the_part_that_the_thing_has():
