@@ -114,15 +114,20 @@ def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
 def fuse_cautious(intervals: Sequence[Interval]) -> Interval:
     """Fuse sources that may repeat each other by Denœux's cautious rule (2008): idempotent.
 
+    With t = min (b-a)/b and f = min (b-a)/(1-a), the weights of the masses that are not committed
+    to true and to false, the result is [f·(1-t), f] / (t + f·(1-t)). No digits cancel in this form,
+    so that it is exact up to rounding for intervals of any width.
+
     Raises:
         ConflictError: a source is certain (a = b), for which the rule is not defined.
     """
     for interval in intervals:
         if interval.upper - interval.lower <= 0:
             raise ConflictError(f"The cautious rule needs lower < upper; {interval} has none.")
-    weight_true = min(((i.upper - i.lower) / i.upper for i in intervals), default=1.0)
-    weight_false = min(((i.upper - i.lower) / (1 - i.lower) for i in intervals), default=1.0)
-    return fuse_dempster([Interval(1 - weight_true, 1.0), Interval(0.0, weight_false)])
+    true = min(((i.upper - i.lower) / i.upper for i in intervals), default=1.0)
+    false = min(((i.upper - i.lower) / (1 - i.lower) for i in intervals), default=1.0)
+    lower = false * (1 - true)
+    return _bounded(lower / (true + lower), false / (true + lower))
 
 
 def fuse_mean(intervals: Sequence[Interval]) -> Interval:

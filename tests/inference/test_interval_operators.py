@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The laws of the evidence operators, and the values that the theory predicts."""
 
+from fractions import Fraction
 from itertools import combinations, pairwise, permutations
 
 import pytest
@@ -185,6 +186,32 @@ def test_fusion_of_supporting_sources_is_noisy_or(degrees: list[float]):
 
     assert close(fuse_yager(sources), Interval(min(1 - miss, 1.0), 1.0))
     assert close(fuse_yager(sources), fuse_dempster(sources))
+
+
+def exact_cautious(intervals: list[Interval]) -> tuple[Fraction, Fraction]:
+    """Return the fusion by the cautious rule in exact arithmetic, by its definition."""
+    pairs = [(Fraction(each.lower), Fraction(each.upper)) for each in intervals]
+    true = min((b - a) / b for a, b in pairs)
+    false = min((b - a) / (1 - a) for a, b in pairs)
+    conflict = (1 - true) * (1 - false)
+    return (1 - true) * false / (1 - conflict), false / (1 - conflict)
+
+
+exponents = st.floats(-15, 0)
+narrow = st.tuples(st.floats(0, 1 - 1e-14), exponents).map(
+    lambda pair: Interval(pair[0], min(1.0, pair[0] + 10 ** pair[1] + 2e-16))
+)
+
+
+@given(st.lists(narrow, min_size=1, max_size=4))
+def test_cautious_rule_is_exact_for_intervals_of_any_width(sources: list[Interval]):
+    """Exact fractions give the same result, also where the bounds differ by 1e-15."""
+    lower, upper = exact_cautious(sources)
+
+    fused = fuse_cautious(sources)
+
+    assert abs(Fraction(fused.lower) - lower) < 1e-14
+    assert abs(Fraction(fused.upper) - upper) < 1e-14
 
 
 @given(st.floats(0.01, 0.99), st.integers(1, 5))

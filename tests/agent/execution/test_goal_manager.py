@@ -393,14 +393,14 @@ def test_tree_goes_on_after_other_steps_of_a_tree_in_it(own: Path):
 
 def test_event_that_was_never_sensed_is_said(own: Path):
     """A loop that ends without its event has failed, and says which event it waited for."""
-    steps = "      - repeat: 2\n        until: driven\n        steps: [{shake: tool}]\n"
+    steps = "      - repeat: 2\n        until: mixed\n        steps: [{shake: tool}]\n"
     own.write_text(OWN.replace("      - shake: tool\n", steps), encoding="utf-8")
-    arm = Arm({("hand over", "glass"): "blocked"})
-    with robot(arm, own, glass=1.0, mug=1.0) as (agent, _):
+    with robot(actions=own, glass=1.0, mug=1.0) as (agent, arm):
         agent.hear("A glass is used for seasoning")
         reply = agent.hear("season the mug")
 
     assert (arm.done.count("shake glass"), reply.ending) == (2, "failed")
+    assert reply.said.startswith("It did not work with the glass: not mixed.")
 
 
 HOLDING = """
