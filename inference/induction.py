@@ -7,9 +7,13 @@ part to the corresponding part. Similarity is Tversky's ratio model (1977) with 
 |A ∩ B| / |A ∪ B|, over the properties, roles of parts and superclasses in the ontology. Features of
 the object and the best matching of its parts have equal weight.
 
+A use is transferred only to an object that has the features on which the use rests. These are the
+features that were taught with it ("a heavy hammer is used for pounding"), or else abduced: what all
+objects with this use have in common, and no object that was denied it has. Of these the roles of
+their working parts, all but the grip, come first: a knife cuts by its edge, so a spoon does not.
+
 An induced rule is discounted by the similarity and by `CAUTION`, so that it never ranks above its
-source. It is marked as induced, and not made where anything was taught. It is wrong where
-similarity misleads: a spoon and a knife are both long and of metal, but only one of them cuts.
+source. It is marked as induced, and not made where anything was taught.
 """
 
 from __future__ import annotations
@@ -29,6 +33,7 @@ if TYPE_CHECKING:
 CAUTION = 0.8  # discount of a conclusion by similarity alone
 LEAST_SIMILARITY = 0.3  # below this nothing is induced
 INDUCER = "induction"  # the speaker of induced rules
+GRIP = "grip"  # the role of a part for holding, on which no use rests
 
 Json = dict[str, object]
 
@@ -50,12 +55,14 @@ class InducedRule:
         source: the taught rule.
         similarity: similarity of the two objects (and parts), in [0, 1].
         shared: the features they have in common.
+        needed: the features on which the use rests; empty for a grasp.
     """
 
     rule: Rule
     source: Rule
     similarity: float
     shared: tuple[str, ...]
+    needed: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
         """Return the JSON object that `hilt induce --json` prints: a rule with its reasons."""
@@ -64,6 +71,7 @@ class InducedRule:
             "source": self.source.id,
             "similarity": round(self.similarity, 6),
             "shared": list(self.shared),
+            **({"needed": list(self.needed)} if self.needed else {}),
         }
 
 
@@ -82,11 +90,15 @@ def induce(
     taught = list(rules)
     graph = ontology_graph(objects, classes or {})
     known = {_topic(rule) for rule in taught}
+    general = [rule for rule in taught if rule.object is None]
     found: dict[tuple[object, ...], InducedRule] = {}
     for rule in taught:
-        for name in objects:
-            induced = _transferred(rule, name, objects, graph)
+        needed = needed_features(rule, taught, objects) if rule.affordance else frozenset[str]()
+        for name, kind in objects.items():
+            induced = _transferred(rule, name, objects, graph, needed)
             if induced is None or not known.isdisjoint(_topics(induced.rule)):
+                continue
+            if any(_covers(each, induced.rule, kind) for each in general):
                 continue
             key = (*_topic(induced.rule), induced.rule.argument)
             best = found.get(key)
@@ -156,8 +168,59 @@ def similarity(one: str, other: str, graph: nx.DiGraph[str]) -> tuple[float, tup
     return (len(shared) / len(union) if union else 0.0), tuple(sorted(shared))
 
 
+def needed_features(
+    rule: Rule, rules: Iterable[Rule], objects: Mapping[str, ObjectType]
+) -> frozenset[str]:
+    """Return the features on which the use in a rule rests; none if they are not known.
+
+    They are those that were taught with it, or else abduced from the objects that were taught to
+    have the use, and not to have it.
+    """
+    same = [r for r in rules if (r.argument, r.contexts) == (rule.argument, rule.contexts)]
+    for each in (rule, *(r for r in same if r.asserts and r.object is None)):
+        told = frozenset(str(atom) for atom in each.features if atom.kind != "object")
+        if told:
+            return told
+    known = [
+        (r.asserts, _features(objects[r.object])) for r in same if r.object and r.object in objects
+    ]
+    having = [features for asserts, features in known if asserts]
+    lacking = [features for asserts, features in known if not asserts]
+    common = frozenset.intersection(*having).difference(*lacking) if having else frozenset[str]()
+    roles = frozenset(feature for feature in common if feature.startswith("role:"))
+    # What a single object has besides its working parts may have nothing to do with its use.
+    return roles or (common if lacking or len(having) > 1 else frozenset())
+
+
+def _features(kind: ObjectType) -> frozenset[str]:
+    """Return the properties and parts of an object, with the roles of its working parts."""
+    working = [part for part in kind.parts.values() if part.role != GRIP]
+    properties = {*kind.properties, *(prop for part in working for prop in part.properties)}
+    return frozenset(
+        (
+            *(f"property:{prop}" for prop in properties),
+            *(f"part:{name}" for name in kind.parts),
+            *(f"role:{part.role}" for part in working),
+        )
+    )
+
+
+def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:
+    """Whether a taught rule about any object already says something of this kind."""
+    features = {str(atom) for atom in general.features}
+    if general.part:
+        features.add(f"part:{general.part}")
+    same = general.functor == induced.functor and general.contexts <= induced.contexts
+    is_alike = general.part is not None or general.argument == induced.argument
+    return same and is_alike and features <= _features(kind)
+
+
 def _transferred(
-    rule: Rule, name: str, objects: Mapping[str, ObjectType], graph: nx.DiGraph[str]
+    rule: Rule,
+    name: str,
+    objects: Mapping[str, ObjectType],
+    graph: nx.DiGraph[str],
+    needed: frozenset[str],
 ) -> InducedRule | None:
     """Return a rule transferred to another object; None if the two are not similar enough."""
     if rule.object is None or rule.object == name or rule.object not in objects:
@@ -166,6 +229,10 @@ def _transferred(
         return None
     alike, shared = similarity(rule.object, name, graph)
     argument = rule.argument
+    if rule.affordance:
+        if not needed or not needed <= _features(objects[name]):
+            return None
+        alike = max(alike, LEAST_SIMILARITY)  # what matters for the use is the same
     if rule.part:
         part, alike_part, shared_part = _corresponding_part(rule, name, objects, graph)
         if part is None:
@@ -183,7 +250,7 @@ def _transferred(
         speaker=INDUCER,
         status="induced",
     )
-    return InducedRule(induced, rule, alike, shared)
+    return InducedRule(induced, rule, alike, shared, tuple(sorted(needed)))
 
 
 def _corresponding_part(

@@ -330,6 +330,8 @@ class TreeExecutor:
             return SpokenAnswer("nothing_other", {}, "failed", "not_found")
         if best is None:
             return outcome_answer.not_found(target, inference)
+        if outcome_answer.is_guess(best):
+            return outcome_answer.guessed(target, best)
         percept = next(each for each in percepts if each.name == best.name)
         self._found[target] = FoundObject(percept, best, inference)
         if self._primitives and target != patient:
@@ -343,6 +345,9 @@ class TreeExecutor:
         decision = replace(self.decision, part=inference) if self.decision else None
         self.decision = decision
         chosen = decision.chosen_part if decision else None
+        best = inference.best
+        if best and outcome_answer.is_guess(best) and not self._request.part:
+            return None, outcome_answer.not_sure_how(self._request.action, percept.object, best)
         if chosen:
             return self._chosen_part(chosen, percept)
         if decision and inference.denied:

@@ -45,8 +45,6 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Spoke
     if action == "pass" and recipient != speaker:
         return SpokenAnswer("passed_to", slots | {"recipient": recipient})
     teacher = _teacher(decision)
-    if teacher == INDUCER:
-        return SpokenAnswer("done_by_likeness", slots)
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
     plain, by_part, as_told = _DONE.get(action, _DONE["use"])
@@ -75,18 +73,32 @@ def not_found(target: Target, inference: Inference) -> SpokenAnswer:
     wanted = _wanted(target)
     if wanted is None:
         return SpokenAnswer("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
+    if is_guess(first):
+        return guessed(target, first)
     slots = {"object": first.object}
     if target.affords:
         return SpokenAnswer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
     return SpokenAnswer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
 
 
+def is_guess(candidate: Candidate) -> bool:
+    """Whether a candidate rests on an induced rule, that is on similarity."""
+    return any(rule.speaker == INDUCER for rule in candidate.rules)
+
+
+def guessed(target: Target, best: Candidate) -> SpokenAnswer:
+    """Return the question about an object that nobody said has the use that is asked for."""
+    slots = {"object": best.object, "affordance": _wanted(target) or "that"}
+    return SpokenAnswer("guess_use", slots, "asked", "not_sure")
+
+
 def not_sure_how(action: str, object_name: str, best: Candidate) -> SpokenAnswer:
-    """Return the question about the best part, when no part is accepted for a grasp."""
-    is_guess = any(rule.speaker == INDUCER for rule in best.rules)
+    """Return the question about the best part for a grasp: it is not accepted, or a guess."""
     part = best.argument.name if best.argument else "part"
     slots = {"goal": action, "object": object_name, "part": part}
-    return SpokenAnswer("guess_how" if is_guess else "not_sure_how", slots, "asked", "not_sure")
+    return SpokenAnswer(
+        "guess_how" if is_guess(best) else "not_sure_how", slots, "asked", "not_sure"
+    )
 
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> SpokenAnswer:

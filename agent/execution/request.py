@@ -44,7 +44,7 @@ class Request:
         is_asked = result.answer.ending == "asked"
         if not is_asked or decision is None or not decision.object.candidates:
             return None
-        if decision.object.best:
+        if "part" in result.answer.slots:
             return replace(self, part=str(result.answer.slots["part"]))
         return self._about(Target(object=decision.object.candidates[0].object, is_confirmed=True))
 
@@ -54,7 +54,7 @@ class Request:
         Without a name it is the object first meant, with these properties.
         """
         decision = result.decision
-        if name and decision and decision.object.best:
+        if name and decision and decision.part:
             return replace(self, part=name)
         if name:
             return self._about(Target(object=name, properties=frozenset(properties)))

@@ -3,6 +3,7 @@
 
 from fractions import Fraction
 from itertools import combinations, pairwise, permutations
+from math import nextafter
 
 import pytest
 from hypothesis import assume, given
@@ -331,3 +332,15 @@ def test_unknown_operator_is_refused_with_the_known_names(field: str):
     """A misspelt name is refused when the operators are made, not when they are used."""
     with pytest.raises(UnknownNameError, match="Known: "):
         Operators(**{field: "nonsense"})
+
+
+@pytest.mark.parametrize("acceptance", ["directed", "lambda"])
+@pytest.mark.parametrize("degree", sorted(LEVELS.values()))
+def test_conclusion_is_accepted_only_above_the_threshold(acceptance: str, degree: float):
+    """A lambda that equals the threshold does not exceed it."""
+    operators, interval = Operators(acceptance=acceptance), Interval(degree, 1.0)
+    sure = certainty(interval)
+
+    assert not operators.accepts(interval, sure)
+    assert operators.accepts(interval, nextafter(sure, 0.0))
+    assert not operators.accepts(interval, nextafter(sure, 1.0))

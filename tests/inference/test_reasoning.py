@@ -5,7 +5,7 @@ import pytest
 
 from hilt.inference.abduction import find_hypotheses
 from hilt.inference.conflicts import find_conflicts
-from hilt.inference.induction import CAUTION, InducedRule, induce
+from hilt.inference.induction import CAUTION, InducedRule, induce, needed_features
 from hilt.inference.types import Conclusion
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
@@ -124,3 +124,57 @@ def test_taught_denial_prevents_an_induced_rule():
 def test_nothing_is_induced_for_dissimilar_objects():
     """A shoe is not similar to a knife."""
     assert ("shoe", "pass") not in induced(BLADE)
+
+
+def test_use_is_transferred_by_the_working_part_alone():
+    """A spoon is like a knife, and a screwdriver like a hammer, but for the edge and striker."""
+    assert induced(CUTS, functional("hammer", "pounding", interval=G)) == {}
+
+
+def test_use_that_rests_on_a_container_is_transferred_to_containers():
+    """A glass and the bowl of a spoon hold things as the barrel of a mug does; a shoe is none."""
+    found = induced(functional("mug", "containing", interval=G))
+
+    assert {name for name, _ in found} == {"glass", "spoon"}
+    assert {each.needed for each in found.values()} == {("role:container",)}
+
+
+def test_what_a_denied_object_has_too_is_not_what_a_use_rests_on():
+    """Neither can the container be it, if a spoon does not do."""
+    denied = functional("spoon", "containing", interval=NEVER)
+
+    found = induced(functional("mug", "containing", interval=G), denied)
+
+    assert not any("role:container" in each.needed for each in found.values())
+    assert ("glass", None) not in found
+
+
+def test_use_rests_on_what_two_users_have_in_common():
+    """A knife and a screwdriver that are used for poking are both pointed."""
+    users = [functional(name, "poking", interval=G) for name in ("knife", "screwdriver")]
+
+    needed = needed_features(users[0], users, load_household().objects)
+
+    assert "property:pointed" in needed
+    assert not any(feature.startswith("role:") for feature in needed)
+
+
+@pytest.mark.parametrize(("object_name", "about_any"), [("screwdriver", False), ("*", True)])
+def test_property_that_was_taught_is_what_the_use_rests_on(object_name: str, about_any: bool):
+    """Told that a pointed one is used, the robot offers what is pointed and nothing else."""
+    told = functional(object_name, "poking", interval=G, properties=["pointed"])
+    user = functional("screwdriver", "poking", interval=G)
+
+    needed = needed_features(user if about_any else told, [told, user], load_household().objects)
+
+    assert needed == {"property:pointed"}
+    assert about_any or {name for name, _ in induced(told)} == {"knife"}
+
+
+def test_nothing_is_guessed_where_a_rule_about_anything_was_taught():
+    """A screwdriver has a handle, by which anything is passed; so the knife is no example."""
+    assert ("screwdriver", "pass") not in induced(
+        BLADE, grasping("*", "handle", "pass", interval=S)
+    )
+    assert ("screwdriver", "pass") in induced(BLADE, grasping("*", "sole", "pass", interval=S))
+    assert ("screwdriver", "pass") in induced(BLADE, grasping("*", "handle", "pickUp", interval=S))

@@ -461,10 +461,11 @@ def test_rule_of_any_functor_binds_a_primitive_of_ones_own(own: Path, tmp_path: 
 # --- By which part -------------------------------------------------------------------------
 
 
-def test_guess_that_is_not_sure_enough_is_asked_about_first():
+@pytest.mark.parametrize("threshold", [0.005, 0.5])
+def test_guess_about_a_part_is_asked_about_first(threshold: float):
     """What follows by likeness alone is asked about before its first use, and "yes" settles it."""
-    careful = Settings(threshold=0.5)
-    with Agent.open("memory:", AgentConfig(simulate=False, induce=True, settings=careful)) as agent:
+    config = AgentConfig(simulate=False, induce=True, settings=Settings(threshold=threshold))
+    with Agent.open("memory:", config) as agent:
         agent.hear("To pass a knife grab it by the blade")
         asked = agent.hear("pass me the screwdriver")
         done = agent.hear("yes")
@@ -473,6 +474,30 @@ def test_guess_that_is_not_sure_enough_is_asked_about_first():
         "Nobody has told me how to pass a screwdriver, but I know something similar. By the shaft?"
     )
     assert (asked.ending, done.said) == ("asked", "I would pass the screwdriver by the shaft.")
+
+
+@pytest.mark.parametrize("threshold", [0.005, 0.5])
+def test_guess_about_a_use_is_said_to_be_one_and_asked_about(threshold: float):
+    """Nobody said that a glass is used for containing: Hilt says so before it acts."""
+    config = AgentConfig(
+        simulate=False,
+        induce=True,
+        scene="objects:glass,shoe",
+        settings=Settings(threshold=threshold),
+    )
+    with Agent.open("memory:", config) as agent:
+        agent.hear("A mug is used for containing")
+        asked = agent.hear("pass me something used for containing")
+        done = agent.hear("yes")
+        other = agent.hear("pass me something used for containing")
+        named = agent.hear("the shoe")
+
+    assert asked.said == (
+        "I have not been told that a glass is used for containing, but I know something similar. "
+        "Should I take it?"
+    )
+    assert (asked.ending, done.said) == ("asked", "I would pass the glass.")
+    assert (other.ending, named.said) == ("asked", "I would pass the shoe.")
 
 
 @pytest.mark.parametrize(
