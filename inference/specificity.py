@@ -95,7 +95,7 @@ class Specificity:
         (role, atom), (other_role, above) = one, other
         if role != other_role or atom.kind != above.kind:
             return False
-        if atom.kind == "action":
+        if role == "context" and atom.kind == "action":
             return self._distance[atom] < self._distance[above]
         return self._is_kind(atom, above)
 

@@ -49,7 +49,7 @@ def test_kitchen_cuts_with_what_the_general_rules_conclude():
     assert "[0.81, 1.00]  modus ponens  knife affords cutWith(object:bread)" in kitchen
     assert "I was told that a knife won't do." in kitchen
     assert "hilt: I would serve the knife by the blade." in anywhere
-    assert "I'm not sure enough how to serve a knife. By the blade?" in kitchen
+    assert "hilt: I would serve the knife by the handle." in kitchen
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)

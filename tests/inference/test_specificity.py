@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
-from hilt.inference.types import Candidate, Goal, Observation, Target
+from hilt.inference.types import Candidate, Conclusion, Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 
@@ -131,6 +131,21 @@ def test_taxonomy_decides_even_if_the_object_is_hardly_seen():
     [candidate] = affordances.infer(FIND, CUTTING, [faint]).candidates
 
     assert candidate.rules == (special,)
+
+
+def test_rule_about_the_argument_that_is_asked_for_overrides_one_about_any():
+    """What is told of cutting bread goes before what is told of cutting, of actions too."""
+    for asked in (Atom("object", "bread"), Atom("action", "serve")):
+        wanted = Conclusion("cutWith", asked)
+        features = CUTS.features
+        rules = [
+            Rule(features, frozenset(), "cutWith", argument, interval)
+            for argument, interval in ((None, G), (asked, NEVER))
+        ]
+
+        candidate = used(rules, knife(), Goal("pass", Target(affords=wanted)))
+
+        assert (candidate.rules, candidate.overruled) == ((rules[1],), (rules[0],))
 
 
 BY_HANDLE = grasping("*", "handle", "pass", interval=G)
