@@ -158,7 +158,8 @@ def main() -> int:
     if chosen.run:
         path, _, index = chosen.run.rpartition(":")
         return run_tests(Path(path), int(index), chosen.tests)
-    found = [each for path in FILES if chosen.only in str(path) for each in mutants(path)]
+    paths = [path for path in FILES if chosen.only in str(path.relative_to(ROOT))]
+    found = [each for path in paths for each in mutants(path)]
     found = [each for each in found if chosen.change in str(each)]
     if chosen.sample:
         drawn = random.Random(chosen.seed)  # noqa: S311 - a sample, not a secret

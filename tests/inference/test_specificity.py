@@ -148,8 +148,34 @@ def test_rule_about_the_argument_that_is_asked_for_overrides_one_about_any():
         assert (candidate.rules, candidate.overruled) == ((rules[1],), (rules[0],))
 
 
+def test_rule_about_another_argument_than_the_one_asked_for_does_not_apply():
+    """What is told of cutting a mug says nothing of cutting bread."""
+    bread, mug = Atom("object", "bread"), Atom("object", "mug")
+    rules = [
+        Rule(CUTS.features, frozenset(), "cutWith", argument, interval)
+        for argument, interval in ((bread, G), (mug, NEVER))
+    ]
+
+    candidate = used(rules, knife(), Goal("pass", Target(affords=Conclusion("cutWith", bread))))
+
+    assert (candidate.rules, candidate.overruled) == ((rules[0],), ())
+
+
+def test_object_that_is_asked_for_is_no_feature_of_the_one_that_is_seen():
+    """That something sharp cuts a bread knife is not more specific than that a knife does."""
+    asked, sharp = Atom("object", "bread knife"), Atom("property", "sharp")
+    by_sharp = Rule(frozenset({sharp}), frozenset(), "cutWith", asked, NEVER)
+    by_knife = Rule(CUTS.features, frozenset(), "cutWith", None, G)
+    goal = Goal("pass", Target(affords=Conclusion("cutWith", asked)))
+
+    candidate = used([by_sharp, by_knife], knife(sharp), goal)
+
+    assert set(candidate.rules) == {by_sharp, by_knife}
+
+
 BY_HANDLE = grasping("*", "handle", "pass", interval=G)
 KNIFE_BY_BLADE = grasping("knife", "blade", "pass", interval=S)
+BREAD_KNIFE_BY_BLADE = grasping("bread knife", "blade", "pass", interval=S)
 
 
 @pytest.mark.parametrize(
@@ -170,6 +196,7 @@ KNIFE_BY_BLADE = grasping("knife", "blade", "pass", interval=S)
             "handle",
         ),
         ([grasping("knife", "handle", interval=G), KNIFE_BY_BLADE], (), "blade"),
+        ([grasping("knife", "handle", "pass", interval=G), BREAD_KNIFE_BY_BLADE], (), "handle"),
     ],
 )
 def test_part_of_the_most_specific_rule_is_grasped(
@@ -178,6 +205,13 @@ def test_part_of_the_most_specific_rule_is_grasped(
     """A rule goes before a general one on the same part, and before another part it replaces."""
     for order in permutations(rules):
         assert grip(order, *shown) == part
+
+
+def test_grip_of_a_kind_goes_before_that_of_the_kind_above():
+    """In one context, a rule about bread knives is more specific than one about knives."""
+    by_handle = grasping("knife", "handle", "pass", interval=G)
+
+    assert grip([by_handle, BREAD_KNIFE_BY_BLADE], name="bread knife") == "blade"
 
 
 def test_prohibition_of_a_part_is_not_lifted_by_a_rule_about_anything():

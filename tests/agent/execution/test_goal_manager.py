@@ -534,6 +534,15 @@ def test_part_that_is_forbidden_is_avoided_and_another_one_named(lessons: list[s
     assert (done.ending, arm.parts) == ("done", [part])
 
 
+def test_part_made_for_holding_is_taken_first_where_others_are_forbidden():
+    """Of the parts that are left, the stem of a glass is made for a hand."""
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
+        agent.hear("Never grab a glass by the handle")
+        reply = agent.hear("pass me the glass")
+
+    assert reply.said == "I would pass the glass by the stem."
+
+
 def test_object_that_may_not_be_held_by_any_part_is_left():
     """With both parts forbidden nothing is done."""
     seen = Percept("knife", "knife", 1.0, {name: PartPercept("", POINT, 1) for name in PARTS})
