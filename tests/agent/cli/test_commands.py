@@ -419,14 +419,14 @@ def test_dry_run_makes_no_base(
 def test_words_of_ones_own_are_spoken_with_the_robot(hilt: Hilt, tmp_path: Path):
     """A lexicon file counts wherever somebody talks; a mistake in it is told with its place."""
     mine, wrong = tmp_path / "mine.yaml", tmp_path / "wrong.yaml"
-    mine.write_text("words: [{says: [cheerio], is: ['ACK : thanks']}]")
-    wrong.write_text("words: [{says: [cheerio], is: ['ACK : thankyou']}]")
+    mine.write_text("words: [{says: [toodeloo], is: ['ACK : thanks']}]")
+    wrong.write_text("words: [{says: [toodeloo], is: ['ACK : thankyou']}]")
 
-    assert hilt("tell", "--json", "cheerio").document["said"].startswith("I don't know")
-    assert hilt("tell", "cheerio", "--lexicon", str(mine)).code == 0
-    assert hilt("ask", "cheerio", "--lexicon", str(mine)).code == 0
-    assert hilt("do", "cheerio", "--no-sim", "--lexicon", str(mine)).code == 0
-    assert hilt("tell", "cheerio", "--lexicon", str(wrong)).code == 2
+    assert hilt("tell", "--json", "toodeloo").document["said"].startswith("I don't know")
+    assert hilt("tell", "toodeloo", "--lexicon", str(mine)).code == 0
+    assert hilt("ask", "toodeloo", "--lexicon", str(mine)).code == 0
+    assert hilt("do", "toodeloo", "--no-sim", "--lexicon", str(mine)).code == 0
+    assert hilt("tell", "toodeloo", "--lexicon", str(wrong)).code == 2
     assert "wrong.yaml:1:" in hilt.err
 
 

@@ -367,7 +367,10 @@ def test_failure_is_the_answer_where_there_is_no_robot_for_other_steps(own: Path
     with Agent.open("memory:", AgentConfig(simulate=False, actions=own)) as agent:
         reply = agent.hear("season the mug")
 
-    assert (reply.ending, reply.said) == ("failed", "I don't see anything for seasoning mugs.")
+    assert (reply.ending, reply.said) == (
+        "failed",
+        "I don't see anything for seasoning mugs. What is used for seasoning?",
+    )
 
 
 NESTED = """
