@@ -192,7 +192,15 @@ class Lexicon:
 
     def name_categories(self, words: str) -> frozenset[str]:
         """The categories of the names of which some words are a form."""
-        return frozenset(category for category, names in self.names.items() if words in names)
+        return self._categories_of_names.get(words, frozenset())
+
+    @cached_property
+    def _categories_of_names(self) -> Mapping[str, frozenset[str]]:
+        found: dict[str, set[str]] = defaultdict(set)
+        for category, names in self.names.items():
+            for each in names:
+                found[each].add(category)
+        return {words: frozenset(categories) for words, categories in found.items()}
 
     def is_name(self, words: str, categories: Iterable[str]) -> bool:
         """Whether some words are a form of a name that has one of some categories."""

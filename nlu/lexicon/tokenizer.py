@@ -2,9 +2,9 @@
 """Tokenizer: a text as lower-case words, with contractions and possessives split.
 
 Quotation marks, a smile and the number of a list are dropped; commas, colons, dashes and a pair of
-round brackets become pauses. A full stop,
-question mark or semicolon within a text becomes the token `;` between two sentences. Everything
-else that is no word stays a token, which no lexicon has, so such a text is refused.
+round brackets become pauses. A full stop, question mark or semicolon within a text becomes the
+token `;` between two sentences. Everything else that is no word stays a token, which no lexicon
+has, so such a text is refused.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 MAX_CHARACTERS = 2000
 MAX_TOKENS = 40
@@ -45,7 +46,7 @@ class Token:
     capital: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Tokens:
     """The tokens of one utterance.
 
@@ -62,12 +63,12 @@ class Tokens:
     pauses: tuple[int, ...] = ()
     removed: tuple[tuple[str, ...], ...] = ()
 
-    @property
+    @cached_property
     def words(self) -> tuple[str, ...]:
         """The words of the tokens."""
         return tuple(token.word for token in self.items)
 
-    @property
+    @cached_property
     def proper(self) -> frozenset[str]:
         """The capitalised words that begin no sentence; none if the whole text is in capitals."""
         if self.text.isupper():
