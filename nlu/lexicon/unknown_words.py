@@ -303,9 +303,7 @@ def _senses(
     if is_capital:
         yield from builder.noun("person", word, role="person", cost=_PERSON_COST)
     for bare in _bare_forms(inflection, word):
-        looks_inflected = bare == word and any(
-            inflection.origins(word, form) for form in ("ing", "third")
-        )
+        looks_inflected = bare == word and inflection.origins(word, "ing")
         cost = _SINGULAR_COST if looks_inflected else 0.0
         act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
         if "context" in roles:
@@ -315,6 +313,8 @@ def _senses(
 
 
 def _bare_forms(inflection: Inflection, word: str) -> Iterator[str]:
-    yield word
+    """The verbs that a word may be a form of: "drinks" is "drink", and no verb of its own."""
+    if not inflection.origins(word, "third"):
+        yield word
     for form in ("ing", "third", "participle"):
         yield from inflection.origins(word, form)[:1]

@@ -50,7 +50,7 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 _SIGNS = (*OPERATORS, "by", "before_part")
 _WORD_LISTS = (
     *_SIGNS,
-    *("unfinished", "doer", "other_doer", "asked", "at_end", "gripping", "joining", "turning"),
+    *("unfinished", "recipient", "doer", "other_doer", "asked", "at_end", "gripping", "joining", "turning", "because"),
 )
 _DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
@@ -88,6 +88,7 @@ class OfferChecks:
             "degree": lambda: self._keeps_degree(meaning, mentions),
             "condition": lambda: self._keeps_condition(meaning, mentions),
             "grip": lambda: self._keeps_grip(meaning, mentions),
+            "recipient": lambda: self._keeps_recipient(meaning, mentions),
             "question": lambda: not mentions.tokens.asks or not isinstance(meaning, Statement),
             "licence": lambda: self._is_licensed(meaning, mentions, asides),
         }
@@ -164,6 +165,7 @@ class OfferChecks:
         """Whether a meaning is as negative as what is said of it; a clause aside has its own."""
         words = mentions.tokens.words
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
+        own += self._reasons(meaning, mentions)
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
         if self.spoken("implied_negation", mentions):
             return False
@@ -173,6 +175,30 @@ class OfferChecks:
         if _is_negative(meaning):
             return count == 1 or (count == 2 and _corrects(meaning))
         return count == 0 or (count == 1 and _corrects(meaning))
+
+    def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
+        """Yield the clauses that say why something is asked for: "I can't reach it, so pass it"."""
+        if not isinstance(meaning, Command):
+            return
+        words = mentions.tokens.words
+        asked = {m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal}
+        for start, end in self._clause_spans(mentions) if asked else ():
+            is_reason = asked.isdisjoint(range(start, end))
+            if is_reason and self.is_clause_of_its_own(words[start:end]):
+                yield start, end
+
+    def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
+        """Yield the pieces of an utterance, parted also before a word like "so" or "because"."""
+        words, parting = mentions.tokens.words, self.phrases["turning"] | self.phrases["because"]
+        for start, end in mentions.pieces:
+            inner = [n for n in range(start + 1, end) if (words[n],) in parting]
+            yield from pairwise((start, *inner, end))
+
+    def _keeps_recipient(self, meaning: Meaning, mentions: Mentions) -> bool:
+        """Whether a command keeps to whom a thing is passed, who must be named."""
+        if not isinstance(meaning, Command) or not self._has("recipient", mentions.tokens.words):
+            return True
+        return any(m.role == "person" and m.name == meaning.recipient for m in mentions.names)
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
         """Whether the one of two rules is denied whose part or use is next to the negation."""

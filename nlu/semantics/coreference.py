@@ -32,6 +32,7 @@ from .predicates import PredicateForm
 IT, THEY, ONE = PredicateForm("it"), PredicateForm("they"), PredicateForm("one")
 LAST_USE = PredicateForm("lastUse")
 PRONOUNS = frozenset({IT, THEY})
+PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
 SOMETHING = frozenset({"something", "anything"})
 
 _ONE_OF_SEVERAL = PredicateForm("oneOfSeveral")
@@ -55,6 +56,7 @@ class Discourse:
         command: the last command, which "do it again" repeats.
         named: all objects that the last turn with any named, in order.
         pair: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row.
+        person: the person named last, except the speaker.
         has_failed: whether the last turn was not understood, so that nothing can be referred to.
     """
 
@@ -64,6 +66,7 @@ class Discourse:
     command: Command | ToolCommand | None = None
     named: tuple[PredicateForm, ...] = ()
     pair: tuple[PredicateForm, ...] = ()
+    person: PredicateForm | None = None
     has_failed: bool = False
 
     def about(self, name: str) -> Discourse:
@@ -109,6 +112,7 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     discourse = discourse.accessible
     form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)
     form = form.mapped(_with_each_material).mapped(_with_each_part)
+    form = form.mapped(_to_anyone).mapped(lambda part: _person(part, discourse))
     if THEY in form:
         return _resolve_they(form, discourse)
     if len(discourse.named) > 1 and discourse.object != THEY:
@@ -135,6 +139,27 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if len(discourse.pair) < 2:
         raise RefusedError("no_referent", asks=True, word=f"the {part.name}")
     return discourse.pair[_ORDINALS[part.name]]
+
+
+def _to_anyone(part: PredicateForm) -> PredicateForm | None:
+    """A rule on what "them" are passed as one on what is passed: it says nothing of a person."""
+    if part.name not in {"implies", "within"}:
+        return None
+    return part.mapped(_without_recipient) if not PERSONAL.isdisjoint(part) else None
+
+
+def _without_recipient(act: PredicateForm) -> PredicateForm | None:
+    is_to_them = len(act.arguments) > 2 and act.arguments[-1] in PERSONAL
+    return PredicateForm(act.name, act.arguments[:-1]) if is_to_them else None
+
+
+def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
+    """The person named last for "him", "her" or "them"; `RefusedError` when there is none."""
+    if part not in PERSONAL:
+        return None
+    if discourse.person is None:
+        raise RefusedError("which_person", asks=True, word=part.name)
+    return discourse.person
 
 
 def _last_use(discourse: Discourse) -> PredicateForm:
@@ -381,7 +406,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
     """Return the discourse state after an utterance with a meaning and a predicate form."""
     if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
         return discourse
-    discourse = discourse.accessible
+    discourse = replace(discourse.accessible, person=_named_person(meaning) or discourse.person)
     mentioned = None if isinstance(meaning, Command) else _mentioned_object(content)
     named = tuple(dict.fromkeys(_named_objects(meaning)))
     if mentioned is not None:
@@ -414,6 +439,15 @@ def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Disco
             return replace(discourse, rule=rule, last=rule)
         case _:
             return discourse
+
+
+def _named_person(meaning: Meaning) -> PredicateForm | None:
+    """The person whom a command names as its recipient, or a statement as its source."""
+    match meaning:
+        case Command(recipient=str(name)) | Statement(source=str(name)):
+            return PredicateForm(name.replace(" ", "_"))
+        case _:
+            return None
 
 
 def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
