@@ -50,7 +50,18 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 _SIGNS = (*OPERATORS, "by", "before_part")
 _WORD_LISTS = (
     *_SIGNS,
-    *("unfinished", "recipient", "doer", "other_doer", "asked", "at_end", "gripping", "joining", "turning", "because"),
+    *(
+        "unfinished",
+        "recipient",
+        "doer",
+        "other_doer",
+        "asked",
+        "at_end",
+        "gripping",
+        "joining",
+        "turning",
+        "because",
+    ),
 )
 _DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something

@@ -73,8 +73,10 @@ def features_of_names(
     """Yield the features `part`, `thing` and `use` of what a meaning names."""
     new = {word.role: word for word in new_words}
     if isinstance(meaning, Statement):
+        said_of = {word.word: word.said for word in new_words if word.role == "part"}
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
-        found = {_part(reader, words, part, new) for part in parts} - {""}
+        is_known = "object" not in new
+        found = {_part(reader, words, p, said_of, is_known=is_known) for p in parts} - {""}
         if found:
             yield "part", frozenset(found)
         objects = {rule.object for rule in meaning.rules}
@@ -114,24 +116,29 @@ def _is_subject(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
 
 
 def _part(
-    reader: FeatureReader, words: Sequence[str], part: str, new: Mapping[str, NewWord]
+    reader: FeatureReader,
+    words: Sequence[str],
+    part: str,
+    new: Mapping[str, str],
+    *,
+    is_known: bool,
 ) -> str:
     """Whether a part is `own`, a person's, or `new` and not said to be one; else empty.
 
-    What an unknown object is held by is taken for a part: nobody can know its parts.
+    What an unknown object is held by may be a part, since nobody knows its parts: it is `unsure`.
+    `new` has the words for each new part.
     """
-    word = new.get("part")
-    said = word.said if word is not None and word.word == part else part
+    said = new.get(part, part)
     before = _before(words, said, 3)
     if before and before[-1] in reader.owners:
         return "own"
-    if word is None or word.word != part or reader.is_part(said, part):
+    if part not in new or reader.is_part(said, part):
         return ""
     if reader.is_abstract(said, part) or reader.is_elsewhere(said, part):
         return "new"
-    marks = reader.part_words | (reader.holding_words if "object" in new else frozenset())
-    is_said = not marks.isdisjoint(before) or _after(words, said) in marks
-    return "" if is_said else "new"
+    if not reader.part_words.isdisjoint(before) or _after(words, said) in reader.part_words:
+        return ""
+    return "new" if is_known or reader.holding_words.isdisjoint(before) else "unsure"
 
 
 def _before(words: Sequence[str], said: str, count: int) -> Sequence[str]:

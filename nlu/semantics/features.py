@@ -27,12 +27,15 @@ HIDING = "nothing"
 MAIN, CONDITION, ASIDE = "main", "condition", "aside"
 
 NAMED: Values = {
-    "part": frozenset({"new", "own"}),
+    "part": frozenset({"new", "unsure", "own"}),
     "thing": frozenset({"new", "own", "abstract", "bare"}),
     "use": frozenset({"act"}),
     "recipient": frozenset({"place"}),
 }
-"""The features of what is named: a part that is new or a person's, a new thing, a use, a place."""
+"""The features of what is named.
+
+A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient that is a place.
+"""
 
 
 _KEYS = (

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hilt.nlu import AskBack, Language, Misunderstanding, NewWord
 from hilt.nlu.lexicon.tokenizer import tokenize
@@ -226,6 +228,39 @@ def test_a_thing_may_be_called_as_a_word_of_meanings_is(language: Language) -> N
 def test_where_a_sentence_shows_no_role_nothing_is_guessed(language: Language, text: str) -> None:
     """A word may be a place, an adjective, an adverb, a clause of its own, or a slip."""
     assert language.understand(text).kind in {"error", "ask_back"}
+
+
+@pytest.mark.parametrize(
+    ("text", "use"),
+    [
+        ("One slurps from a mug.", "slurping"),
+        ("One sips from a beaker.", "sipping"),
+        ("One dusts with a cloth.", "dusting"),
+        ("One polishes with a cloth.", "polishing"),
+        ("You can floss with a cord.", "flossing"),
+        ("A lens is used to focus.", "focusing"),
+    ],
+)
+def test_use_is_named_after_the_bare_verb(language: Language, text: str, use: str) -> None:
+    """A third person form is no verb of its own; a verb may end in "s" all the same."""
+    assert language.understand(text).meaning.as_json()["affordance"] == use
+
+
+@pytest.mark.parametrize("text", ["A mug is used to slurps.", "You can slurps from a mug."])
+def test_third_person_form_is_no_verb_of_its_own(language: Language, text: str) -> None:
+    """Where a bare verb is expected, no use is named after a third person form."""
+    assert language.understand(text).kind in {"error", "ask_back"}
+
+
+@given(st.from_regex(r"[bcdfgklmnprt]{1,2}[aeiou][bdgklmnprt]{1,2}", fullmatch=True))
+def test_no_use_ends_as_a_third_person_form_does(language: Language, verb: str) -> None:
+    """Whatever the unknown verb, its third person form gives the gerund of the verb."""
+    known = language.utterance_parser.known_words
+    tokens = tokenize(f"one {verb}s with a zib", {})
+
+    guessed = known.guesses(tokens, known.unknown(tokens)).get(1, ())
+
+    assert not [entry.name for entry in guessed if entry.name.endswith("sing")]
 
 
 def test_one_word_may_be_taught_and_used_in_one_conversation(language: Language) -> None:

@@ -39,6 +39,35 @@ def test_an_offer_is_understood_as_its_speaker_says_it(language: Language) -> No
     assert found == {"ask_back": True, "choices": [{"ask": "told", "speaker": "kim"}]}
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "I can't reach the spoon, so you'll have to pass me the spoon.",
+        "You'll have to pass me the knife because I can't reach the knife.",
+        "We haven't got the hammer over here, so you will have to hand me the hammer.",
+        "Nobody can find the mug, so you'd have to pick up the mug.",
+    ],
+)
+def test_reason_that_is_negative_turns_no_sign(language: Language, text: str) -> None:
+    """What is asked for after "I can't reach it" is not forbidden."""
+    choices = getattr(language.understand(text).meaning, "choices", ())
+
+    assert not [each for each in choices if getattr(each, "negated", False)]
+
+
+def test_command_that_is_negative_itself_is_offered_so(language: Language) -> None:
+    """A negation in the clause of the act forbids it."""
+    found = offered(language, "I don't know, whatever you do never pass the spoon over there.")
+
+    assert [getattr(each, "negated", False) for each in found] == [True]
+
+
+@pytest.mark.parametrize("text", ["her wants it, mug pass to her", "spoon hand him would you now"])
+def test_offer_keeps_who_gets_something(language: Language, text: str) -> None:
+    """Nothing is passed to the speaker that is for somebody else."""
+    assert not getattr(language.understand(text).meaning, "choices", ())
+
+
 def test_a_denial_is_said_aloud(language: Language) -> None:
     """The sign is in capitals, so that nobody says yes to its opposite."""
     understood = language.understand("a spoon iz nevr usd for cutting")
