@@ -281,6 +281,7 @@ class Language:
             self.generate,
             self._meaning_of,
             self._set_off,
+            self._leaves,
         )
 
     def chosen(self, text: str, count: int) -> int | None:
@@ -297,6 +298,9 @@ class Language:
 
     def _set_off(self, tokens: Tokens) -> Mapping[int, bool]:
         return self.utterance_parser.periphery.set_off(self.builder.expand_endings(tokens))
+
+    def _leaves(self, tokens: Tokens, span: tuple[int, int]) -> bool:
+        return self.utterance_parser.periphery.leaves(self.builder.expand_endings(tokens), span)
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

@@ -134,13 +134,20 @@ class OfferChecks:
         named += [(first, last) for first, last, _ in mentions.degrees]
         if start in told:
             named = [each for each in named if each[0] >= start]
-        is_told = told.get(start, True)
+        is_told = told.get(start, True) and not self._is_joined(span, mentions.tokens.words)
         kept = is_told and all(start <= first and last <= end for first, last in named)
         return kept and not any(
             self._has(kind, words)
             for words in self.around(span, mentions, told)
             for kind in OPERATORS
         )
+
+    def _is_joined(self, span: Span, words: Phrase) -> bool:
+        """Whether "and" or "or" stands between a span and what is around it."""
+        start, end = span
+        before = words[start - 1 : start + 1] if start else ()
+        joining = self.phrases["joining"]
+        return any((word,) in joining for word in (*before, *words[end : end + 1]))
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""

@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..grammar.word_patterns import Steps, match_pattern, read_pattern
+from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.coreference import Discourse
@@ -22,12 +22,16 @@ from ..semantics.interpretation import GOALS
 from .mentions import find_mentions
 from .utterance_segments import parts
 
+Phrase = tuple[str, ...]
+
 _DENIALS = frozenset({"not", "never", "no", "nothing", "nobody", "without", "if", "unless", "said"})
 _PRONOUNS = frozenset({"it", "them", "that", "one", "me"})
 _STATING = frozenset({"is", "are", "was", "were", "be"})
 _JUDGING = frozenset({"praise", "blame"})
 _VALUED = _JUDGING | {"thanks"}
 _LONGEST_ADDRESS = 3  # words of "my little helper"
+_LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
+_VERBS = _STATING | {"am", "has", "have", "had", "do", "does", "did", "will", "would", "means"}
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
 
 
@@ -54,11 +58,13 @@ class CourtesyPhrases:
         kinds: the phrases of each kind, in the order in which they count.
         chatter: the beginnings of parts that are only said by the way.
         openers: what praise or blame begins with: "you are clever", but not "the sky is lovely".
+        before: words that may precede any phrase: "oh, good morning", "I am so sorry".
     """
 
     kinds: dict[str, tuple[Steps, ...]]
     chatter: tuple[Steps, ...]
     openers: tuple[Steps, ...]
+    before: frozenset[Phrase]
 
     def find(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
         """Return the courtesy in an utterance; None where there is none."""
@@ -87,13 +93,26 @@ class CourtesyPhrases:
             if is_bare and not _STATING.isdisjoint(words):
                 continue
             places = range(1 if is_bare else len(words))
-            if any(_occurs(phrases, words, at) for at in places):
+            if any(self._is_all(phrases, words, at, kind) for at in places):
                 return None if is_denied and kind in _VALUED else kind
         unknown = known.unknown(part)
         is_address = len(words) <= _LONGEST_ADDRESS and unknown
         is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
         is_chatter = not is_denied and (is_address or _occurs(self.chatter, words, 0))
         return "" if is_chatter else None
+
+    def _is_all(self, phrases: Sequence[Steps], words: Phrase, start: int, kind: str) -> bool:
+        """Whether a part begins with a phrase at a place, and what follows is no clause.
+
+        "Oh, good morning to you all" and "I am so grateful for your help" do.
+        """
+        ends = [end for steps in phrases for _, end in match_pattern(steps, words, start)]
+        if not ends:
+            return False
+        led = self.openers if kind in _JUDGING else ()
+        before, after = words[:start], words[max(ends) :]
+        is_led = all((word,) in self.before for word in before) or _occurs(led, words, 0)
+        return is_led and len(after) <= _LONGEST_COMPLEMENT and _VERBS.isdisjoint(after)
 
 
 def has_content(part: Tokens, known: KnownWords) -> bool:
@@ -116,9 +135,12 @@ def _text(tokens: Tokens, start: int, end: int) -> str:
 @lru_cache(maxsize=4)
 def load_courtesies(path: Path) -> CourtesyPhrases:
     """Return the courtesies of a language; `DataError` says where the file is not as expected."""
-    parts = read_yaml(path).entries(required=("courtesies", "chatter", "openers"), optional=())
+    parts = read_yaml(path).entries(
+        required=("courtesies", "chatter", "openers", "before"), optional=()
+    )
+    before = frozenset(each for item in parts["before"].items() for each in spellings(item))
     kinds = {kind: _patterns(each) for kind, each in parts["courtesies"].entries().items()}
-    return CourtesyPhrases(kinds, _patterns(parts["chatter"]), _patterns(parts["openers"]))
+    return CourtesyPhrases(kinds, _patterns(parts["chatter"]), _patterns(parts["openers"]), before)
 
 
 def _patterns(field: YamlNode) -> tuple[Steps, ...]:

@@ -37,12 +37,15 @@ from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, find_mentions
 from .ranker import Ranker, left_over
 from .typing_slips import corrected_texts
-from .utterance_segments import segments
+from .utterance_segments import Span, segments
 
 MAX_OFFERS = 3
 
 LEAST = 0.4
 """The least probability of the first offer."""
+
+LEAST_OF_ONE = 0.6
+"""The least probability of the first offer when it has one name: "so is a spoon" asks nothing."""
 
 LEAST_NAMELESS = 0.9
 """The least probability of a meaning that names nothing."""
@@ -87,6 +90,7 @@ class Offers:
         meaning_of: returns the meaning of a text that somebody says at some point.
         set_off: returns the places behind a strong pause, and whether what precedes only tells
             what follows.
+        leaves: whether what is around a span neither restricts it nor makes it a report.
     """
 
     model: OfferModel
@@ -98,6 +102,7 @@ class Offers:
     realize: Callable[[Meaning], str]
     meaning_of: Callable[[str, UtteranceContext], Meaning]
     set_off: Callable[[Tokens], Mapping[int, bool]]
+    leaves: Callable[[Tokens, Span], bool]
 
     def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | None:
         """Return the question which of some meanings was meant, None when none is to be offered."""
@@ -154,6 +159,8 @@ class Offers:
         harmless = (each for each in spans if self.checks.adds_nothing(each, mentions, told))
         for span in islice(harmless, MAX_SEGMENTS):
             meaning = self.meaning_of(tokens.span(*span), context)
+            if not isinstance(meaning, Question) and not self.leaves(tokens, span):
+                continue
             around = self.checks.around(span, mentions, told)
             if self.checks.is_licensed_beside(meaning, around) and self._is_understood(
                 meaning, context
@@ -181,8 +188,8 @@ class Offers:
         found: list[Meaning] = []
         for probability, candidate in self.ranked(mentions):
             meaning = meaning_from_json(candidate.meaning)
-            least = LEAST_OTHER if found else LEAST
-            if probability < least:
+            first = LEAST if len(candidate.used) > 1 else LEAST_OF_ONE
+            if probability < (LEAST_OTHER if found else first):
                 break
             if not candidate.used and probability < LEAST_NAMELESS:
                 continue

@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,12 +26,16 @@ from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statemen
 
 Phrase = tuple[str, ...]
 
-REQUEST, HOLDING, USE = "request", "holding", "use"
-"""The kinds of cores: a command or a question to the robot, and the rules of two kinds."""
+REQUEST, QUESTION, HOLDING, USE = "request", "question", "holding", "use"
+"""The kinds of cores: a command and a question to the robot, and the rules of two kinds."""
 
 MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
 OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
-"""The forms of periphery; a clause goes by its subject, and what has none is `OTHER`."""
+PHRASE = "phrase"
+"""The forms of periphery; a clause goes by its subject, and with another one it is `OTHER`.
+
+A phrase has no verb of its own, so it belongs to the core: "by the handle", "with two hands".
+"""
 
 WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER, WITHIN = range(8)
 """How a piece is set off: the strongest pause between it and the core, or its other place.
@@ -48,9 +53,21 @@ _ANYWHERE = frozenset({WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER})
 _BEFORE = frozenset({COLON, BUT, SO, STRONG})
 _LEADS: Mapping[str, int] = {"so": SO, "but": BUT, "and": WEAK}
 _FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
-_LISTS = ("auxiliary", "speaker", "speech", "knowledge", "unreal", "person", "listener")
+_LISTS = (
+    "unwanted",
+    "finite",
+    "restricting",
+    "auxiliary",
+    "speaker",
+    "speech",
+    "knowledge",
+    "unreal",
+    "person",
+    "listener",
+)
 _DASHES = ":–—"
 _QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
+_WANTING = frozenset({"want", "need", "prefer", "like", "wanted"})
 _THINGS, _PEOPLE = ("N", "MS"), ("RN", "HN")
 _PLACED_NAMES = ("object", "part", "affordance", "context")
 
@@ -62,7 +79,10 @@ _PRETENDED = frozenset(
     }
 )
 # The same, and what asks for something else or only under a condition.
-_REPORTED = _PRETENDED | {"knowledge", "act", "condition", "exception", "condition=absent"}
+_UNTOLD = frozenset({"report", "unreal", "quoted", "source=hearsay", "source=other"})
+_REPORTED = _PRETENDED | {
+    *("knowledge", "act", "condition", "exception", "condition=absent", "held", "unwanted"),
+}
 _NAMING = _REPORTED | {"named"}
 # On these a rule may depend as well; less so in a reason for it.
 _LIMITING = _REPORTED | {
@@ -71,7 +91,7 @@ _LIMITING = _REPORTED | {
     *("agent=other", "agent=they", "agent=people", "agent=somebody"),
     *("quantifier=most", "quantifier=partial"),
 }
-_LIMITING_REASON = _LIMITING - {
+_LIMITING_REASON = (_LIMITING | {"custom", "circumstance"}) - {
     *("negative", "implied_negation", "modality=weak", "exception=exception", "exception"),
     *("agent=they", "agent=people", "agent=somebody", "quantifier=partial", "weak_negation"),
     *("tense=past", "degree", "quantifier=most"),
@@ -133,8 +153,8 @@ class Row:
         )
 
 
-_KINDS = frozenset({REQUEST, HOLDING, USE})
-_REQUESTS, _RULES = frozenset({REQUEST}), frozenset({HOLDING, USE})
+_REQUESTS, _RULES = frozenset({REQUEST, QUESTION}), frozenset({HOLDING, USE})
+_KINDS = _REQUESTS | _RULES
 _CAUSES = frozenset({REASON, PURPOSE})
 _PERSONS = frozenset({OWN, HEARER})
 _CLAUSES = _CAUSES | {OWN, IMPERSONAL, OTHER}
@@ -147,6 +167,12 @@ TABLE: Sequence[Row] = (
     Row(_REQUESTS, frozenset({OWN, IMPERSONAL, OTHER}), frozenset({ASKING}), _NAMING),
     Row(_REQUESTS, frozenset({HEARER}), frozenset({SO}), _REPORTED),
     Row(_REQUESTS, _CAUSES, _ANYWHERE, _REPORTED),
+    # A phrase says how to do something, unless it precedes a question or gives a reason.
+    Row(
+        frozenset({QUESTION}), frozenset({PHRASE}), frozenset({ASKING}), _NAMING | {"circumstance"}
+    ),
+    Row(_REQUESTS, frozenset({PHRASE}), frozenset({SO}), _NAMING | {"restricting"}),
+    Row(frozenset({HOLDING}), frozenset({PHRASE}), frozenset({SO}), _LIMITING | {"restricting"}),
     # A reason or a purpose does not limit a rule, before or after it.
     Row(_RULES, _CAUSES, _ANYWHERE, _LIMITING_REASON),
     Row(frozenset({HOLDING}), _CLAUSES, frozenset({SO}), _LIMITING_REASON),
@@ -246,6 +272,21 @@ class PeripheryReader:
             before.append(piece)
         return found
 
+    def leaves(self, expanded: Tokens, span: tuple[int, int]) -> bool:
+        """Whether what is next to a span neither restricts it nor makes it a report or a pretence.
+
+        What is told is told in spite of a report before it.
+        """
+        start, end = span
+        is_told = self.set_off(expanded).get(start, False)
+        pieces = self._pieces(expanded, list(self._gaps(expanded)))
+        said = [each for each in pieces if each.form != MARKER]
+        before = [each for each in said if each.end <= start][-1:]
+        after = [each for each in said if each.start >= end][:1]
+        return not any(
+            each.form == PHRASE and "restricting" in each.signs for each in (*before, *after)
+        ) and all(each.signs.isdisjoint(_UNTOLD) for each in (*(() if is_told else before), *after))
+
     def _core(
         self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[Piece], gaps: Sequence[Gap]
     ) -> Core | None:
@@ -336,6 +377,8 @@ class PeripheryReader:
         joined = joined if lead else WEAK
         bare = self.markers.remove_markers(part).words
         form = MARKER if not bare else self._form(part.words, bare)
+        if form == OTHER and len(bare) > 1 and not self._has_verb(bare):
+            form = PHRASE
         said = tokens.part(start + lead, end)
         signs = frozenset() if form == MARKER else frozenset(self._signs(said, form))
         return Piece(start, end, lead, joined, form, signs)
@@ -349,11 +392,41 @@ class PeripheryReader:
         )
         return next(found, OTHER)
 
+    def _has_verb(self, words: Phrase) -> bool:
+        """Whether a piece may be a clause: it has a finite verb, or a form of a verb inside.
+
+        Behind a word that restricts, as "with" in "with two hands", such a form is a plural.
+        """
+        if any((word,) in self.words.lists["finite"] for word in words):
+            return True
+        is_restricting = words[:1] in self.words.lists["restricting"]
+        return (self._is_act(words[0]) and not is_restricting) or any(
+            self._may_be_verb(one, two)
+            for one, two in pairwise(words)
+            if not is_restricting or self._is_subject(one)
+        )
+
+    def _is_subject(self, word: str) -> bool:
+        is_pronoun = any(self.words.begins(form, (word,)) for form in (OWN, HEARER, IMPERSONAL))
+        return is_pronoun or (word,) in self.words.lists["person"]
+
+    def _may_be_verb(self, before: str, word: str) -> bool:
+        """Whether a word after another one looks like a verb with a subject before it."""
+        if before in self.features.determiners:
+            return False
+        is_inflected = word.endswith(("s", "ed")) and not word.endswith("ss")
+        return is_inflected or not (self.known.has(word) or self.features.is_noun(word))
+
     def _signs(self, tokens: Tokens, form: str) -> Iterator[str]:
         words = tokens.words
         features = self.features.features([ClauseWord(word, MAIN) for word in words], ())
-        for feature, values in features.main.items():
-            yield from (f"{feature}={value}" for value in values)
+        found = {f"{name}={value}" for name, said in features.main.items() for value in said}
+        yield from found
+        lead = self.words.begins(form, words) if form in _FORMS else 0
+        yield from self._circumstances(words[lead:])
+        others = {"agent=they", "agent=people", "agent=somebody"}
+        if "tense=past" in found and ("that" in words or not others.isdisjoint(found)):
+            yield "custom"
         for place, word in enumerate(words):
             for phrase, kind in self._operators.get(word, ()):
                 if words[place : place + len(phrase)] == phrase:
@@ -363,6 +436,8 @@ class PeripheryReader:
             yield "quoted"
         if self._calls(tokens):
             yield "called"
+        if form == IMPERSONAL and words[-1] in _WANTING:
+            yield "held"
         if words and self.words.begins(IMPERSONAL, words[-1:]):
             yield "pointing"
         if any(map(self._is_name, words)):
@@ -370,11 +445,24 @@ class PeripheryReader:
         if words and self._is_act(words[0]):
             yield "act"
 
+    def _circumstances(self, words: Phrase) -> Iterator[str]:
+        """By what and when something is done: "by the rim", "in winter"."""
+        if words[:1] in self.words.lists["restricting"]:
+            yield "restricting"
+        for one, two in pairwise(words):
+            if one in self.features.holding_words and two in self.features.determiners | {"its"}:
+                yield "held"
+            if (one,) in self.words.lists["restricting"] and self.features.is_abstract(two):
+                yield "circumstance"
+
     @cached_property
     def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
         """The phrases on which a meaning may depend, with their kinds, by their first word."""
         found: dict[str, list[tuple[Phrase, str]]] = {}
-        unreal = {"unreal": self.words.lists["unreal"], "degree": self.degrees}
+        unreal = {
+            **{key: self.words.lists[key] for key in ("unreal", "unwanted")},
+            "degree": self.degrees,
+        }
         for kind, phrases in {**self.operators, **unreal}.items():
             for phrase in phrases:
                 found.setdefault(phrase[0], []).append((phrase, kind))
@@ -383,11 +471,13 @@ class PeripheryReader:
     def _speech(self, words: Phrase, form: str) -> Iterator[str]:
         """Whether somebody else says, knows or thinks something in a piece, or its speaker says it.
 
-        "In case nobody has told you" reports nothing.
+        "In case nobody has told you" reports nothing, nor does who asks for a thing.
         """
         for place, word in enumerate(words):
             is_said = (word,) in self.words.lists["speech"]
             is_known = (word,) in self.words.lists["knowledge"]
+            if word.startswith("ask") and words[place + 1 : place + 2] == ("for",):
+                continue
             if not is_said and not is_known and word not in self.features.embedding:
                 continue
             if is_said and words[place + 1 : place + 2] in self.words.lists["listener"]:
@@ -429,8 +519,10 @@ class PeripheryReader:
 def kinds_of_core(meaning: Meaning) -> frozenset[str]:
     """Return the kinds of a meaning, none for one that nothing but markers may surround."""
     match meaning:
-        case Command() | ToolCommand() | Question():
-            return _REQUESTS
+        case Command() | ToolCommand():
+            return frozenset({REQUEST})
+        case Question():
+            return frozenset({QUESTION})
         case Statement(rules):
             return frozenset(HOLDING if isinstance(rule, ActionRule) else USE for rule in rules)
         case _:
