@@ -32,6 +32,7 @@ class Knowledge:
         said: the answer before this one.
         control: what a control did after the last command.
         prohibition: the utterance because of which the last command was not carried out, if any.
+        unanswered: the answer to the last question if nobody has told what it asks, else empty.
         retracted: the rules that were just retracted; none once others were mentioned.
     """
 
@@ -46,6 +47,7 @@ class Knowledge:
     control: SpokenAnswer | None = None
     retracted: tuple[Rule, ...] = ()
     prohibition: Understanding | None = None
+    unanswered: str = ""
 
     @property
     def decision(self) -> Decision | None:

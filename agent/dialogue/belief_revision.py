@@ -22,6 +22,9 @@ from .teaching import (
     word_to_keep,
 )
 
+_BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
+"""What takes back a rule without naming it."""
+
 
 class BeliefRevision:
     """Changes what Hilt believes by what is said in a conversation.
@@ -62,18 +65,24 @@ class BeliefRevision:
         conversation.learn_words(words)
         told = tuple(self._base.rule(rule.id) for rule in taught.rules)
         conversation.set_topic(told)
+        conversation.topic_from = "lesson"
         return replace(conversation.reply(turn, spoken), rules=told)
 
     def forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
         """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
         conversation = self._conversation
-        rules = rules_to_retract(self._base, said, turn.speaker, conversation.topic)
+        is_just_told = bool(conversation.topic) and conversation.topic_from == "lesson"
+        if said == meaning.Retraction() and not is_just_told and self._is_dismissal(turn):
+            return conversation.answered(turn, "dismissed", "done")
+        is_of_told = said.is_of_told or conversation.topic_from == "deed"
+        topic = () if is_of_told and not is_just_told else conversation.topic
+        rules = rules_to_retract(self._base, said, turn.speaker, topic)
         own = [rule for rule in rules if turn.speaker in self._tellers(rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
             return conversation.answered(turn, "nothing_to_forget", "failed")
-        if said == meaning.Retraction() and (conversation.just_acted or not conversation.topic):
+        if said in _BARE and not topic:
             return self._ask_to_forget(turn, own)
         return self._retract(turn, own)
 
@@ -97,6 +106,14 @@ class BeliefRevision:
         conversation.learn_words(words)
         conversation.open_question = OpenQuestion(turn.speaker)
         return conversation.reply(turn, spoken)
+
+    def _is_dismissal(self, turn: DialogueTurn) -> bool:
+        """Whether a turn would also dismiss a question: "never mind"."""
+        conversation, text = self._conversation, turn.understood.text
+        answers = conversation.language.short_answers(
+            text, speaker=turn.speaker, discourse=conversation.discourse
+        )
+        return any(each.is_dismissal for each in answers)
 
     def _tellers(self, rule: Rule) -> tuple[str, str]:
         """Who may take a rule back: who says it, and who reported it."""

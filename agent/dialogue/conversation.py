@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
@@ -70,7 +71,8 @@ class Conversation:
         open_question: the question of Hilt that waits for an answer, if any.
         topic: the rules that were spoken of last; none after a command that needed none.
         retracted: the rules that were just retracted; none once others were spoken of.
-        just_acted: whether a command was carried out, and no rule was spoken of since.
+        topic_from: what the topic was spoken of in: a lesson, an answer or a deed.
+        unanswered: the answer to the last question if nobody has told what it asks, else empty.
         last_said: the answer to the last utterance.
         last_done: the reply to the last command.
         control_done: what a control did since the last command, if anything.
@@ -92,7 +94,8 @@ class Conversation:
         self.open_question: OpenQuestion | None = None
         self.topic: tuple[Rule, ...] = ()
         self.retracted: tuple[Rule, ...] = ()
-        self.just_acted = False
+        self.topic_from: Literal["lesson", "answer", "deed"] = "answer"
+        self.unanswered = ""
         self.last_said = ""
         self.last_done: Reply | None = None
         self.control_done: SpokenAnswer | None = None
@@ -128,7 +131,7 @@ class Conversation:
         rest = self.language.understand(
             courtesy.rest, speaker=failed.speaker, discourse=self.discourse, heard=heard
         )
-        is_harmless = rest.kind in {"question", "acknowledgement"}
+        is_harmless = rest.kind in {"question", "acknowledgement", "control"}
         is_understood = rest.kind not in {"error", "ask_back"}
         if is_harmless or (is_understood and courtesy.is_formal):
             return replace(rest, text=failed.text)
@@ -151,6 +154,7 @@ class Conversation:
             self.control_done,
             self.retracted,
             self.prohibition,
+            self.unanswered,
         )
 
     def trusts(self, speaker: str) -> bool:
@@ -186,7 +190,8 @@ class Conversation:
         """
         said = meaning_from_rule(rules[-1]) if rules else None
         if said:
-            self.topic, self.retracted, self.just_acted = rules, (), False
+            self.topic, self.retracted, self.unanswered = rules, (), ""
+            self.topic_from = "answer"
             self.discourse = replace(self.discourse, rule=said)
 
     # --- Answers and replies ------------------------------------------------------------------

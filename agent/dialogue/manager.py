@@ -249,7 +249,7 @@ class DialogueManager:
         self._just_stopped = result.answer if reply.is_interrupted else None
         conversation.topic = ()
         conversation.set_topic(result.decision.rules if result.decision else ())
-        conversation.just_acted = True
+        conversation.topic_from, conversation.unanswered = "deed", ""
         chosen = result.decision.object.best if result.decision else None
         wanted = request.arguments.get("object")
         if chosen and isinstance(wanted, Target) and wanted.object is None:
@@ -322,7 +322,7 @@ class DialogueManager:
         if not rules and (said.object or said.affordance):
             conversation.topic = ()
         if found.ending == "failed":
-            conversation.topic = ()
+            conversation.topic, conversation.unanswered = (), conversation.say(found)
             choose = partial(self._clarification.learn_answer, turn, said)
             conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
         if found.key in {"is_not_used_for", "is_used_otherwise"}:

@@ -109,7 +109,9 @@ def _confidence(question: Question, known: Knowledge) -> Answered:
         return spoken("no_longer_sure", done=True, rules=said), ()
     rules = _meant(question, known)
     if not rules:
-        return spoken("not_told"), ()
+        if known.unanswered and question == Question("confidence"):
+            return spoken("unsure_as_said", said=known.unanswered), ()
+        return spoken("unsure"), ()
     rule = rules[0]
     sure = max(rule.support.lower, 1 - rule.support.upper)
     key = ("hardly_sure", "fairly_sure", "quite_sure")[bisect(SURE, sure)]

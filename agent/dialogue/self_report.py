@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from ...kb.history import Utterance
@@ -20,6 +20,7 @@ MOST_NAMED, MOST_READ = 3, 20
 """So many objects are named, which so many of the rules are about."""
 
 _TAUGHT = frozenset({"statement", "correction"})
+_ASKED = frozenset({"command", "control", "question"})
 
 
 def _fixed(key: str, _: Question, __: Knowledge) -> Answered:
@@ -110,6 +111,15 @@ def _told_at_an_end(question: Question, known: Knowledge, *, newest_first: bool)
     return spoken(key, done=True, speaker=speaker, texts=found.text), rules
 
 
+def _last_said(_: Question, known: Knowledge, *, kinds: Collection[str]) -> Answered:
+    """What the listener said last that is of one of some kinds."""
+    for each in known.base.history(newest_first=True):
+        is_looking_back = each.predicate in {"lastAsked", "lastSpokenOf"}
+        if each.speaker == known.listener and each.kind in kinds and not is_looking_back:
+            return spoken("you_said", done=True, texts=each.text), ()
+    return spoken("you_said_nothing", done=True), ()
+
+
 def _taught_by(speaker: str, known: Knowledge, *, newest_first: bool) -> Iterator[Utterance]:
     """What a speaker taught, in order or newest first."""
     for each in known.base.history(newest_first=newest_first):
@@ -149,7 +159,9 @@ SELF_REPORTS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
     "holding": _holding,
     "identity": _identity,
     "known": _known,
+    "last_asked": partial(_last_said, kinds=_ASKED),
     "last_done": _last_done,
+    "last_spoken_of": partial(_last_said, kinds=_ASKED | _TAUGHT),
     "last_told": partial(_told_at_an_end, newest_first=True),
     "repeated": _repeated,
     "told": _told,

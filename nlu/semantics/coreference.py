@@ -57,6 +57,7 @@ class Discourse:
         named: all objects that the last turn with any named, in order.
         pair: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row.
         person: the person named last, except the speaker.
+        asks_why: whether the last turn asked why a thing was held as it was, or just why.
         has_failed: whether the last turn was not understood, so that nothing can be referred to.
     """
 
@@ -67,6 +68,7 @@ class Discourse:
     named: tuple[PredicateForm, ...] = ()
     pair: tuple[PredicateForm, ...] = ()
     person: PredicateForm | None = None
+    asks_why: bool = False
     has_failed: bool = False
 
     def about(self, name: str) -> Discourse:
@@ -406,7 +408,9 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
     """Return the discourse state after an utterance with a meaning and a predicate form."""
     if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
         return discourse
-    discourse = replace(discourse.accessible, person=_named_person(meaning) or discourse.person)
+    person = _named_person(meaning) or discourse.person
+    asks_why = _asks_why_held(meaning)
+    discourse = replace(discourse.accessible, person=person, asks_why=asks_why)
     mentioned = None if isinstance(meaning, Command) else _mentioned_object(content)
     named = tuple(dict.fromkeys(_named_objects(meaning)))
     if mentioned is not None:
@@ -425,6 +429,13 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             return replace(discourse, last=meaning, command=meaning)
         case _:
             return discourse
+
+
+def _asks_why_held(meaning: Meaning) -> bool:
+    """Whether a meaning asks why a thing was held as it was, or just why."""
+    if not isinstance(meaning, Question) or meaning.ask != "why":
+        return False
+    return meaning.part is not None or meaning.object is None
 
 
 def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:

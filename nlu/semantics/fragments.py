@@ -110,7 +110,7 @@ def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
         return _once_more(discourse.accessible)
     discourse = discourse.accessible
     fragment = _with_other_of_pair(fragment, discourse)
-    match _completed(fragment, discourse):
+    match _how_explained(fragment, discourse) or _completed(fragment, discourse):
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
         case Question() as question:
@@ -145,6 +145,14 @@ def _other_of_pair(discourse: Discourse) -> str | None:
     others = [each for each in pair if each != last and not each.arguments]
     known = len(pair) == 2 and len(others) == 1
     return others[0].name.replace("_", " ").rstrip() if known else None
+
+
+def _how_explained(fragment: Fragment, discourse: Discourse) -> Question | None:
+    """The question how a thing is held, after it was asked why it was held like that."""
+    rule = discourse.rule
+    if not (discourse.asks_why and fragment.asks and isinstance(rule, ActionRule)):
+        return None
+    return Question("how", object=rule.object, context=rule.context)
 
 
 def _completed(

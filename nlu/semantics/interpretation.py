@@ -61,7 +61,9 @@ _QUESTIONS = {
     "howSure": "confidence",
     "identityOf": "identity",
     "inHand": "holding",
+    "lastAsked": "last_asked",
     "lastDone": "last_done",
+    "lastSpokenOf": "last_spoken_of",
     "lastTold": "last_told",
     "firstTold": "first_told",
     "source": "source",
@@ -168,9 +170,9 @@ class Interpreter:
             return Retraction(about=_kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
             return Retraction(part=_part_name(form.arguments[0]))
+        if form.name in {"retract", "retractTold"} and not form.arguments:
+            return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
-            if not form.arguments:
-                return Retraction()
             return Retraction(self._one_rule(form.arguments[0]))
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
             rules = self._rules(form.arguments[0])
@@ -329,7 +331,15 @@ class Interpreter:
             case (name, ()) if name in _BARE_QUESTIONS:
                 return Question(name)
             case (
-                "howSure" | "source" | "see" | "trust" | "exceptions" | "inHand" | "lastDone",
+                "howSure"
+                | "source"
+                | "see"
+                | "trust"
+                | "exceptions"
+                | "inHand"
+                | "lastDone"
+                | "lastAsked"
+                | "lastSpokenOf",
                 (),
             ):
                 return Question(_QUESTIONS[form.name])

@@ -212,9 +212,10 @@ class Question(_Record):
 
     Attributes:
         ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`,
-            `hearing`, `holding`, `how`, `identity`, `is_used_for`, `known`, `last_done`,
-            `last_told`, `objects_for`, `repeated`, `see`, `source`, `told`, `trust`, `uses_of`,
-            `wellbeing`, `what_if`, `which_context`, `why` or `why_not`.
+            `hearing`, `holding`, `how`, `identity`, `is_used_for`, `known`, `last_asked`,
+            `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`, `see`,
+            `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`, `why`
+            or `why_not`.
         object, affordance, context, part, speaker: what the question names, else None.
         material: what the affordance is asked for ("bread", for cutting), or None for anything.
     """
@@ -237,12 +238,14 @@ class Retraction:
         rule: the rule to retract; None stands for the rule taught last.
         about: the object all of whose rules are retracted instead, or `ANY_OBJECT`.
         part: the part that the last rule to hold something by it is retracted instead.
+        is_of_told: whether it names what the speaker told: "forget what I said".
     """
 
     kind: ClassVar[str] = "correction"
     rule: Rule | None = None
     about: str | None = None
     part: str | None = None
+    is_of_told: bool = False
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""

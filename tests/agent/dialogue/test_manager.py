@@ -144,7 +144,7 @@ def test_trust_that_is_withdrawn_counts_at_once(agent: Agent):
 
 
 @pytest.mark.parametrize("command", ["pick up the shoe", "pass me the knife"])
-@pytest.mark.parametrize("text", ["never mind", "forget that"])
+@pytest.mark.parametrize("text", ["forget what I just said", "forget that"])
 def test_forgetting_after_a_deed_asks_first(taught: Agent, command: str, text: str):
     """It was the deed that was spoken of, not what it rests on."""
     taught.hear(command)
