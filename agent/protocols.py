@@ -16,7 +16,7 @@ from ..sim.vision.percept import Percept
 
 if TYPE_CHECKING:
     from ..nlu.semantics.meaning import Meaning
-    from .execution.outcome import Constraint, SpokenAnswer
+    from .execution.outcome import AnswerContent, Constraint
 
 
 class Vision(Protocol):
@@ -76,10 +76,7 @@ class ExtraPrimitives(Protocol):
     """
 
     def perform(
-        self,
-        action: str,
-        arguments: Mapping[str, Percept | str],
-        constraint: Constraint | None,
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: Constraint | None
     ) -> MotionReport:
         """Perform one of these primitives.
 
@@ -120,6 +117,6 @@ class Dialogue(Protocol):
         """Return the meaning of an utterance; None leaves it to Hilt's own grammar."""
         ...
 
-    def say(self, answer: SpokenAnswer, spoken: str) -> str:
+    def say(self, answer: AnswerContent, spoken: str) -> str:
         """Return the wording of an answer."""
         ...

@@ -36,7 +36,7 @@ from hilt.nlu.lexicon.discourse_markers import DiscourseMarkers
 from hilt.nlu.lexicon.lexicon import Entry
 from hilt.nlu.lexicon.loader import LexiconBuilder
 from hilt.nlu.parsing import strategies
-from hilt.nlu.parsing.derivation import subderivations
+from hilt.nlu.parsing.derivation_views import subderivations
 from hilt.ontology.yaml_reader import YamlNode
 
 LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
@@ -323,7 +323,7 @@ class Recorder:
         def construction(self: LexiconBuilder, field: YamlNode) -> None:
             add_head(self, field)
             from hilt.nlu.grammar.constructions import Construction, pieces_of
-            from hilt.nlu.grammar.notation import read_entry
+            from hilt.nlu.grammar.notation_reader import read_entry
 
             parts = field.entries(required=("says", "is"), optional=())
             for line in parts["is"].listed():

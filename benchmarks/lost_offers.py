@@ -25,7 +25,7 @@ from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.offers.candidates import candidates
 from hilt.nlu.offers.meaning_shapes import shape_of
 from hilt.nlu.offers.mentions import Mentions
-from hilt.nlu.offers.offers import MAX_OFFERS, Offers
+from hilt.nlu.offers.offers import MAX_OFFERS, OfferFinder
 from hilt.nlu.parsing.parser import UtteranceContext
 from hilt.nlu.semantics.coreference import Discourse
 from hilt.nlu.semantics.meaning import Json, Meaning
@@ -84,7 +84,7 @@ def of_folds(language: Language, count: int) -> Iterator[Loss]:
 
 
 def loss_of(
-    language: Language, offers: Offers, text: str, discourse: Discourse, right: Sequence[Json]
+    language: Language, offers: OfferFinder, text: str, discourse: Discourse, right: Sequence[Json]
 ) -> Loss:
     """Return where the right offer of an utterance is lost."""
     tokens = tokenize(text, language.builder.contractions)
@@ -102,7 +102,7 @@ def loss_of(
 
 
 def _before_ranking(
-    offers: Offers, mentions: Mentions, context: UtteranceContext
+    offers: OfferFinder, mentions: Mentions, context: UtteranceContext
 ) -> tuple[str, str]:
     """Which other source of offers came first, if one did."""
     sources = {
@@ -115,7 +115,7 @@ def _before_ranking(
 
 
 def _in_ranking(
-    offers: Offers, mentions: Mentions, context: UtteranceContext, right: Sequence[Json]
+    offers: OfferFinder, mentions: Mentions, context: UtteranceContext, right: Sequence[Json]
 ) -> tuple[str, str]:
     """Where a right candidate is lost, and its probability after that of the likeliest."""
     some = candidates(mentions, offers.model.shapes, offers.tool_acts)

@@ -10,7 +10,7 @@ Run: python examples/own_robot.py
 from collections.abc import Mapping, Sequence
 
 from hilt.agent import Agent
-from hilt.agent.execution.outcome import Constraint, SpokenAnswer
+from hilt.agent.execution.outcome import AnswerContent, Constraint
 from hilt.nlu.semantics.meaning import Command, Meaning, ObjectReference
 from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.vision.percept import Percept
@@ -90,7 +90,7 @@ class Butler:
             return Command("pass", ObjectReference(used_for="cutting"))
         return None
 
-    def say(self, answer: SpokenAnswer, spoken: str) -> str:
+    def say(self, answer: AnswerContent, spoken: str) -> str:
         """The answer in your words, or in Hilt's."""
         return f"At your service. {spoken}" if answer.ending == "done" else f"Alas. {spoken}"
 

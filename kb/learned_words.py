@@ -14,15 +14,7 @@ from dataclasses import dataclass, replace
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
 from .rdf.record_mapping import FieldProperty, group_properties, read_fields, record_properties
-from .rdf.rule_mapping import (
-    DERIVED_FROM,
-    LABEL,
-    STATUS,
-    TYPE,
-    atom_from_iri,
-    atom_iri,
-    status_iri,
-)
+from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
 from .rdf.terms import Quad
 from .rule import Atom, Status
 from .stores.base import Store

@@ -147,12 +147,7 @@ class RuleWriter:
         )
 
     def set_trust(
-        self,
-        speaker: str,
-        lower: float,
-        *,
-        upper: float | None = None,
-        by: str = DEFAULT_SPEAKER,
+        self, speaker: str, lower: float, *, upper: float | None = None, by: str = DEFAULT_SPEAKER
     ) -> Interval:
         """Set the trust in a speaker, in [0, 1]; `by` is who sets it, for the history.
 

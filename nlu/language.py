@@ -24,9 +24,9 @@ from ..ontology.garbage_collection import paused_garbage_collection
 from ..ontology.yaml_reader import read_yaml
 from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
-from .grammar.combinators import Combinator
+from .grammar.combinators import CombinationTable
 from .grammar.grammar import load_grammar
-from .grammar.notation import save_cache
+from .grammar.notation_reader import save_cache
 from .lexicon.control_phrases import ControlPhrases, load_controls
 from .lexicon.immutable_index import ImmutableIndex
 from .lexicon.inflection import Inflection, load_inflection
@@ -40,18 +40,18 @@ from .offers.checks import OPERATORS, OfferChecks, load_check_words
 from .offers.choice_answers import load_choice_words
 from .offers.courtesies import Courtesy, has_content, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
-from .offers.offers import Offers, load_model
-from .offers.phrase_memory import NO_PHRASES, Phrase, PhraseMemory, phrase_from
+from .offers.offers import OfferFinder, load_model
+from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
 from .offers.typing_slips import is_misspelled
 from .offers.utterance_segments import parts
-from .parsing.clarification import Clarification
+from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.periphery import PeripheryReader, load_periphery
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
+from .semantics.clause_features import load_features
 from .semantics.coreference import Discourse, after_offer
-from .semantics.features import load_features
 from .semantics.interpretation import Interpreter
 from .semantics.licence_table import load_licence
 from .semantics.meaning import (
@@ -128,7 +128,7 @@ class Language:
         degrees = load_degrees()
         grammar = load_grammar(folder / "grammar.yaml", degrees=degrees.intervals)
         inflection = load_inflection(folder / "inflection.yaml")
-        combinator = Combinator(grammar.unary)
+        combinator = CombinationTable(grammar.unary)
         builder = LexiconBuilder(grammar, inflection, combinator)
         for name in _WORD_FILES:
             builder.read(folder / name)
@@ -242,7 +242,7 @@ class Language:
         found = self.utterance_parser.understand(sentence, context, ())
         return replace(found, text=text) if found.meaning.as_json() == meaning else None
 
-    def phrase_of(self, text: str, meaning: Meaning) -> Phrase | None:
+    def phrase_of(self, text: str, meaning: Meaning) -> PhrasePattern | None:
         """Return the turn of phrase by which a text has a confirmed meaning.
 
         It is None where the phrase is not to be learned: too short, with a word that is not known,
@@ -253,7 +253,7 @@ class Language:
         mentions = self.offers.mentions(tokens, Discourse())
         return phrase_from(mentions, meaning.as_json(), self.tool_acts, unknown)
 
-    def with_phrases(self, phrases: Iterable[Phrase]) -> Language:
+    def with_phrases(self, phrases: Iterable[PhrasePattern]) -> Language:
         """Return this language with further turns of phrase."""
         return replace(self, phrases=self.phrases.with_phrases(phrases))
 
@@ -261,11 +261,11 @@ class Language:
         return tokenize(text, self.builder.contractions)
 
     @cached_property
-    def offers(self) -> Offers:
+    def offers(self) -> OfferFinder:
         """What is offered for an utterance that is not understood."""
         folder = _folder(self.name)
         intervals = self.degrees.intervals
-        return Offers(
+        return OfferFinder(
             load_model(folder / "offers.json"),
             OfferChecks(
                 load_check_words(folder / "offers.yaml"), self.parser.features, self.parser.licence
@@ -350,7 +350,7 @@ class Language:
     def utterance_parser(self) -> UtteranceParser:
         """The parser of utterances with the words known now."""
         known = KnownWords(self.parser.lexicon, self.builder, self.inflection)
-        clarification = Clarification(
+        clarification = Clarifier(
             self.parser, known, self.inflection, self.answers, self.realizer, self.examples
         )
         reading_filter = ReadingFilter(known, self.inflection, self.parser.features)

@@ -73,10 +73,7 @@ def spinner(doing: str) -> AbstractContextManager[object]:
 
 
 def converse(
-    agent: Agent,
-    text: str,
-    hear: Callable[[str], Reply],
-    as_json: Callable[[Reply], Json] | None,
+    agent: Agent, text: str, hear: Callable[[str], Reply], as_json: Callable[[Reply], Json] | None
 ) -> bool:
     """Say each utterance and print its reply at once; return whether all were done."""
     done = True

@@ -57,7 +57,7 @@ def parse(
     if jsonl is not None:
         _parse_file(session, jsonl, speaker)
         return
-    from ...nlu.parsing.derivation import draw_svg
+    from ...nlu.parsing.derivation_views import draw_svg
     from ..presentation import console
 
     session = session.after(before or (), speaker=speaker)
@@ -80,7 +80,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check a lexicon file: declared categories, terms of the right type, unmixed features."""
-    from ...nlu.semantics.spelling_features import check_spellings
+    from ...nlu.semantics.feature_consistency import check_spellings
 
     language = _session(None).language
     before = sum(1 for _ in language.lexicon.senses())

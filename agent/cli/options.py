@@ -61,8 +61,7 @@ Kb = Annotated[
     ),
 ]
 Record = Annotated[
-    Path | None,
-    typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file."),
+    Path | None, typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file.")
 ]
 Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
 Heard = Annotated[

@@ -88,8 +88,7 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
 @app.command(epilog=example("abduce affordance:cutting --given property:sharp"))
 def abduce(
     conclusion: Annotated[
-        str,
-        typer.Argument(help="What to explain: affordance:cutting, part:blade, cutWith(bread)."),
+        str, typer.Argument(help="What to explain: affordance:cutting, part:blade, cutWith(bread).")
     ],
     *,
     given: Annotated[

@@ -31,8 +31,7 @@ def rules(
         str | None, typer.Option("--at", help="As they were: a date, a time, an utterance number.")
     ] = None,
     according_to: Annotated[
-        str | None,
-        typer.Option("--according-to", metavar="SPEAKER", help="As this one sees it."),
+        str | None, typer.Option("--according-to", metavar="SPEAKER", help="As this one sees it.")
     ] = None,
     name: Object = None,
     affordance: Affordance = None,

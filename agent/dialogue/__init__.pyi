@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 from .manager import DialogueManager
-from .questions import Knowledge, answer
+from .questions import AnswerSources, answer
 from .reply import Reply
 from .teaching import Lesson, lesson_from_statement
 from .translation import meaning_from_rule, request_from_command, rule_from_meaning
 
 __all__ = [
+    "AnswerSources",
     "DialogueManager",
-    "Knowledge",
     "Lesson",
     "Reply",
     "answer",

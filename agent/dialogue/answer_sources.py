@@ -10,15 +10,15 @@ from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.generation.templates import AnswerTemplates
 from ...nlu.parsing.understanding import Understanding
-from ..execution.outcome import Decision, Slot, SpokenAnswer
+from ..execution.outcome import AnswerContent, Decision, Slot
 from .reply import Reply
 from .translation import meaning_from_rule
 
-Answered = tuple[SpokenAnswer, tuple[Rule, ...]]
+Answered = tuple[AnswerContent, tuple[Rule, ...]]
 
 
 @dataclass(frozen=True)
-class Knowledge:
+class AnswerSources:
     """What questions are answered from.
 
     Attributes:
@@ -44,7 +44,7 @@ class Knowledge:
     topic: tuple[Rule, ...] = ()
     holding: Callable[[], str | None] = lambda: None
     said: str = ""
-    control: SpokenAnswer | None = None
+    control: AnswerContent | None = None
     retracted: tuple[Rule, ...] = ()
     prohibition: Understanding | None = None
     unanswered: str = ""
@@ -72,7 +72,7 @@ class Knowledge:
         return rule.speaker if rule.speaker != self.listener else ""
 
 
-def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> SpokenAnswer:
+def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> AnswerContent:
     """Return an answer by its key, with those of its slots that are filled."""
     given = {name: value for name, value in slots.items() if value is not None}
-    return SpokenAnswer(key, given, "done" if done else "failed")
+    return AnswerContent(key, given, "done" if done else "failed")

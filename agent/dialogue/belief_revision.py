@@ -10,17 +10,11 @@ from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
-from ..execution.outcome import SpokenAnswer
-from .conversation import Conversation, DialogueTurn
+from ..execution.outcome import AnswerContent
+from .conversation import Conversation, UnderstoodTurn
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import (
-    lesson_from_statement,
-    reporter_of,
-    rules_to_retract,
-    trust_in,
-    word_to_keep,
-)
+from .teaching import lesson_from_statement, reporter_of, rules_to_retract, trust_in, word_to_keep
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -37,7 +31,7 @@ class BeliefRevision:
     def __init__(self, base: KnowledgeBase, conversation: Conversation) -> None:
         self._base, self._conversation = base, conversation
 
-    def learn(self, turn: DialogueTurn, said: meaning.Statement) -> Reply:
+    def learn(self, turn: UnderstoodTurn, said: meaning.Statement) -> Reply:
         """Believe what a trusted speaker states, and return the reply that says what that is."""
         conversation = self._conversation
         if not conversation.trusts(turn.speaker):
@@ -68,7 +62,7 @@ class BeliefRevision:
         conversation.topic_from = "lesson"
         return replace(conversation.reply(turn, spoken), rules=told)
 
-    def forget(self, turn: DialogueTurn, said: meaning.Retraction) -> Reply:
+    def forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
         """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
         conversation = self._conversation
         is_just_told = bool(conversation.topic) and conversation.topic_from == "lesson"
@@ -86,13 +80,13 @@ class BeliefRevision:
             return self._ask_to_forget(turn, own)
         return self._retract(turn, own)
 
-    def open_topic(self, turn: DialogueTurn, said: meaning.TopicStatement) -> Reply:
+    def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
         conversation = self._conversation
         if not conversation.trusts(turn.speaker):
             return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         words = turn.understood.new_words
-        spoken = conversation.say(SpokenAnswer("topic", {"object": said.topic}))
+        spoken = conversation.say(AnswerContent("topic", {"object": said.topic}))
         self._base.believe(
             turn.understood.text,
             turn.understood.content,
@@ -107,7 +101,7 @@ class BeliefRevision:
         conversation.open_question = OpenQuestion(turn.speaker)
         return conversation.reply(turn, spoken)
 
-    def _is_dismissal(self, turn: DialogueTurn) -> bool:
+    def _is_dismissal(self, turn: UnderstoodTurn) -> bool:
         """Whether a turn would also dismiss a question: "never mind"."""
         conversation, text = self._conversation, turn.understood.text
         answers = conversation.language.short_answers(
@@ -119,14 +113,14 @@ class BeliefRevision:
         """Who may take a rule back: who says it, and who reported it."""
         return rule.speaker, reporter_of(self._base, rule)
 
-    def _new_names(self, said: meaning.Statement, turn: DialogueTurn) -> Iterator[NewWord]:
+    def _new_names(self, said: meaning.Statement, turn: UnderstoodTurn) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
         for name in dict.fromkeys(rule.object for rule in said.rules):
             if name not in known and not self._conversation.language.lexicon.name_categories(name):
                 yield NewWord(name, "object", name)
 
-    def _ask_to_forget(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
+    def _ask_to_forget(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
         """Ask whether a rule is meant that was not spoken of just now."""
         self._conversation.open_question = OpenQuestion(
             turn.speaker, lambda: self._retract(turn, rules)
@@ -134,10 +128,10 @@ class BeliefRevision:
         described = self._conversation.knowledge(turn).describe(rules[-1])
         return self._conversation.answered(turn, "forget_what", "asked", rule=described)
 
-    def _retract(self, turn: DialogueTurn, rules: Sequence[Rule]) -> Reply:
+    def _retract(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
         conversation = self._conversation
         phrases = tuple(map(conversation.knowledge(turn).describe, rules))
-        spoken = conversation.say(SpokenAnswer("forgotten", {"rules": phrases}))
+        spoken = conversation.say(AnswerContent("forgotten", {"rules": phrases}))
         understood = turn.understood
         self._base.believe(
             understood.text,

@@ -10,8 +10,8 @@ from typing import Protocol
 
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
-from ..execution.outcome import SpokenAnswer
-from .conversation import Conversation, DialogueTurn
+from ..execution.outcome import AnswerContent
+from .conversation import Conversation, UnderstoodTurn
 from .open_question import OpenQuestion
 from .reply import Reply
 from .teaching import rule_from_answer
@@ -43,10 +43,7 @@ class ClarificationDialogue:
     """
 
     def __init__(
-        self,
-        conversation: Conversation,
-        hear: Hear,
-        respond: Callable[[DialogueTurn], Reply],
+        self, conversation: Conversation, hear: Hear, respond: Callable[[UnderstoodTurn], Reply]
     ) -> None:
         self._conversation = conversation
         self._hear, self._respond = hear, respond
@@ -64,7 +61,7 @@ class ClarificationDialogue:
             if answered.is_dismissal:
                 conversation.open_question = None
                 dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
-                turn = DialogueTurn(dismissal, heard, keep)
+                turn = UnderstoodTurn(dismissal, heard, keep)
                 return conversation.answered(turn, "dismissed", "done")
             reply = open_question.reply_to(answered)
             if reply:
@@ -82,7 +79,7 @@ class ClarificationDialogue:
             return [meaning.Answer(number=number)]
         return language.short_answers(text, speaker=speaker, discourse=discourse)
 
-    def ask_back(self, turn: DialogueTurn, said: meaning.AskBack) -> Reply:
+    def ask_back(self, turn: UnderstoodTurn, said: meaning.AskBack) -> Reply:
         """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""
         reply = self._conversation.recorded(turn, said.question, "asked")
         choices = [each for each in said.choices if not isinstance(each, str)]
@@ -96,15 +93,14 @@ class ClarificationDialogue:
             )
         elif not said.choices:
             self._conversation.open_question = OpenQuestion(
-                speaker,
-                choose=lambda named: self._with_referent(turn, named),
+                speaker, choose=lambda named: self._with_referent(turn, named)
             )
         else:
             self._conversation.open_question = self._on_word(turn, said)
         return reply
 
     def _offer(
-        self, turn: DialogueTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
+        self, turn: UnderstoodTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
     ) -> None:
         """Wait for the choice of a meaning."""
         heard = tuple(partial(self._take, turn, each) for each in choices)
@@ -112,7 +108,7 @@ class ClarificationDialogue:
         only = heard[0] if len(heard) == 1 else again
         self._conversation.open_question = OpenQuestion(turn.speaker, only, choices=heard)
 
-    def _take(self, turn: DialogueTurn, choice: meaning.Meaning) -> Reply:
+    def _take(self, turn: UnderstoodTurn, choice: meaning.Meaning) -> Reply:
         """Respond to a chosen meaning, of the sentence that has it or as one that says it."""
         if turn.understood.reading is not None:
             return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
@@ -121,7 +117,7 @@ class ClarificationDialogue:
         self._conversation.learn_phrase(turn, choice)
         return reply
 
-    def _with_referent(self, turn: DialogueTurn, named: meaning.Answer) -> Reply | None:
+    def _with_referent(self, turn: UnderstoodTurn, named: meaning.Answer) -> Reply | None:
         """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""
         name = named.name
         if name in {None, meaning.ANY_OBJECT}:
@@ -135,7 +131,7 @@ class ClarificationDialogue:
         return self._hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
 
     def learn_answer(
-        self, turn: DialogueTurn, asked: meaning.Question, named: meaning.Answer
+        self, turn: UnderstoodTurn, asked: meaning.Question, named: meaning.Answer
     ) -> Reply | None:
         """Learn what a short answer to a question that Hilt could not answer teaches.
 
@@ -144,12 +140,12 @@ class ClarificationDialogue:
         rule = rule_from_answer(asked, named, self._conversation.language.usual)
         return self.learn_rule(turn, rule) if rule else None
 
-    def learn_rule(self, turn: DialogueTurn, rule: meaning.Rule) -> Reply:
+    def learn_rule(self, turn: UnderstoodTurn, rule: meaning.Rule) -> Reply:
         """Learn the rule that an answer to a question of Hilt stands for; return the reply."""
         text = self._conversation.language.generate(meaning.Statement((rule,)))
         return self._hear(text, speaker=turn.speaker, heard=turn.heard)
 
-    def _on_word(self, turn: DialogueTurn, said: meaning.AskBack) -> OpenQuestion | None:
+    def _on_word(self, turn: UnderstoodTurn, said: meaning.AskBack) -> OpenQuestion | None:
         """Wait for the answer whether a word is a slip of the one suggested, or an object, too."""
         words, speaker = turn.understood.words, turn.speaker
         again = partial(self._hear, speaker=speaker, heard=turn.heard)
@@ -177,12 +173,12 @@ class ClarificationDialogue:
             return None
         return asked.no if self._conversation.language.insists_on(asked.word, text) else None
 
-    def not_understood(self, turn: DialogueTurn, said: meaning.Misunderstanding) -> Reply:
+    def not_understood(self, turn: UnderstoodTurn, said: meaning.Misunderstanding) -> Reply:
         """Return the reply that says what is wrong with a turn, and what could be said instead."""
         conversation, problem = self._conversation, said.message
         if conversation.last_said.startswith(problem):
-            problem = conversation.say(SpokenAnswer("still_not_understood"))
-        example = SpokenAnswer("try_saying", {"example": said.nearest[:1]})
-        step = conversation.say(example if said.nearest else SpokenAnswer("ask_for_help"))
+            problem = conversation.say(AnswerContent("still_not_understood"))
+        example = AnswerContent("try_saying", {"example": said.nearest[:1]})
+        step = conversation.say(example if said.nearest else AnswerContent("ask_for_help"))
         spoken = problem if problem.endswith("?") else f"{problem} {step}"
         return conversation.recorded(turn, spoken, "not_understood")

@@ -18,8 +18,8 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.coreference import Discourse
 from ...nlu.semantics.meaning import Meaning, Misunderstanding
 from .. import protocols
-from ..execution.outcome import Ending, Slot, SpokenAnswer
-from .answer_sources import Knowledge
+from ..execution.outcome import AnswerContent, Ending, Slot
+from .answer_sources import AnswerSources
 from .open_question import OpenQuestion
 from .reply import Reply
 from .teaching import phrase_to_keep
@@ -29,13 +29,13 @@ _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "
 """The answers to acknowledgements that are not called like them."""
 
 
-def answer_to(acknowledgement: str) -> SpokenAnswer:
+def answer_to(acknowledgement: str) -> AnswerContent:
     """Return the answer to an acknowledgement of this kind."""
-    return SpokenAnswer(_REPLIES.get(acknowledgement, acknowledgement), {}, "done")
+    return AnswerContent(_REPLIES.get(acknowledgement, acknowledgement), {}, "done")
 
 
 @dataclass(frozen=True)
-class DialogueTurn:
+class UnderstoodTurn:
     """One utterance as it was understood.
 
     Attributes:
@@ -98,7 +98,7 @@ class Conversation:
         self.unanswered = ""
         self.last_said = ""
         self.last_done: Reply | None = None
-        self.control_done: SpokenAnswer | None = None
+        self.control_done: AnswerContent | None = None
         self.prohibition: Understanding | None = None
         self._base, self._seed, self._other = base, seed, other
         self._visible, self._holding = visible, holding
@@ -140,9 +140,9 @@ class Conversation:
             return replace(failed, meaning=replace(failed.meaning, message=said))
         return None
 
-    def knowledge(self, turn: DialogueTurn) -> Knowledge:
+    def knowledge(self, turn: UnderstoodTurn) -> AnswerSources:
         """Return what a question of this turn is answered from."""
-        return Knowledge(
+        return AnswerSources(
             self._base,
             self.language.answers,
             turn.speaker,
@@ -168,7 +168,7 @@ class Conversation:
         """Add new words to the language."""
         self.language = self.language.with_words(words)
 
-    def learn_phrase(self, turn: DialogueTurn, meant: Meaning) -> None:
+    def learn_phrase(self, turn: UnderstoodTurn, meant: Meaning) -> None:
         """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""
         phrase = self.language.phrase_of(turn.understood.text, meant)
         if phrase is not None and self.trusts(turn.speaker):
@@ -196,33 +196,33 @@ class Conversation:
 
     # --- Answers and replies ------------------------------------------------------------------
 
-    def say(self, answered: SpokenAnswer) -> str:
+    def say(self, answered: AnswerContent) -> str:
         """Return an answer in words, with the slots that its template has."""
         wanted = self.language.slots(answered.key)
         slots = {name: answered.slots[name] for name in wanted}
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken
 
-    def reply(self, turn: DialogueTurn, spoken: str) -> Reply:
+    def reply(self, turn: UnderstoodTurn, spoken: str) -> Reply:
         """Return the reply to a turn with an answer in words; the history is not written."""
         understood = turn.understood
         return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self._seed)
 
-    def answered(self, turn: DialogueTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
+    def answered(self, turn: UnderstoodTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
         """Write a turn to the history, and return its reply with the answer of this template."""
-        return self.spoken(turn, SpokenAnswer(key, slots, ending))
+        return self.spoken(turn, AnswerContent(key, slots, ending))
 
-    def spoken(self, turn: DialogueTurn, answered: SpokenAnswer) -> Reply:
+    def spoken(self, turn: UnderstoodTurn, answered: AnswerContent) -> Reply:
         """Write a turn to the history, and return its reply with an answer put in words."""
         return self.recorded(turn, self.say(answered), answered.ending)
 
-    def recorded(self, turn: DialogueTurn, spoken: str, ending: Ending) -> Reply:
+    def recorded(self, turn: UnderstoodTurn, spoken: str, ending: Ending) -> Reply:
         """Write a turn to the history, and return its reply with an answer in words."""
         reply = replace(self.reply(turn, spoken), ending=ending)
         self.record(reply, turn)
         return reply
 
-    def record(self, reply: Reply, turn: DialogueTurn) -> None:
+    def record(self, reply: Reply, turn: UnderstoodTurn) -> None:
         """Write the reply to a turn to the history, if the turn is to be kept."""
         if not turn.keep:
             return

@@ -24,12 +24,12 @@ from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..execution.goal_manager import GoalManager
-from ..execution.outcome import GoalResult, SpokenAnswer, WorldOutcome
+from ..execution.outcome import AnswerContent, GoalResult, WorldOutcome
 from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
-from .conversation import Conversation, DialogueTurn, answer_to
+from .conversation import Conversation, UnderstoodTurn, answer_to
 from .open_question import OpenQuestion
 from .questions import answer
 from .reply import Reply
@@ -87,12 +87,12 @@ class DialogueManager:
         self._goals = goals
         self._record_episode = record_episode
         self._accepted: frozenset[str] = frozenset()  # words that were said to be new
-        self._interrupted: tuple[DialogueTurn, Request] | None = None  # the command to continue
+        self._interrupted: tuple[UnderstoodTurn, Request] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
-        self._last: tuple[DialogueTurn, Request] | None = None  # the last command
+        self._last: tuple[UnderstoodTurn, Request] | None = None  # the last command
         self._prohibitions: dict[meaning.Command | meaning.ToolCommand, Understanding] = {}
-        self._just_stopped: SpokenAnswer | None = None  # until a control has confirmed it
-        self._listeners: dict[type, Callable[[DialogueTurn, Any], Reply]] = {
+        self._just_stopped: AnswerContent | None = None  # until a control has confirmed it
+        self._listeners: dict[type, Callable[[UnderstoodTurn, Any], Reply]] = {
             meaning.Statement: self._beliefs.learn,
             meaning.Retraction: self._beliefs.forget,
             meaning.TopicStatement: self._beliefs.open_topic,
@@ -142,7 +142,7 @@ class DialogueManager:
         understood = self._conversation.understand(
             text, speaker, heard=heard, accepted=self._accepted
         )
-        turn = DialogueTurn(understood, heard, keep)
+        turn = UnderstoodTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
             return self._conversation.answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
@@ -154,10 +154,10 @@ class DialogueManager:
     ) -> Reply:
         """Confirm a "wait" or "go on" while another thread carries out a command."""
         speaker = self._base.match_speaker(speaker)
-        turn = DialogueTurn(Understanding(text, speaker, "self", said), heard, keep)
+        turn = UnderstoodTurn(Understanding(text, speaker, "self", said), heard, keep)
         return self._conversation.answered(turn, "waiting" if said.is_halt else "going_on", "done")
 
-    def _respond(self, turn: DialogueTurn) -> Reply:
+    def _respond(self, turn: UnderstoodTurn) -> Reply:
         """Act on what was understood, and return the reply."""
         self._conversation.discourse = turn.understood.discourse
         said = turn.understood.meaning
@@ -170,7 +170,7 @@ class DialogueManager:
     # --- Commands -----------------------------------------------------------------------------
 
     def _carry_out_command(
-        self, turn: DialogueTurn, said: meaning.Command | meaning.ToolCommand
+        self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand
     ) -> Reply:
         if not self._conversation.trusts(turn.speaker):
             return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
@@ -191,7 +191,7 @@ class DialogueManager:
         )
 
     def _ask_whether_allowed(
-        self, turn: DialogueTurn, prohibited: meaning.Command | meaning.ToolCommand
+        self, turn: UnderstoodTurn, prohibited: meaning.Command | meaning.ToolCommand
     ) -> Reply:
         """Ask whether a command counts although what it wants was forbidden before."""
         conversation = self._conversation
@@ -205,7 +205,7 @@ class DialogueManager:
         slots = {"speaker": earlier.speaker, "texts": earlier.text}
         return conversation.answered(turn, "prohibited", "asked", **slots)
 
-    def _ask_what_that_is(self, turn: DialogueTurn, asked: meaning.Question) -> Reply:
+    def _ask_what_that_is(self, turn: UnderstoodTurn, asked: meaning.Question) -> Reply:
         """Ask what a thing is that nobody has spoken of, or what has such a use."""
         words, reading = turn.understood.unknown, turn.understood.reading
         new_uses = [word.word for word in reading.new_words] if reading else []
@@ -230,11 +230,11 @@ class DialogueManager:
         try:
             result = self._goals().achieve(request)
         except UnknownNameError:
-            answered = SpokenAnswer("cannot", {"goal": request.action}, "failed")
+            answered = AnswerContent("cannot", {"goal": request.action}, "failed")
             result = GoalResult(answered, None, (), WorldOutcome())
         return result, " ".join(map(self._conversation.say, (*result.setbacks, result.answer)))
 
-    def _carry_out(self, turn: DialogueTurn, request: Request) -> Reply:
+    def _carry_out(self, turn: UnderstoodTurn, request: Request) -> Reply:
         conversation = self._conversation
         result, spoken = self.attempt(request)
         spoken = self._asking_for_use(turn, result, spoken)
@@ -263,7 +263,7 @@ class DialogueManager:
             )
         return reply
 
-    def _asking_for_use(self, turn: DialogueTurn, result: GoalResult, spoken: str) -> str:
+    def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
         """What is said of a command, with the question what has a use that nothing is known for."""
         said, conversation = turn.understood.meaning, self._conversation
         conversation.open_question = None
@@ -275,11 +275,11 @@ class DialogueManager:
         choose = partial(self._clarification.learn_answer, turn, asked)
         conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
         slots = {"affordance": use_slot(asked.affordance or "", asked.material)}
-        return f"{spoken} {conversation.say(SpokenAnswer('tell_use', slots))}"
+        return f"{spoken} {conversation.say(AnswerContent('tell_use', slots))}"
 
     # --- Controls -----------------------------------------------------------------------------
 
-    def _obey(self, turn: DialogueTurn, said: meaning.Control) -> Reply:
+    def _obey(self, turn: UnderstoodTurn, said: meaning.Control) -> Reply:
         """Carry out a control while no command runs; one that ran was interrupted before."""
         conversation = self._conversation
         pending, conversation.open_question = conversation.open_question, None
@@ -301,7 +301,7 @@ class DialogueManager:
             conversation.control_done = emptied
         return conversation.spoken(turn, emptied)
 
-    def _continue(self, turn: DialogueTurn, pending: OpenQuestion | None) -> Reply:
+    def _continue(self, turn: UnderstoodTurn, pending: OpenQuestion | None) -> Reply:
         if pending and pending.yes and pending.asked == turn.speaker:
             return pending.yes()
         if self._interrupted:
@@ -316,7 +316,7 @@ class DialogueManager:
 
     # --- Questions, acknowledgements, and what is asked back -----------------------------------
 
-    def _answer(self, turn: DialogueTurn, said: meaning.Question) -> Reply:
+    def _answer(self, turn: UnderstoodTurn, said: meaning.Question) -> Reply:
         conversation = self._conversation
         found, rules = answer(said, conversation.knowledge(turn))
         if not rules and (said.object or said.affordance):
@@ -333,10 +333,10 @@ class DialogueManager:
             conversation.refer_to(*named)
         spoken = conversation.say(found)
         if spoken == conversation.last_said:
-            spoken = conversation.say(SpokenAnswer("as_said", {"said": spoken}))
+            spoken = conversation.say(AnswerContent("as_said", {"said": spoken}))
         return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)
 
-    def _whether_it_is(self, turn: DialogueTurn, said: meaning.Question) -> OpenQuestion:
+    def _whether_it_is(self, turn: UnderstoodTurn, said: meaning.Question) -> OpenQuestion:
         """Wait for the answer whether something is so that nobody has told."""
         use, sure = said.affordance or "", self.language.usual
         rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
@@ -347,7 +347,7 @@ class DialogueManager:
             needs_yes=True,
         )
 
-    def _acknowledge(self, turn: DialogueTurn, said: meaning.Acknowledgement) -> Reply:
+    def _acknowledge(self, turn: UnderstoodTurn, said: meaning.Acknowledgement) -> Reply:
         conversation, pending = self._conversation, self._conversation.open_question
         if pending and pending.asked != turn.speaker:
             pending = None

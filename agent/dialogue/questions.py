@@ -17,9 +17,9 @@ from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from ..execution.outcome import Decision, Slot, SpokenAnswer
+from ..execution.outcome import AnswerContent, Decision, Slot
 from ..execution.outcome_answer import use_slot
-from .answer_sources import Answered, Knowledge, spoken
+from .answer_sources import Answered, AnswerSources, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
 from .teaching import reporter_of
@@ -28,12 +28,12 @@ SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
 
 
-def answer(question: Question, known: Knowledge) -> Answered:
+def answer(question: Question, known: AnswerSources) -> Answered:
     """Return the answer to a question, and the rules that it rests on."""
     return _ANSWERS[question.ask](question, known)
 
 
-def _uses_of(question: Question, known: Knowledge) -> Answered:
+def _uses_of(question: Question, known: AnswerSources) -> Answered:
     strongest = _strongest(known.base.rules(object=question.object), "affordance")
     rules = [rule for rule in strongest if rule.asserts]
     if not rules:
@@ -45,7 +45,7 @@ def _uses_of(question: Question, known: Knowledge) -> Answered:
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
-def _objects_for(question: Question, known: Knowledge) -> Answered:
+def _objects_for(question: Question, known: AnswerSources) -> Answered:
     rules = [r for r in _functional(question, known) if r.asserts]
     if not rules:
         return spoken("nothing_known_for", affordance=_use(question)), ()
@@ -55,7 +55,7 @@ def _objects_for(question: Question, known: Knowledge) -> Answered:
     return said, tuple(rules)
 
 
-def _best_for(question: Question, known: Knowledge) -> Answered:
+def _best_for(question: Question, known: AnswerSources) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
     names = dict.fromkeys(rule.object for rule in rules if rule.object)
@@ -69,7 +69,7 @@ def _best_for(question: Question, known: Knowledge) -> Answered:
     return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
 
 
-def _how(question: Question, known: Knowledge) -> Answered:
+def _how(question: Question, known: AnswerSources) -> Answered:
     rules = known.base.rules(object=question.object, context=question.context)
     grasps = _strongest((rule for rule in rules if rule.part), "part")
     if not grasps:
@@ -78,7 +78,7 @@ def _how(question: Question, known: Knowledge) -> Answered:
     return _told("how", grasps[0], known), (grasps[0],)
 
 
-def _is_used_for(question: Question, known: Knowledge) -> Answered:
+def _is_used_for(question: Question, known: AnswerSources) -> Answered:
     rules = [r for r in _functional(question, known) if r.object == question.object]
     if not rules:
         slots = {"object": question.object, "affordance": _use(question)}
@@ -94,7 +94,7 @@ def _is_used_for(question: Question, known: Knowledge) -> Answered:
     return _told(key, rules[0], known), (rules[0],)
 
 
-def _about(question: Question, known: Knowledge) -> Answered:
+def _about(question: Question, known: AnswerSources) -> Answered:
     if question.object is None:
         return _objects_for(question, known)
     rules = known.base.rules(object=question.object)
@@ -103,7 +103,7 @@ def _about(question: Question, known: Knowledge) -> Answered:
     return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
 
 
-def _confidence(question: Question, known: Knowledge) -> Answered:
+def _confidence(question: Question, known: AnswerSources) -> Answered:
     if known.retracted and question == Question("confidence"):
         said = tuple(known.describe(rule) for rule in known.retracted)
         return spoken("no_longer_sure", done=True, rules=said), ()
@@ -118,7 +118,7 @@ def _confidence(question: Question, known: Knowledge) -> Answered:
     return spoken(key, done=True, rule=known.describe(rule), speaker=rule.speaker), (rule,)
 
 
-def _source(question: Question, known: Knowledge) -> Answered:
+def _source(question: Question, known: AnswerSources) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
         return spoken("no_source"), ()
@@ -130,14 +130,14 @@ def _source(question: Question, known: Knowledge) -> Answered:
     return spoken("source_of_report", done=True, texts=said, **people), (rule,)
 
 
-def _texts(question: Question, rules: Sequence[Rule], known: Knowledge) -> tuple[str, ...]:
+def _texts(question: Question, rules: Sequence[Rule], known: AnswerSources) -> tuple[str, ...]:
     """In which words the first of some rules was told; "who told you that?" asks for them all."""
     asked = rules if question == Question("source") else rules[:1]
     told = (rule for rule in asked if rule.utterance and rule.speaker == rules[0].speaker)
     return tuple(dict.fromkeys(known.base.utterance(rule.utterance or 0).text for rule in told))
 
 
-def _what_if(question: Question, known: Knowledge) -> Answered:
+def _what_if(question: Question, known: AnswerSources) -> Answered:
     """Abduction: of which things would it follow that they are used for something?"""
     argument = Atom("affordance", question.affordance or "")
     given = frozenset([Atom("material", question.material)] if question.material else ())
@@ -151,7 +151,7 @@ def _what_if(question: Question, known: Knowledge) -> Answered:
     return said, tuple(rule for each in found for rule in each.rules)
 
 
-def _thing(hypothesis: Hypothesis, known: Knowledge) -> str:
+def _thing(hypothesis: Hypothesis, known: AnswerSources) -> str:
     """What a thing would have to be: "sharp knife", "red thing with a handle"."""
     named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
     for atom in sorted(hypothesis.features | hypothesis.contexts):
@@ -164,7 +164,7 @@ def _thing(hypothesis: Hypothesis, known: Knowledge) -> str:
     return thing + parts + places
 
 
-def _which_context(question: Question, known: Knowledge) -> Answered:
+def _which_context(question: Question, known: AnswerSources) -> Answered:
     """Abduction: which context explains that a thing is held by a part?"""
     given = frozenset({Atom("object", question.object or "")})
     wanted = Conclusion(GRASP_OBJECT, Atom("part", question.part or ""))
@@ -179,7 +179,7 @@ def _which_context(question: Question, known: Knowledge) -> Answered:
     return spoken("explained", done=True, rules=said), rules
 
 
-def _see(question: Question, known: Knowledge) -> Answered:
+def _see(question: Question, known: AnswerSources) -> Answered:
     names = known.visible()
     if question.object:
         seen = question.object in names
@@ -187,7 +187,7 @@ def _see(question: Question, known: Knowledge) -> Answered:
     return (spoken("see", done=True, objects=names) if names else spoken("see_nothing")), ()
 
 
-def _trust(question: Question, known: Knowledge) -> Answered:
+def _trust(question: Question, known: AnswerSources) -> Answered:
     if question.speaker is None:
         return spoken("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
     speaker = known.base.match_speaker(question.speaker)
@@ -202,7 +202,7 @@ def _trust(question: Question, known: Knowledge) -> Answered:
 # --- Why, and why not ----------------------------------------------------------------------
 
 
-def why(question: Question, known: Knowledge) -> Answered:
+def why(question: Question, known: AnswerSources) -> Answered:
     """Return the sentences that a choice rests on, or the rules that were mentioned last."""
     if known.prohibition and not question.part:
         return _because_forbidden(known.prohibition), ()
@@ -221,7 +221,7 @@ def why(question: Question, known: Knowledge) -> Answered:
     return _because_of_decision(known, known.last), ()
 
 
-def _because_of_decision(known: Knowledge, last: Reply) -> SpokenAnswer:
+def _because_of_decision(known: AnswerSources, last: Reply) -> AnswerContent:
     """Why the last command was carried out, or was not, where no rule says it."""
     reason = _reason(known.decision, None)
     if reason:
@@ -231,7 +231,7 @@ def _because_of_decision(known: Knowledge, last: Reply) -> SpokenAnswer:
     return spoken("because_not_done", done=True, said=last.said)
 
 
-def why_not(question: Question, known: Knowledge) -> Answered:
+def why_not(question: Question, known: AnswerSources) -> Answered:
     """Return the reasons against another object, or another part."""
     if known.prohibition and not question.part:
         return _because_forbidden(known.prohibition), ()
@@ -245,11 +245,11 @@ def why_not(question: Question, known: Knowledge) -> Answered:
     return _why_not_thing(question.object or "thing", known.last, known)
 
 
-def _because_forbidden(said: Understanding) -> SpokenAnswer:
+def _because_forbidden(said: Understanding) -> AnswerContent:
     return spoken("because_told", done=True, speakers=(said.speaker,), texts=(said.text,))
 
 
-def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:
+def _why_not_thing(name: str, last: Reply, known: AnswerSources) -> Answered:
     best = known.decision and known.decision.object.best
     denials = _denials(known.decision and known.decision.object, name)
     reason, wanted = _reason(known.decision, name), _wanted_use(last, name)
@@ -268,7 +268,7 @@ def _why_not_thing(name: str, last: Reply, known: Knowledge) -> Answered:
     return said, ()
 
 
-def _why_not_part(part: str, known: Knowledge) -> Answered:
+def _why_not_part(part: str, known: AnswerSources) -> Answered:
     decision = known.decision
     if decision is not None and decision.chosen_part == part:
         return spoken("is_so_part", done=True, part=part), ()
@@ -291,14 +291,14 @@ def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
     return tuple(rule for each in denied for rule in each.rules if not rule.asserts)
 
 
-def _sources(rules: Sequence[Rule], known: Knowledge) -> dict[str, tuple[str, ...]]:
+def _sources(rules: Sequence[Rule], known: AnswerSources) -> dict[str, tuple[str, ...]]:
     """Who told Hilt some rules, and in which words, each once."""
     texts = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
     speakers = dict.fromkeys(reporter_of(known.base, rule) for rule in rules)
     return {"speakers": tuple(speakers), "texts": texts}
 
 
-def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
+def _reasons(question: Question, known: AnswerSources) -> Sequence[Rule]:
     decision = known.decision
     if not question.object and not question.part:
         return [rule for rule in known.topic if rule.utterance]
@@ -313,13 +313,13 @@ def _reasons(question: Question, known: Knowledge) -> Sequence[Rule]:
     return rules if any(rule.part is None for rule in rules) else ()
 
 
-def _because(rules: Sequence[Rule], known: Knowledge) -> Answered:
+def _because(rules: Sequence[Rule], known: AnswerSources) -> Answered:
     if rules[-1].status == "induced":
         return spoken("because_alike", done=True, texts=_words(rules[-1], known)), tuple(rules)
     return spoken("because_told", done=True, **_sources(rules, known)), tuple(rules)
 
 
-def _words(rule: Rule, known: Knowledge) -> str:
+def _words(rule: Rule, known: AnswerSources) -> str:
     """The sentence that taught a rule; what came from a file was not said in words."""
     utterance = known.base.utterance(rule.utterance or 0)
     return known.describe(rule) if utterance.kind == "import" else utterance.text
@@ -363,7 +363,7 @@ def _wanted_use(last: Reply, name: str) -> Question | None:
 # --- Helpers -------------------------------------------------------------------------------
 
 
-def _told(key: str, rule: Rule, known: Knowledge) -> SpokenAnswer:
+def _told(key: str, rule: Rule, known: AnswerSources) -> AnswerContent:
     return spoken(key, done=True, rule=known.quote(rule))
 
 
@@ -373,7 +373,7 @@ def _use(question: Question, *materials: str) -> Slot | None:
     return use_slot(use, *(materials or (question.material,))) if use else None
 
 
-def _named(rule: Rule, question: Question, known: Knowledge) -> str:
+def _named(rule: Rule, question: Question, known: AnswerSources) -> str:
     """The object of a rule, with its material where the question names another one or none."""
     name = rule.object or "thing"
     if rule.material is None or rule.material == question.material:
@@ -381,13 +381,13 @@ def _named(rule: Rule, question: Question, known: Knowledge) -> str:
     return known.words.object_for(name, rule.material)
 
 
-def _functional(question: Question, known: Knowledge) -> list[Rule]:
+def _functional(question: Question, known: AnswerSources) -> list[Rule]:
     """The rules about the use that a question names, those about its material first."""
     rules = known.base.rules(object=question.object, affordance=question.affordance)
     return _on_material(rules, question, known)
 
 
-def _on_material(rules: Iterable[Rule], question: Question, known: Knowledge) -> list[Rule]:
+def _on_material(rules: Iterable[Rule], question: Question, known: AnswerSources) -> list[Rule]:
     """The rules that apply to the material that a question names, the surest first.
 
     Those about the material itself come before those about any.
@@ -397,7 +397,7 @@ def _on_material(rules: Iterable[Rule], question: Question, known: Knowledge) ->
     return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
 
 
-def _meant(question: Question, known: Knowledge) -> list[Rule]:
+def _meant(question: Question, known: AnswerSources) -> list[Rule]:
     """The rules a question is about: those it names, else those last spoken of."""
     named = (question.object, question.affordance, question.context)
     if not any(named):
@@ -409,7 +409,7 @@ def _meant(question: Question, known: Knowledge) -> list[Rule]:
     return _on_material(fitting, question, known) if question.affordance else _by_strength(fitting)
 
 
-def _latest(known: Knowledge) -> list[Rule]:
+def _latest(known: AnswerSources) -> list[Rule]:
     return sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
 
 
@@ -427,7 +427,7 @@ def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
     return list(best.values())
 
 
-_ANSWERS: Mapping[str, Callable[[Question, Knowledge], Answered]] = {
+_ANSWERS: Mapping[str, Callable[[Question, AnswerSources], Answered]] = {
     **SELF_REPORTS,
     "about": _about,
     "best_for": _best_for,

@@ -18,17 +18,10 @@ from ...kb.learned_words import LearnedWord
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape
-from ...nlu.offers.phrase_memory import Phrase
+from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.semantics import meaning
-from ...nlu.semantics.meaning import (
-    ANY_OBJECT,
-    Answer,
-    Confidence,
-    Question,
-    Retraction,
-    Statement,
-)
-from ..execution.outcome import SpokenAnswer
+from ...nlu.semantics.meaning import ANY_OBJECT, Answer, Confidence, Question, Retraction, Statement
+from ..execution.outcome import AnswerContent
 from .translation import rule_from_meaning
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
@@ -59,7 +52,7 @@ class Lesson:
         trust: float,
         heard: float,
         words: Sequence[NewWord] = (),
-    ) -> Iterator[SpokenAnswer]:
+    ) -> Iterator[AnswerContent]:
         """The confirmation of what was learned, new words included.
 
         `trust` in the one whose rules they are and how well the speaker was `heard` are in [0, 1].
@@ -73,17 +66,13 @@ class Lesson:
             key = "learned_report" if trust else "learned_unknown_report"
         rules = tuple(map(describe, self.rules))
         key = "known_already" if self.is_known else key
-        yield SpokenAnswer(key, {"rules": rules, "speaker": self.source or speaker})
+        yield AnswerContent(key, {"rules": rules, "speaker": self.source or speaker})
         if words:
-            yield SpokenAnswer("learned_words", {"words": tuple(word.word for word in words)})
+            yield AnswerContent("learned_words", {"words": tuple(word.word for word in words)})
 
 
 def lesson_from_statement(
-    base: KnowledgeBase,
-    said: Statement,
-    speaker: str,
-    heard: float,
-    topic: Sequence[Rule] = (),
+    base: KnowledgeBase, said: Statement, speaker: str, heard: float, topic: Sequence[Rule] = ()
 ) -> Lesson:
     """Return what a statement teaches to a base.
 
@@ -100,10 +89,7 @@ def lesson_from_statement(
         dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic))
     )
     return Lesson(
-        rules,
-        supersedes,
-        not supersedes and all(rule.id in known for rule in rules),
-        source,
+        rules, supersedes, not supersedes and all(rule.id in known for rule in rules), source
     )
 
 
@@ -201,14 +187,14 @@ def word_from_base(word: LearnedWord) -> NewWord:
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
 
 
-def phrase_to_keep(phrase: Phrase, said: str, speaker: str) -> LearnedPhrase:
+def phrase_to_keep(phrase: PhrasePattern, said: str, speaker: str) -> LearnedPhrase:
     """Return a phrase as it is kept in the base."""
     return LearnedPhrase(" ".join(phrase.pattern), phrase.shape.text, said, speaker)
 
 
-def phrase_from_base(phrase: LearnedPhrase) -> Phrase:
+def phrase_from_base(phrase: LearnedPhrase) -> PhrasePattern:
     """Return a phrase of the base as the language knows it."""
-    return Phrase(tuple(phrase.pattern.split(" ")), MeaningShape(phrase.meaning))
+    return PhrasePattern(tuple(phrase.pattern.split(" ")), MeaningShape(phrase.meaning))
 
 
 def word_for_person(name: str) -> NewWord:

@@ -17,7 +17,7 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.interpretation import GOALS
 from ...ontology.actions import Actions
-from ..execution.outcome import GoalResult, SpokenAnswer
+from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Argument, Request
 
 
@@ -79,10 +79,7 @@ def request_from_command(
             tool = replace(tool, material=command.patient)
         arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
         return Request(
-            command.goal,
-            arguments,
-            speaker,
-            assumed=frozenset({"tool"} if is_assumed else ()),
+            command.goal, arguments, speaker, assumed=frozenset({"tool"} if is_assumed else ())
         )
     arguments = {"object": _target(command.target)}
     if command.recipient:
@@ -103,14 +100,14 @@ def use_of(said: meaning.Command | meaning.ToolCommand) -> meaning.Question:
     return meaning.Question("objects_for", affordance=use, material=target.material)
 
 
-def declined(said: meaning.Command | meaning.ToolCommand) -> SpokenAnswer:
+def declined(said: meaning.Command | meaning.ToolCommand) -> AnswerContent:
     """Return the answer to a command not to do something."""
     if isinstance(said, meaning.ToolCommand):
-        return SpokenAnswer(
+        return AnswerContent(
             "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
         )
     name = said.target.object or said.target.used_for or "thing"
-    return SpokenAnswer("will_not", {"goal": said.goal, "object": name}, "refused")
+    return AnswerContent("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
 def forbids(

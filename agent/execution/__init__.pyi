@@ -2,11 +2,12 @@
 from .action_tree_executor import ExecutionContext, TreeExecutor
 from .embodiment import Embodiment
 from .goal_manager import GoalManager
-from .outcome import Decision, GoalResult, SpokenAnswer, WalkStep, WorldOutcome
+from .outcome import AnswerContent, Decision, GoalResult, WalkStep, WorldOutcome
 from .perception import PerfectVision
 from .request import Request
 
 __all__ = [
+    "AnswerContent",
     "Decision",
     "Embodiment",
     "ExecutionContext",
@@ -14,7 +15,6 @@ __all__ = [
     "GoalResult",
     "PerfectVision",
     "Request",
-    "SpokenAnswer",
     "TreeExecutor",
     "WalkStep",
     "WorldOutcome",

@@ -24,11 +24,11 @@ from ...sim.vision.percept import Percept
 from ..protocols import Motion, Vision
 from . import outcome_answer
 from .outcome import (
+    AnswerContent,
     Constraint,
     Decision,
     FailedAttempt,
     GoalResult,
-    SpokenAnswer,
     WalkStep,
     WorldOutcome,
 )
@@ -82,18 +82,18 @@ class TreeExecutor:
         )
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
-        self._setbacks: list[SpokenAnswer] = []
+        self._setbacks: list[AnswerContent] = []
         self._found: dict[Target, FoundObject] = {}
         self._rejected: dict[str, FailedAttempt] = {}
 
-    def result(self, answer: SpokenAnswer) -> GoalResult:
+    def result(self, answer: AnswerContent) -> GoalResult:
         """Return the result of the execution so far, with this answer."""
         world = self._primitives.world if self._primitives else WorldOutcome()
         return GoalResult(answer, self.decision, tuple(self._steps), world, tuple(self._setbacks))
 
     # --- The four operations ---------------------------------------------------------------
 
-    def visit(self, node: str, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
+    def visit(self, node: str, arguments: Mapping[str, Argument]) -> AnswerContent | None:
         """Perform the four operations at a node, then its steps; return the failure, if any."""
         try:
             self._context.interruption.wait()
@@ -109,7 +109,7 @@ class TreeExecutor:
         try:
             inference = self._context.affordances.infer(node, goal, observations)
         except ConflictError as error:
-            return SpokenAnswer("contradicted", {"reason": str(error)}, "failed", "conflict")
+            return AnswerContent("contradicted", {"reason": str(error)}, "failed", "conflict")
         index = len(self._steps)
         self._steps.append(_step(node, features, percepts, inference))
         self._notify(self._steps[index])
@@ -158,7 +158,7 @@ class TreeExecutor:
         arguments: Mapping[str, Argument],
         percepts: Sequence[Percept],
         inference: Inference,
-    ) -> SpokenAnswer | None:
+    ) -> AnswerContent | None:
         action = _action(node)
         if action in self._context.actions.trees:
             return self._walk_tree(node, self._context.actions.trees[action], arguments)
@@ -187,7 +187,7 @@ class TreeExecutor:
 
     def _walk_tree(
         self, node: str, tree: ActionTree, arguments: Mapping[str, Argument]
-    ) -> SpokenAnswer | None:
+    ) -> AnswerContent | None:
         failure = self._unmet(tree, arguments) or self._walk_steps(node, tree.steps, arguments)
         tries = [branch.again for branch in tree.otherwise]
         while failure:
@@ -209,8 +209,8 @@ class TreeExecutor:
         node: str,
         steps: Sequence[TreeStep | Loop],
         arguments: Mapping[str, Argument],
-        failure: SpokenAnswer,
-    ) -> SpokenAnswer | None:
+        failure: AnswerContent,
+    ) -> AnswerContent | None:
         """Carry out other steps after a failure; return the failure of the command, if it is one.
 
         A tree that contains this one goes on after them. What was asked for is not done by them.
@@ -220,16 +220,16 @@ class TreeExecutor:
         self._report_setback(failure)
         if "/" in node:
             return None
-        return SpokenAnswer("did_instead", {}, "failed", failure.cause)
+        return AnswerContent("did_instead", {}, "failed", failure.cause)
 
-    def _report_setback(self, failure: SpokenAnswer) -> None:
+    def _report_setback(self, failure: AnswerContent) -> None:
         if failure not in self._setbacks:
             self._setbacks.append(failure)
 
     def _branch(
         self,
         tree: ActionTree,
-        failure: SpokenAnswer,
+        failure: AnswerContent,
         arguments: Mapping[str, Argument],
         tries: Sequence[int],
     ) -> int | None:
@@ -252,19 +252,19 @@ class TreeExecutor:
         others = [each for each in found.inference.candidates if each.name not in tried]
         return [each for each in others if each.verdict in WORTH_TRYING]
 
-    def _reject(self, argument: Argument, failure: SpokenAnswer) -> None:
+    def _reject(self, argument: Argument, failure: AnswerContent) -> None:
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
             self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
 
-    def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> SpokenAnswer | None:
+    def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> AnswerContent | None:
         if self._primitives is None:  # nothing is going to be done
             return None
         for condition in tree.requires:
             if not self._holds(condition, arguments.get(condition.parameter)):
                 name = _named(arguments.get(condition.parameter)) or condition.parameter
                 key = {"sees": "nothing_seen", "holds": "not_held"}[condition.kind]
-                return SpokenAnswer(key, {"object": name}, "failed", "required")
+                return AnswerContent(key, {"object": name}, "failed", "required")
         return None
 
     def _holds(self, condition: Precondition, argument: Argument | None) -> bool:
@@ -276,7 +276,7 @@ class TreeExecutor:
 
     def _walk_steps(
         self, node: str, steps: Sequence[TreeStep | Loop], arguments: Mapping[str, Argument]
-    ) -> SpokenAnswer | None:
+    ) -> AnswerContent | None:
         for step in steps:
             if isinstance(step, Loop):
                 failure = self._repeat(node, step, arguments)
@@ -288,7 +288,7 @@ class TreeExecutor:
 
     def _repeat(
         self, node: str, loop: Loop, arguments: Mapping[str, Argument]
-    ) -> SpokenAnswer | None:
+    ) -> AnswerContent | None:
         # Without a robot nothing can be sensed: one pass shows what would be done.
         for _ in range(loop.times if self._primitives else 1):
             failure = self._walk_steps(node, loop.steps, arguments)
@@ -314,7 +314,7 @@ class TreeExecutor:
 
     def _find(
         self, arguments: Mapping[str, Argument], percepts: Sequence[Percept], inference: Inference
-    ) -> SpokenAnswer | None:
+    ) -> AnswerContent | None:
         target = self._target(arguments)
         patient = self._request.arguments.get(PATIENT)
         if target != patient or self.decision is None:
@@ -327,7 +327,7 @@ class TreeExecutor:
             )
         best = inference.best
         if best is None and self._excluded(arguments):
-            return SpokenAnswer("nothing_other", {}, "failed", "not_found")
+            return AnswerContent("nothing_other", {}, "failed", "not_found")
         if best is None:
             return outcome_answer.not_found(target, inference)
         if outcome_answer.is_guess(best):
@@ -340,7 +340,7 @@ class TreeExecutor:
 
     def _choose_part(
         self, percept: Percept, inference: Inference
-    ) -> tuple[str | None, SpokenAnswer | None]:
+    ) -> tuple[str | None, AnswerContent | None]:
         """Return the part to grasp by, if any is called for, or why there is none."""
         decision = replace(self.decision, part=inference) if self.decision else None
         self.decision = decision
@@ -362,14 +362,14 @@ class TreeExecutor:
         is_tool = PATIENT in self._request.arguments
         return self._context.grips.get(percept.object) if is_tool else None, None
 
-    def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, SpokenAnswer | None]:
+    def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, AnswerContent | None]:
         part = self._own_part(name, percept)
         if self._primitives and self._lacks(percept, part):
             return None, self._no_part("no_part", percept, part=part)
         return part, None
 
-    def _no_part(self, key: str, percept: Percept, **slots: str) -> SpokenAnswer:
-        return SpokenAnswer(key, {"object": percept.object, **slots}, "failed", "no_part")
+    def _no_part(self, key: str, percept: Percept, **slots: str) -> AnswerContent:
+        return AnswerContent(key, {"object": percept.object, **slots}, "failed", "no_part")
 
     def _allowed_part(self, percept: Percept, inference: Inference) -> str | None:
         """Return a part that is not forbidden: the one made for holding, or else one in view."""

@@ -12,7 +12,7 @@ from ...sim.robot.interruption import Interruption
 from ..protocols import Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .action_tree_executor import ExecutionContext, TreeExecutor
-from .outcome import Decision, GoalResult, SpokenAnswer, WalkStep
+from .outcome import AnswerContent, Decision, GoalResult, WalkStep
 from .request import Request, review_arguments
 
 _EMPTIED = {"release": "released", "putDown": "put_down", "putBack": "put_back"}
@@ -90,27 +90,27 @@ class GoalManager:
         held = self.motion.held if isinstance(self.motion, ReleasingMotion) else None
         return held.object if held else None
 
-    def empty_hand(self, control: str, named: str | None = None) -> SpokenAnswer:
+    def empty_hand(self, control: str, named: str | None = None) -> AnswerContent:
         """Release, put down or put back what the hand holds; `named` is what it should be."""
         held = self.holding
         if not isinstance(self.motion, ReleasingMotion) or held is None:
-            return SpokenAnswer("nothing_held", {}, "failed", "nothing_held")
+            return AnswerContent("nothing_held", {}, "failed", "nothing_held")
         if named not in {None, held}:
-            return SpokenAnswer("not_held", {"object": str(named)}, "failed", "nothing_held")
+            return AnswerContent("not_held", {"object": str(named)}, "failed", "nothing_held")
         moves = {"release": self.motion.release, "putDown": self.motion.put_down}
         report = moves.get(control, self.motion.put_back)()
         if report.ok:
-            return SpokenAnswer(_EMPTIED[control], {"object": held})
+            return AnswerContent(_EMPTIED[control], {"object": held})
         if report.reason == outcome_answer.INTERRUPTED:
             return outcome_answer.stopped(self.holding)
         key = "dropped" if report.reason == "dropped" else "no_place"
-        return SpokenAnswer(key, {"object": held}, "failed", report.reason)
+        return AnswerContent(key, {"object": held}, "failed", report.reason)
 
     def _answer(
         self, request: Request, decision: Decision | None, recipient: str, unable: Sequence[str]
-    ) -> SpokenAnswer:
+    ) -> AnswerContent:
         if decision is None or decision.object.best is None:  # nothing was looked for or needed
-            return SpokenAnswer("okay")
+            return AnswerContent("okay")
         if unable:
             return outcome_answer.unable(request.action, unable[0], decision)
         if self.motion is None:

@@ -21,7 +21,7 @@ Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
 
 @dataclass(frozen=True)
-class SpokenAnswer:
+class AnswerContent:
     """An answer before it is put into words.
 
     Attributes:
@@ -268,11 +268,11 @@ class GoalResult:
         setbacks: failures that a branch of the tree handled, to be said before the answer.
     """
 
-    answer: SpokenAnswer
+    answer: AnswerContent
     decision: Decision | None
     steps: tuple[WalkStep, ...]
     world: WorldOutcome
-    setbacks: tuple[SpokenAnswer, ...] = ()
+    setbacks: tuple[AnswerContent, ...] = ()
 
     def as_json(self) -> Json:
         """The keys of `hilt do --json` on what was decided and done."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
-from .outcome import Decision, Slot, SpokenAnswer
+from .outcome import AnswerContent, Decision, Slot
 
 INTERRUPTED = "interrupted"  # the cause of a failure: somebody asked to stop
 
@@ -37,26 +37,26 @@ _MOTION = {  # reason of a motion report -> the answer with a part, and without
 }
 
 
-def done(action: str, decision: Decision, speaker: str, recipient: str) -> SpokenAnswer:
+def done(action: str, decision: Decision, speaker: str, recipient: str) -> AnswerContent:
     """Return the answer to a command that was carried out."""
     slots = _chosen(action, decision)
     if decision.patient:
-        return SpokenAnswer("done_with_tool", slots)
+        return AnswerContent("done_with_tool", slots)
     if action == "pass" and recipient != speaker:
-        return SpokenAnswer("passed_to", slots | {"recipient": recipient})
+        return AnswerContent("passed_to", slots | {"recipient": recipient})
     teacher = _teacher(decision)
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
     plain, by_part, as_told = _DONE.get(action, _DONE["use"])
-    return SpokenAnswer(as_told if teacher else by_part if decision.chosen_part else plain, slots)
+    return AnswerContent(as_told if teacher else by_part if decision.chosen_part else plain, slots)
 
 
-def decided(action: str, decision: Decision) -> SpokenAnswer:
+def decided(action: str, decision: Decision) -> AnswerContent:
     """Return the answer without a robot to carry out the command: what Hilt would do."""
     slots = _chosen(action, decision)
     if decision.patient:
-        return SpokenAnswer("would_use_tool", slots)
-    return SpokenAnswer("would_do_by" if decision.chosen_part else "would_do", slots)
+        return AnswerContent("would_use_tool", slots)
+    return AnswerContent("would_do_by" if decision.chosen_part else "would_do", slots)
 
 
 def use_slot(affordance: str, *materials: str | None) -> str | tuple[str, ...]:
@@ -65,20 +65,20 @@ def use_slot(affordance: str, *materials: str | None) -> str | tuple[str, ...]:
     return (affordance, *named) if named else affordance
 
 
-def not_found(target: Target, inference: Inference) -> SpokenAnswer:
+def not_found(target: Target, inference: Inference) -> AnswerContent:
     """Return the answer when no candidate is accepted."""
     first = inference.candidates[0] if inference.candidates else None
     if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
         return _no_candidate(target, inference)
     wanted = _wanted(target)
     if wanted is None:
-        return SpokenAnswer("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
+        return AnswerContent("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
     if is_guess(first):
         return guessed(target, first)
     slots = {"object": first.object}
     if target.affords:
-        return SpokenAnswer("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
-    return SpokenAnswer("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
+        return AnswerContent("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
+    return AnswerContent("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
 
 
 def is_guess(candidate: Candidate) -> bool:
@@ -86,49 +86,51 @@ def is_guess(candidate: Candidate) -> bool:
     return any(rule.speaker == INDUCER for rule in candidate.rules)
 
 
-def guessed(target: Target, best: Candidate) -> SpokenAnswer:
+def guessed(target: Target, best: Candidate) -> AnswerContent:
     """Return the question about an object that nobody said has the use that is asked for."""
     slots = {"object": best.object, "affordance": _wanted(target) or "that"}
-    return SpokenAnswer("guess_use", slots, "asked", "not_sure")
+    return AnswerContent("guess_use", slots, "asked", "not_sure")
 
 
-def not_sure_how(action: str, object_name: str, best: Candidate) -> SpokenAnswer:
+def not_sure_how(action: str, object_name: str, best: Candidate) -> AnswerContent:
     """Return the question about the best part for a grasp: it is not accepted, or a guess."""
     part = best.argument.name if best.argument else "part"
     slots = {"goal": action, "object": object_name, "part": part}
-    return SpokenAnswer(
+    return AnswerContent(
         "guess_how" if is_guess(best) else "not_sure_how", slots, "asked", "not_sure"
     )
 
 
-def motion_failed(reason: str, object_name: str, part: str | None) -> SpokenAnswer:
+def motion_failed(reason: str, object_name: str, part: str | None) -> AnswerContent:
     """Return the answer to a motion that failed."""
     if reason not in _MOTION:  # a failure of the robot's own
         return failed(reason.replace("_", " "), object_name, reason)
     with_part, without = _MOTION[reason]
     slots = {"object": object_name} | ({"part": part} if part else {})
-    return SpokenAnswer(with_part if part else without, slots, "failed", reason)
+    return AnswerContent(with_part if part else without, slots, "failed", reason)
 
 
-def failed(why: str, object_name: str, cause: str) -> SpokenAnswer:
+def failed(why: str, object_name: str, cause: str) -> AnswerContent:
     """Return the answer to a step that failed for a reason without a sentence of its own."""
-    return SpokenAnswer("failed", {"object": object_name, "reason": why}, "failed", cause)
+    return AnswerContent("failed", {"object": object_name, "reason": why}, "failed", cause)
 
 
-def stopped(holding: str | None) -> SpokenAnswer:
+def stopped(holding: str | None) -> AnswerContent:
     """Return the answer to a command that was interrupted, with what is still in the hand."""
     if holding is None:
-        return SpokenAnswer("stopped", {}, "failed", INTERRUPTED)
-    return SpokenAnswer("stopped_holding", {"object": holding}, "failed", INTERRUPTED)
+        return AnswerContent("stopped", {}, "failed", INTERRUPTED)
+    return AnswerContent("stopped_holding", {"object": holding}, "failed", INTERRUPTED)
 
 
-def unable(action: str, primitive: str, decision: Decision) -> SpokenAnswer:
+def unable(action: str, primitive: str, decision: Decision) -> AnswerContent:
     """Return the answer when the robot lacks the primitive of a step of the tree."""
     key = "not_able_with" if decision.patient else "not_able"
-    return SpokenAnswer(key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable")
+    return AnswerContent(
+        key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable"
+    )
 
 
-def _no_candidate(target: Target, inference: Inference) -> SpokenAnswer:
+def _no_candidate(target: Target, inference: Inference) -> AnswerContent:
     """Return the answer when nothing fits, with the absent or denied objects that rules name."""
     if target.not_used_for:
         return _not_found(
@@ -148,8 +150,8 @@ def _no_candidate(target: Target, inference: Inference) -> SpokenAnswer:
     return _not_found(key, **{slot: wanted})
 
 
-def _not_found(key: str, **slots: Slot) -> SpokenAnswer:
-    return SpokenAnswer(key, slots, "failed", "not_found")
+def _not_found(key: str, **slots: Slot) -> AnswerContent:
+    return AnswerContent(key, slots, "failed", "not_found")
 
 
 def _wanted(target: Target) -> str | tuple[str, ...] | None:

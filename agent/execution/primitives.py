@@ -15,7 +15,7 @@ from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
 from ..protocols import ExtraPrimitives, Motion, Vision
 from . import outcome_answer
-from .outcome import Constraint, SpokenAnswer, WorldOutcome
+from .outcome import AnswerContent, Constraint, WorldOutcome
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
@@ -62,7 +62,7 @@ class PrimitiveExecutor:
         self._motion, self._vision = motion, vision
         self._part: str | None = None
         self._depth_before_mm = 0.0
-        self._primitives: Mapping[str, Callable[[PrimitiveTask], SpokenAnswer | None]] = {
+        self._primitives: Mapping[str, Callable[[PrimitiveTask], AnswerContent | None]] = {
             "graspObject": self._grasp,
             "moveTo": self._move_to,
             "handOver": self._hand_over,
@@ -72,26 +72,26 @@ class PrimitiveExecutor:
             "lower": lambda _: self._struck(motion.lower()),
         }
 
-    def perform(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def perform(self, task: PrimitiveTask) -> AnswerContent | None:
         """Perform a primitive; return the failure, if any."""
         return self._primitives.get(task.action, self._skill)(task)
 
-    def not_sensed(self, event: str) -> SpokenAnswer:
+    def not_sensed(self, event: str) -> AnswerContent:
         """Return the answer when a loop ended without sensing its event."""
         if event == DRIVEN:
             return self._not_driven("not_driven")
         return outcome_answer.failed(f"not {event}", self.tool or "thing", "not_driven")
 
-    def _grasp(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def _grasp(self, task: PrimitiveTask) -> AnswerContent | None:
         if task.percept is None:
-            return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+            return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
         self.world = WorldOutcome(True, touched=tuple(report.touched), attempts=report.attempts)
         self.holding = task.percept.name if report.ok else None
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_to(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def _move_to(self, task: PrimitiveTask) -> AnswerContent | None:
         report = self._motion.lift()
         self.world = replace(
             self.world,
@@ -102,35 +102,35 @@ class PrimitiveExecutor:
         )
         return None if report.ok else self._failed(report.reason, task)
 
-    def _hand_over(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def _hand_over(self, task: PrimitiveTask) -> AnswerContent | None:
         report = self._motion.hand_over()
         self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _point_at(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def _point_at(self, task: PrimitiveTask) -> AnswerContent | None:
         if task.percept is None:
-            return SpokenAnswer("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+            return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         report = self._motion.point_at(task.percept)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_above(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def _move_above(self, task: PrimitiveTask) -> AnswerContent | None:
         wanted = task.arguments.get("patient")
         name = wanted.object if isinstance(wanted, Target) else wanted
         seen = self._vision.search([f"object:{name}"])
         if not seen:
-            return SpokenAnswer(
+            return AnswerContent(
                 "nothing_seen", {"object": name or "thing"}, "failed", "nothing_seen"
             )
         report = self._motion.move_above(seen[0])
         self._depth_before_mm = report.depth_m * MM
         return self._struck(report)
 
-    def _skill(self, task: PrimitiveTask) -> SpokenAnswer | None:
+    def _skill(self, task: PrimitiveTask) -> AnswerContent | None:
         motion = self._motion
         if not isinstance(motion, ExtraPrimitives):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
-            return SpokenAnswer("not_able", slots, "failed", "unable")
+            return AnswerContent("not_able", slots, "failed", "unable")
         arguments = {name: self._meant(name, task) for name in task.arguments}
         report = motion.perform(task.action, arguments, task.constraint)
         self.world = replace(self.world, executed=True)
@@ -145,7 +145,7 @@ class PrimitiveExecutor:
         seen = self._vision.search([f"object:{name}"])
         return seen[0] if seen else name
 
-    def _struck(self, report: MotionReport) -> SpokenAnswer | None:
+    def _struck(self, report: MotionReport) -> AnswerContent | None:
         depth_mm = report.depth_m * MM
         self.world = replace(
             self.world, nail_depth_mm=depth_mm, driven_mm=depth_mm - self._depth_before_mm
@@ -155,14 +155,14 @@ class PrimitiveExecutor:
             return None  # driven in: another failure of the last blow does not matter
         return None if report.ok else self._not_driven(report.reason)
 
-    def _not_driven(self, reason: str) -> SpokenAnswer:
+    def _not_driven(self, reason: str) -> AnswerContent:
         tool = self.tool or "thing"
         if reason in LOST:
-            return SpokenAnswer("dropped", {"object": tool}, "failed", reason)
+            return AnswerContent("dropped", {"object": tool}, "failed", reason)
         key = "not_driven" if reason == "not_driven" else "cannot_strike"
         slots = {"patient": self.patient or "thing", "tool": tool}
-        return SpokenAnswer(key, slots, "failed", reason)
+        return AnswerContent(key, slots, "failed", reason)
 
-    def _failed(self, reason: str, task: PrimitiveTask) -> SpokenAnswer:
+    def _failed(self, reason: str, task: PrimitiveTask) -> AnswerContent:
         name = task.percept.object if task.percept else self.tool or "thing"
         return outcome_answer.motion_failed(reason, name, self._part)

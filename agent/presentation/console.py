@@ -57,10 +57,7 @@ def wrap_cells(table: Table) -> Table:
 
 
 def _table(
-    columns: Sequence[str],
-    rows: Iterable[Iterable[str]],
-    *counts: str,
-    **more: Any,
+    columns: Sequence[str], rows: Iterable[Iterable[str]], *counts: str, **more: Any
 ) -> Table:
     """A table of plain texts; `counts` is the noun of its rows, and its plural if irregular."""
     table = Table(*columns, **more)

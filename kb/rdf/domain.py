@@ -36,11 +36,7 @@ def domain_quads(
 ) -> list[Quad]:
     """The statements of the domain graph, sorted; arguments as for `KnowledgeBase.load_domain`."""
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
-    found = {
-        *_class_statements(kinds),
-        *_object_statements(objects),
-        *_action_statements(actions),
-    }
+    found = {*_class_statements(kinds), *_object_statements(objects), *_action_statements(actions)}
     quads = (Quad(subject, predicate, value, DOMAIN) for subject, predicate, value in found)
     return sorted(quads, key=_written)
 

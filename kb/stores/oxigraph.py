@@ -33,13 +33,7 @@ from .base import MEMORY, ByteSink
 from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
 from .query_subprocess import BOOLEAN, ROWS, TRIPLES, WorkerProcess
-from .term_conversion import (
-    from_engine,
-    named_node,
-    quad_from_engine,
-    quad_to_engine,
-    to_engine,
-)
+from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
 

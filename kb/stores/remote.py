@@ -204,11 +204,7 @@ class RemoteStore:
         if self._server.startswith(VIRTUOSO) and not self._address.is_update_given:
             address = urljoin(self._address.query, VIRTUOSO_UPDATES)
         self._transport.post(
-            address,
-            form={"update": update},
-            accept="*/*",
-            limits=CALL,
-            may_repeat=may_repeat,
+            address, form={"update": update}, accept="*/*", limits=CALL, may_repeat=may_repeat
         )
 
     def _insert(self, quads: Sequence[Quad]) -> None:

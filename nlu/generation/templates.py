@@ -40,7 +40,7 @@ class AnswerTemplate:
 
 
 @dataclass(frozen=True)
-class Phrases:
+class RulePhrases:
     """The templates of rules, and small words that all answers share.
 
     Attributes:
@@ -97,7 +97,7 @@ class AnswerTemplates:
     """
 
     answers: Mapping[str, AnswerTemplate]
-    phrases: Phrases
+    phrases: RulePhrases
     inflection: Inflection
     acts: Mapping[str, str]
     tool_acts: Mapping[str, str]
@@ -234,12 +234,12 @@ def load_answers(
         DataError: the file is not as expected, or a slot asks for a form that there is not.
     """
     entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
-    names = tuple(Phrases.__dataclass_fields__)
+    names = tuple(RulePhrases.__dataclass_fields__)
     texts = entries["phrases"].entries(required=names, optional=())
     answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
     return AnswerTemplates(
         MappingProxyType(answers),
-        Phrases(**{name: texts[name].text() for name in names}),
+        RulePhrases(**{name: texts[name].text() for name in names}),
         inflection,
         acts,
         tool_acts,

@@ -3,7 +3,7 @@
 
 categories, types  syntactic categories, and the types of their meanings
 terms              lambda terms in de Bruijn notation, normalised by evaluation
-notation           the reader of categories, terms, types and rules, with parser and cache
+notation_reader    the reader of categories, terms, types and rules, with parser and cache
 word_patterns      spellings with choices, as automata: `when (you|we) [want to]`
 grammar            the categories, unary rules and root categories of a language
 constructions      phrases with gaps, as lexical entries

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 from .categories import AtomicCategory, Category, Functor
-from .combinators import Combination, Combinator
+from .combinators import BinaryRule, CombinationTable
 from .constructions import Construction
 from .grammar import Grammar, UnaryRule, load_grammar
-from .notation import parse_term, read_category, read_entry, read_rule, read_type, read_unary
+from .notation_reader import parse_term, read_category, read_entry, read_rule, read_type, read_unary
 from .terms import Application, BoundVariable, Constant, Lambda, Term, normal_form
 from .types import BasicType, FunctionType, Type, TypeMismatchError
 from .word_patterns import PatternError
@@ -12,10 +12,10 @@ __all__ = [
     "Application",
     "AtomicCategory",
     "BasicType",
+    "BinaryRule",
     "BoundVariable",
     "Category",
-    "Combination",
-    "Combinator",
+    "CombinationTable",
     "Constant",
     "Construction",
     "FunctionType",

@@ -18,7 +18,7 @@ from .categories import AtomicCategory, Category, Functor
 from .grammar import UnaryRule
 
 
-class Combination(Enum):
+class BinaryRule(Enum):
     """A rule for two neighbours, with the sign that derivations show."""
 
     FORWARD = ">"
@@ -43,7 +43,7 @@ class _Way(NamedTuple):
     composes: bool
 
 
-class ConstructionWords(NamedTuple):
+class ConstructionRestriction(NamedTuple):
     """Whether a category stands only for certain words of constructions, and which it takes."""
 
     is_words: bool
@@ -53,13 +53,13 @@ class ConstructionWords(NamedTuple):
 
 
 _NOWHERE = _Way(None, -1, -1, False)
-Joined: TypeAlias = "tuple[Sign, Sign, Sign, Combination]"
+Joined: TypeAlias = "tuple[Sign, Sign, Sign, BinaryRule]"
 
 MAX_REMEMBERED = 20_000
 """A conversation needs a few thousand; of random words more would only take memory."""
 
 
-class Combinator:
+class CombinationTable:
     """The table of what combines to what; it grows with use, up to `MAX_REMEMBERED` entries.
 
     Attributes:
@@ -71,9 +71,9 @@ class Combinator:
 
     def __init__(self, unary: Iterable[UnaryRule]) -> None:
         self._changes: dict[Category, list[UnaryRule]] = {}
-        self._numbers: dict[tuple[Category, Combination | None], Sign] = {}
+        self._numbers: dict[tuple[Category, BinaryRule | None], Sign] = {}
         self._categories: list[Category] = []
-        self._origins: list[Combination | None] = []
+        self._origins: list[BinaryRule | None] = []
         # For each sign the plain sign of its category, and of what it seeks and gives, if anything.
         self._plain: list[Sign] = []
         self._ways: list[_Way] = []
@@ -93,7 +93,7 @@ class Combinator:
             self.changes.cache_clear()
             self.__dict__.pop("wanted_by_changes", None)
 
-    def sign(self, category: Category, origin: Combination | None = None) -> Sign:
+    def sign(self, category: Category, origin: BinaryRule | None = None) -> Sign:
         """The number of a category, of a composed one together with its composition."""
         number = self._numbers.get((category, origin))
         if number is None:
@@ -112,11 +112,11 @@ class Combinator:
         """The category that a number stands for."""
         return self._categories[sign]
 
-    def _turn(self, sign: Sign) -> ConstructionWords:
+    def _turn(self, sign: Sign) -> ConstructionRestriction:
         category = self._categories[sign]
         is_words = isinstance(category, AtomicCategory) and category.is_words
         changes = (self._needs(change.target) for change in self._changes.get(category, ()))
-        return ConstructionWords(is_words, self._needs(category), tuple(changes))
+        return ConstructionRestriction(is_words, self._needs(category), tuple(changes))
 
     @cached_property
     def wanted_by_changes(self) -> frozenset[Sign]:
@@ -167,22 +167,22 @@ class Combinator:
                 found.setdefault(self._ways[sign].given, []).append(sign)
         return found
 
-    def _combined(self, left: Sign, right: Sign) -> tuple[tuple[Sign, Combination], ...]:
+    def _combined(self, left: Sign, right: Sign) -> tuple[tuple[Sign, BinaryRule], ...]:
         return tuple(self._combinations(left, right))
 
-    def _combinations(self, left: Sign, right: Sign) -> Iterator[tuple[Sign, Combination]]:
+    def _combinations(self, left: Sign, right: Sign) -> Iterator[tuple[Sign, BinaryRule]]:
         one, other = self._categories[left], self._categories[right]
-        forward, backward = Combination.FORWARD_COMPOSITION, Combination.BACKWARD_COMPOSITION
+        forward, backward = BinaryRule.FORWARD_COMPOSITION, BinaryRule.BACKWARD_COMPOSITION
         if isinstance(one, Functor) and one.forward and self._origins[left] is not forward:
             if one.argument == other:
-                yield self.sign(one.result), Combination.FORWARD
+                yield self.sign(one.result), BinaryRule.FORWARD
             elif composed := _composed(one, other):
                 yield self.sign(composed, forward), forward
         if isinstance(other, Functor) and not other.forward:
             if self._origins[right] is backward:
                 return
             if other.argument == one:
-                yield self.sign(other.result), Combination.BACKWARD
+                yield self.sign(other.result), BinaryRule.BACKWARD
             elif composed := _composed(other, one):
                 yield self.sign(composed, backward), backward
 

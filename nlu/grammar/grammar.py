@@ -17,7 +17,7 @@ from types import MappingProxyType
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .categories import AtomicCategory, Category, Functor, type_of
 from .constructions import ConstructionGap
-from .notation import read_entry, read_type, read_unary
+from .notation_reader import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
 from .types import BasicType, FunctionType, Signature, Type, TypeMismatchError, check_type
 from .word_patterns import compile_pattern, expand
@@ -109,10 +109,7 @@ class Grammar:
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     """Read the grammar of a language; the names of the degrees become constants of type `d`."""
     entries = read_yaml(path).entries(
-        required=(
-            *("categories", "predicates", "unary", "roots"),
-            *("topic", "general", "answer"),
-        ),
+        required=(*("categories", "predicates", "unary", "roots"), *("topic", "general", "answer")),
         optional=(),
     )
     atoms = entries["categories"].entries()

@@ -4,7 +4,7 @@ from .discourse_markers import DiscourseMarkers
 from .immutable_index import ImmutableIndex
 from .inflection import Inflection, load_inflection
 from .learned_lexicon import LearnedLexicon
-from .lexicon import Entry, Lexicon, Sense
+from .lexicon import Entry, LazyEntry, Lexicon
 from .loader import LexiconBuilder
 from .misspelling import intended_word
 from .tokenizer import Token, Tokens, tokenize
@@ -18,11 +18,11 @@ __all__ = [
     "ImmutableIndex",
     "Inflection",
     "KnownWords",
+    "LazyEntry",
     "LearnedLexicon",
     "Lexicon",
     "LexiconBuilder",
     "NewWord",
-    "Sense",
     "Token",
     "Tokens",
     "Vocabulary",

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 
 from .immutable_index import ImmutableIndex
-from .lexicon import Lexicon, LexiconNode, Sense
+from .lexicon import LazyEntry, Lexicon, LexiconNode
 from .loader import LexiconBuilder
 from .vocabulary import NewWord
 
@@ -77,7 +77,7 @@ class LearnedLexicon(Lexicon):
         yield from self._within
         yield from self._static.words()
 
-    def senses(self) -> Iterator[Sense]:
+    def senses(self) -> Iterator[LazyEntry]:
         """All senses, those of learned words first."""
         for role, word in self.learned:
             yield from self._builder.name(role, word)

@@ -16,7 +16,7 @@ from itertools import chain
 from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
-from ..grammar.combinators import Combinator, Sign
+from ..grammar.combinators import CombinationTable, Sign
 from ..grammar.terms import Term, Value
 from ..grammar.word_patterns import Steps, compile_pattern, words_of
 from .misspelling import letter_clusters
@@ -44,7 +44,7 @@ class Entry(NamedTuple):
     says: str = ""
 
 
-class Sense(NamedTuple):
+class LazyEntry(NamedTuple):
     """Words, category and name of an entry, and the function that makes it when it is heard."""
 
     says: str
@@ -72,7 +72,7 @@ class EntryIndex:
     heads: Mapping[Sign, Sequence[Entry]]
 
     @classmethod
-    def of(cls, entries: Iterable[Entry], combinator: Combinator) -> EntryIndex:
+    def of(cls, entries: Iterable[Entry], combinator: CombinationTable) -> EntryIndex:
         """Sort entries by what they have to do with constructions."""
         plain: dict[Sign, list[Entry]] = defaultdict(list)
         heads: dict[Sign, list[Entry]] = defaultdict(list)
@@ -112,7 +112,7 @@ class LexiconNode:
             found = self._next[word] = self._lexicon.node(self._following[word])
         return found
 
-    def index(self, combinator: Combinator) -> EntryIndex:
+    def index(self, combinator: CombinationTable) -> EntryIndex:
         """The entries, sorted once."""
         if self._index is None:
             self._index = EntryIndex.of(self.entries, combinator)
@@ -135,16 +135,16 @@ class Lexicon:
         base: a lexicon whose entries are found too; it stays as it is.
     """
 
-    def __init__(self, senses: Iterable[Sense] = (), base: Lexicon | None = None) -> None:
+    def __init__(self, senses: Iterable[LazyEntry] = (), base: Lexicon | None = None) -> None:
         self._base = base
-        self._senses: list[Sense] = []
-        self._said: dict[str, list[Sense]] = {}
-        self._numbers: list[list[Sense]] = []
+        self._senses: list[LazyEntry] = []
+        self._said: dict[str, list[LazyEntry]] = {}
+        self._numbers: list[list[LazyEntry]] = []
         self._places: list[tuple[str, Steps] | int] = []
         self._nodes: dict[tuple[int, ...], LexiconNode] = {}
         self.add_all(senses)
 
-    def add(self, sense: Sense) -> None:
+    def add(self, sense: LazyEntry) -> None:
         """Add a reading; a missing bracket in its words is a `PatternError`."""
         known = self._said.get(sense.says)
         if known is None:
@@ -154,7 +154,7 @@ class Lexicon:
         known.append(sense)
         self._senses.append(sense)
 
-    def add_all(self, senses: Iterable[Sense]) -> None:
+    def add_all(self, senses: Iterable[LazyEntry]) -> None:
         """Add readings of some words, as `add` does."""
         for sense in senses:
             self.add(sense)
@@ -173,7 +173,7 @@ class Lexicon:
         """All single words that occur in entries of this lexicon, and not of its base."""
         return frozenset(words_of(" ".join(self._said)))
 
-    def senses(self) -> Iterator[Sense]:
+    def senses(self) -> Iterator[LazyEntry]:
         """All senses in the order in which they were added, those of the base last."""
         yield from self._senses
         if self._base is not None:

@@ -16,15 +16,15 @@ from types import MappingProxyType
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.categories import AtomicCategory, Category, Functor
-from ..grammar.combinators import Combinator
+from ..grammar.combinators import CombinationTable
 from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
-from ..grammar.notation import read_entry, read_type
+from ..grammar.notation_reader import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
 from ..grammar.word_patterns import Steps, match_pattern, read_pattern, read_words, variants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
-from .lexicon import Entry, Lexicon, Sense
+from .lexicon import Entry, LazyEntry, Lexicon
 from .tokenizer import Tokens
 from .vocabulary import ROLES, Vocabulary
 
@@ -89,7 +89,9 @@ class LexiconBuilder:
         lexicon: the entries of all files.
     """
 
-    def __init__(self, grammar: Grammar, inflection: Inflection, combinator: Combinator) -> None:
+    def __init__(
+        self, grammar: Grammar, inflection: Inflection, combinator: CombinationTable
+    ) -> None:
         self._grammar, self._inflection, self._combinator = grammar, inflection, combinator
         self._templates: dict[str, WordTemplate] = {}
         self._endings: dict[str, str] = {}
@@ -147,27 +149,27 @@ class LexiconBuilder:
         items = tuple(replace(t, word=self._endings.get(t.word, t.word)) for t in tokens.items)
         return replace(tokens, items=items)
 
-    def verb_forms(self, verb: Verb, role: str = "", cost: float = 0.0) -> Iterator[Sense]:
+    def verb_forms(self, verb: Verb, role: str = "", cost: float = 0.0) -> Iterator[LazyEntry]:
         """The senses of a verb: all lines of its templates in all inflections."""
         gerund = self._inflection.form(verb.verb, "ing")
         names = {"ACT": verb.means or _constant(verb.verb), "USE": _constant(gerund)}
         for name in verb.templates:
             yield from self._senses(self._templates[name], verb.verb, names, role, cost)
 
-    def noun(self, kind: str, name: str, role: str = "", cost: float = 0.0) -> Iterator[Sense]:
+    def noun(self, kind: str, name: str, role: str = "", cost: float = 0.0) -> Iterator[LazyEntry]:
         """The senses of a noun, part, property or person, by the name of its template."""
         constant = _constant(name)
         if constant in self._grammar.signature:
             constant += "_"  # a speaker that plays music is not who speaks
         yield from self._senses(self._templates[kind], name, {"THIS": constant}, role, cost)
 
-    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[Sense]:
+    def vocabulary(self, vocabulary: Vocabulary) -> Iterator[LazyEntry]:
         """The senses of all names of a vocabulary."""
         for role in ROLES:
             for name in vocabulary.names(role):
                 yield from self.name(role, name)
 
-    def name(self, role: str, name: str) -> Iterator[Sense]:
+    def name(self, role: str, name: str) -> Iterator[LazyEntry]:
         """The senses of a name in a role, one of `ROLES`."""
         word, templates = self._inflected(role, name)
         if role in NOUN_TEMPLATES:
@@ -246,14 +248,14 @@ class LexiconBuilder:
 
     def _senses(
         self, template: WordTemplate, word: str, names: Mapping[str, str], role: str, cost: float
-    ) -> Iterator[Sense]:
+    ) -> Iterator[LazyEntry]:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
         name = named.replace("_", " ").rstrip()
         for form, lines in template.forms.items():
             says = self._inflection.form(word, form)
             for line in lines:
                 make = partial(self._filled, line, names, says, cost, name=name, role=role)
-                yield Sense(says, line.category, name, make)
+                yield LazyEntry(says, line.category, name, make)
 
     def _filled(
         self, line: EntryTemplate, names: Mapping[str, str], says: str, cost: float, **named: str
@@ -370,7 +372,7 @@ class LexiconBuilder:
         self._combinator.sign(category)
         if isinstance(head, WordRun):
             make = partial(self._head_entry, construction, cost, head.text)
-            self._constructions.add(Sense(head.text, category, "", make))
+            self._constructions.add(LazyEntry(head.text, category, "", make))
         else:
             term = construction.functor()
             self._combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
@@ -379,7 +381,7 @@ class LexiconBuilder:
         return self._entry(construction.category, construction.functor(), cost, says)
 
     def _add(self, lexicon: Lexicon, entry: Entry) -> None:
-        lexicon.add(Sense(entry.says, entry.category, entry.name, lambda: entry))
+        lexicon.add(LazyEntry(entry.says, entry.category, entry.name, lambda: entry))
 
 
 def _constant(name: str) -> str:

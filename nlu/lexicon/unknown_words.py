@@ -15,7 +15,7 @@ from itertools import chain, pairwise
 
 from .inflection import Inflection
 from .learned_lexicon import LearnedLexicon
-from .lexicon import Entry, Sense
+from .lexicon import Entry, LazyEntry
 from .loader import NOUN_TEMPLATES, LexiconBuilder, Verb
 from .tokenizer import BREAK, Token, Tokens
 from .vocabulary import NewWord
@@ -294,7 +294,7 @@ def _senses(
     *,
     is_capital: bool,
     roles: frozenset[str],
-) -> Iterator[Sense]:
+) -> Iterator[LazyEntry]:
     singulars = inflection.origins(word, "plural")
     for role in sorted(roles & NOUN_TEMPLATES.keys()):
         yield from builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)

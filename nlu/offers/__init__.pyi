@@ -4,7 +4,7 @@ from .checks import OfferChecks, load_check_words
 from .choice_answers import ChoiceWords, load_choice_words
 from .meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from .mentions import Mention, Mentions, find_mentions
-from .offers import OfferModel, Offers, load_model
+from .offers import OfferFinder, OfferModel, load_model
 from .ranker import Ranker
 from .typing_slips import corrected_texts
 
@@ -15,8 +15,8 @@ __all__ = [
     "Mention",
     "Mentions",
     "OfferChecks",
+    "OfferFinder",
     "OfferModel",
-    "Offers",
     "Ranker",
     "candidates",
     "corrected_texts",

@@ -19,16 +19,16 @@ from ...ontology.yaml_reader import read_yaml
 from ..grammar.word_patterns import spellings
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
-from ..parsing.clause_features import features_of_names
-from ..semantics.features import (
+from ..parsing.clause_spans import features_of_names
+from ..semantics.clause_features import (
     CONDITION,
     HIDING,
     MAIN,
-    ClauseWord,
+    ClausePosition,
     FeatureReader,
     UtteranceFeatures,
 )
-from ..semantics.licence_table import ACCEPT, Licence
+from ..semantics.licence_table import ACCEPT, LicenceTable
 from ..semantics.meaning import (
     ActionRule,
     Command,
@@ -78,7 +78,7 @@ class OfferChecks:
 
     phrases: Mapping[str, frozenset[Phrase]]
     reader: FeatureReader
-    licence: Licence
+    licence: LicenceTable
 
     def weakened(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> Meaning:
         """Return a meaning as sure as the utterance says it."""
@@ -301,7 +301,7 @@ class OfferChecks:
             for each, said in before
         )
 
-    def _clauses(self, mentions: Mentions) -> Iterator[ClauseWord]:
+    def _clauses(self, mentions: Mentions) -> Iterator[ClausePosition]:
         """The words with their clauses; one that is known to name something belongs to none."""
         named = {n for m in mentions.known for n in range(m.start, m.end)}
         clause = MAIN
@@ -310,7 +310,7 @@ class OfferChecks:
                 clause = MAIN
             if (word,) in self.phrases["condition"]:
                 clause = CONDITION
-            yield ClauseWord(word, "" if place in named else clause)
+            yield ClausePosition(word, "" if place in named else clause)
 
     def _has(self, kind: str, words: Sequence[str]) -> bool:
         return self._count(kind, words) > 0

@@ -32,7 +32,7 @@ from ..semantics.meaning import (
 )
 from .candidates import CandidateMeaning, candidates
 from .checks import OfferChecks
-from .introductions import Introductions
+from .introductory_clauses import IntroductionChecks
 from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, find_mentions
 from .ranker import Ranker, left_over
@@ -79,7 +79,7 @@ class OfferModel:
 
 
 @dataclass(frozen=True, repr=False)
-class Offers:
+class OfferFinder:
     """Finds meanings to offer.
 
     Attributes:
@@ -170,7 +170,7 @@ class Offers:
 
     def of_last_clause(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meaning of the longest last clause that the others only introduce."""
-        tokens, introductions = mentions.tokens, Introductions(self.checks)
+        tokens, introductions = mentions.tokens, IntroductionChecks(self.checks)
         for start, end in segments(tokens, self.set_off(tokens)):
             if end < len(tokens.items) or not introductions.introduces(start, mentions):
                 continue

@@ -31,7 +31,7 @@ Key = tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Phrase:
+class PhrasePattern:
     """A turn of phrase.
 
     Attributes:
@@ -52,9 +52,9 @@ class Phrase:
 class PhraseMemory:
     """The phrases that are known, by their keys; immutable."""
 
-    phrases: Mapping[Key, Phrase]
+    phrases: Mapping[Key, PhrasePattern]
 
-    def with_phrases(self, phrases: Iterable[Phrase]) -> PhraseMemory:
+    def with_phrases(self, phrases: Iterable[PhrasePattern]) -> PhraseMemory:
         """Return this memory with further phrases; a later one replaces one with its key."""
         return PhraseMemory({**self.phrases, **{each.key: each for each in phrases}})
 
@@ -76,7 +76,7 @@ NO_PHRASES = PhraseMemory({})
 
 def phrase_from(
     mentions: Mentions, meaning: Json, tool_acts: Mapping[str, str], unknown: Iterable[str]
-) -> Phrase | None:
+) -> PhrasePattern | None:
     """Return the phrase by which an utterance has a meaning; None where it is not to be learned.
 
     A phrase has enough words of its own, all of them known, so that no later name is taken for one
@@ -104,7 +104,7 @@ def phrase_from(
     fixed = [word for word in pattern if not word.startswith("?") and word.isalpha()]
     if len(fixed) < LEAST_FIXED or not set(fixed).isdisjoint(unknown):
         return None
-    phrase = Phrase(pattern, shape)
+    phrase = PhrasePattern(pattern, shape)
     return phrase if PhraseMemory({phrase.key: phrase}).meaning(mentions) == meaning else None
 
 

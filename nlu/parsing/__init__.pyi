@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .chart import Chart, Derivation
-from .clarification import Clarification
-from .derivation import DerivationStep, draw_svg
+from .clarification import Clarifier
+from .derivation_views import DerivationStep, draw_svg
 from .parser import SentenceParser, UtteranceContext
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
@@ -10,7 +10,7 @@ from .understanding import Reading, Understanding
 
 __all__ = [
     "Chart",
-    "Clarification",
+    "Clarifier",
     "Derivation",
     "DerivationStep",
     "Reading",

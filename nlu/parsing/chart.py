@@ -13,7 +13,7 @@ from operator import attrgetter
 from typing import NamedTuple, TypeAlias
 
 from ..grammar.categories import Category
-from ..grammar.combinators import Combination, Combinator, Sign
+from ..grammar.combinators import BinaryRule, CombinationTable, Sign
 from ..grammar.grammar import UnaryRule
 from ..grammar.terms import Value, compose
 from ..lexicon.lexicon import Entry, EntryIndex, Lexicon
@@ -36,12 +36,12 @@ class Derivation(NamedTuple):
     cost: float
     start: int
     end: int
-    rule: Entry | UnaryRule | Combination
+    rule: Entry | UnaryRule | BinaryRule
     parts: tuple[Derivation, ...] = ()
 
 
 class _BackPointer(NamedTuple):
-    rule: UnaryRule | Combination
+    rule: UnaryRule | BinaryRule
     middle: int = 0
     left: Sign = 0
     right: Sign = 0
@@ -57,7 +57,7 @@ class Chart:
         self,
         tokens: Sequence[str],
         lexicon: Lexicon,
-        combinator: Combinator,
+        combinator: CombinationTable,
         guesses: Mapping[int, Sequence[Entry]] | None = None,
     ) -> None:
         self.length = len(tokens)
@@ -198,11 +198,11 @@ class Chart:
                     yield Derivation(category, value, cost, start, end, rule, (left, right))
 
 
-def _meaning(rule: Combination, left: Value, right: Value) -> Value:
-    if rule is Combination.FORWARD:
+def _meaning(rule: BinaryRule, left: Value, right: Value) -> Value:
+    if rule is BinaryRule.FORWARD:
         return left(right)
-    if rule is Combination.BACKWARD:
+    if rule is BinaryRule.BACKWARD:
         return right(left)
-    if rule is Combination.FORWARD_COMPOSITION:
+    if rule is BinaryRule.FORWARD_COMPOSITION:
         return compose(left, right)
     return compose(right, left)

@@ -18,18 +18,13 @@ from ..generation.templates import AnswerTemplates
 from ..lexicon.inflection import Inflection
 from ..lexicon.misspelling import MIN_LETTERS, intended_word, slips
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
-from ..lexicon.unknown_words import (
-    MAX_NEW_WORDS,
-    KnownWords,
-    is_word,
-    new_recipients,
-)
+from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
-from ..semantics.coreference import RefusedError, UnlearnableError
+from ..semantics.coreference import UninterpretableError, UnlearnableError
 from ..semantics.licence_table import ACCEPT
 from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
 from .chart import Chart
-from .derivation import lexical_entries
+from .derivation_views import lexical_entries
 from .parser import SentenceParser
 from .understanding import Reading
 
@@ -37,7 +32,7 @@ MAX_NEAREST = 3
 
 
 @dataclass(frozen=True, repr=False)
-class Clarification:
+class Clarifier:
     """Makes the answers to utterances that were not understood.
 
     Attributes:
@@ -159,7 +154,7 @@ class Clarification:
         return AskBack(self.answers.say("which_meaning", choices=choices), choices)
 
     def of_failure(
-        self, chart: Chart, tokens: Tokens, refusal: RefusedError | None
+        self, chart: Chart, tokens: Tokens, refusal: UninterpretableError | None
     ) -> Misunderstanding | AskBack:
         """The reason why a sentence of known words has no derivation, or that has no meaning."""
         if refusal is not None:

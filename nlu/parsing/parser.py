@@ -13,23 +13,23 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..grammar.categories import Category, Functor
-from ..grammar.combinators import Combinator
+from ..grammar.combinators import CombinationTable
 from ..grammar.grammar import Grammar
 from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
-from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, RefusedError, resolve
-from ..semantics.features import FeatureReader
+from ..semantics.clause_features import FeatureReader
+from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, UninterpretableError, resolve
 from ..semantics.fragments import FRAGMENTS
 from ..semantics.interpretation import Interpreter, short_answer
-from ..semantics.licence_table import Licence
+from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import PredicateForm, form_of
 from .chart import Chart, Derivation
-from .clause_features import features_of
-from .derivation import lexical_entries, subderivations
+from .clause_spans import features_of
+from .derivation_views import lexical_entries, subderivations
 from .understanding import Reading
 
 MAX_EXPECTED = 5
@@ -57,11 +57,11 @@ class SentenceParser:
 
     grammar: Grammar
     lexicon: LearnedLexicon
-    combinator: Combinator
+    combinator: CombinationTable
     interpreter: Interpreter
     pragmatics: Pragmatics
     features: FeatureReader
-    licence: Licence
+    licence: LicenceTable
 
     def chart(self, tokens: Tokens, guesses: Mapping[int, Sequence[Entry]]) -> Chart:
         """Return the filled chart of a token sequence, with guesses for the words at positions."""
@@ -69,17 +69,17 @@ class SentenceParser:
 
     def readings(
         self, chart: Chart, tokens: Tokens, context: UtteranceContext
-    ) -> tuple[list[Reading], RefusedError | None]:
+    ) -> tuple[list[Reading], UninterpretableError | None]:
         """Return one reading per meaning of the whole sentence, the likeliest first.
 
         The second result is why the likeliest derivation without a meaning has none.
         """
         best: dict[Meaning, Reading] = {}
-        refusal: RefusedError | None = None
+        refusal: UninterpretableError | None = None
         for act, derivation in self._derivations(chart):
             try:
                 reading = self._reading(act, derivation, tokens, context)
-            except RefusedError as error:
+            except UninterpretableError as error:
                 refusal = refusal or error
                 continue
             known = best.get(reading.meaning)
@@ -114,7 +114,7 @@ class SentenceParser:
         """Return the short answers that an utterance may be, the likeliest first."""
         found: list[Answer] = []
         for derivation in sorted(chart.derivations(self.grammar.answer), key=lambda d: d.cost):
-            with contextlib.suppress(RefusedError):
+            with contextlib.suppress(UninterpretableError):
                 found.append(short_answer(resolve(form_of(derivation.value), context.discourse)))
         return found
 
@@ -177,7 +177,7 @@ class SentenceParser:
         """The one intention of a speech act, as sure as the speech was recognised."""
         meant = self.pragmatics.meant(speech_act)
         if len(meant) != 1:
-            raise RefusedError("which_intention", asks=True)
+            raise UninterpretableError("which_intention", asks=True)
         if recognition == CERTAIN:
             return meant[0]
         weighed = self.pragmatics.intentions(speech_act, recognition)
@@ -213,5 +213,5 @@ def _act_with_question_mark(act: str, form: PredicateForm, tokens: Tokens) -> st
     if not tokens.asks:
         return act
     if act == "INSTRUCT":
-        raise RefusedError("as_question", asks=True)
+        raise UninterpretableError("as_question", asks=True)
     return "QUESTION" if act == "STATEMENT" and form.name in {"implies", "and", "says"} else act

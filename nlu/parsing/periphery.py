@@ -21,7 +21,7 @@ from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spelling
 from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.features import MAIN, ClauseWord, FeatureReader
+from ..semantics.clause_features import MAIN, ClausePosition, FeatureReader
 from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statement, ToolCommand
 
 Phrase = tuple[str, ...]
@@ -81,7 +81,7 @@ _PRETENDED = frozenset(
 # The same, and what asks for something else or only under a condition.
 _UNTOLD = frozenset({"report", "unreal", "quoted", "source=hearsay", "source=other"})
 _REPORTED = _PRETENDED | {
-    *("knowledge", "act", "condition", "exception", "condition=absent", "held", "unwanted"),
+    *("knowledge", "act", "condition", "exception", "condition=absent", "held", "unwanted")
 }
 _NAMING = _REPORTED | {"named"}
 # On these a rule may depend as well; less so in a reason for it.
@@ -100,7 +100,7 @@ _LIMITING_REASON = (_LIMITING | {"custom", "circumstance"}) - {
 _LIMITING_ASIDE = (_LIMITING | {"named"}) - {"agent=other", "agent=they", "agent=people"}
 
 
-class Gap(NamedTuple):
+class PieceBoundary(NamedTuple):
     """Where a piece ends and the next one begins, and the pause between them."""
 
     end: int
@@ -109,7 +109,7 @@ class Gap(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Piece:
+class UtterancePiece:
     """A piece of an utterance from pause to pause: its tokens `[start, end)`, form and operators.
 
     Attributes:
@@ -131,7 +131,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Row:
+class PeripheryRow:
     """A row of the table: beside which cores a piece of some form, so set off, changes nothing.
 
     Attributes:
@@ -143,7 +143,7 @@ class Row:
     pauses: frozenset[int]
     unless: frozenset[str] = frozenset()
 
-    def allows(self, kind: str, piece: Piece, pause: int) -> bool:
+    def allows(self, kind: str, piece: UtterancePiece, pause: int) -> bool:
         """Whether a core of a kind may stand beside a piece that is set off by a pause."""
         return (
             kind in self.of
@@ -159,28 +159,30 @@ _CAUSES = frozenset({REASON, PURPOSE})
 _PERSONS = frozenset({OWN, HEARER})
 _CLAUSES = _CAUSES | {OWN, IMPERSONAL, OTHER}
 
-TABLE: Sequence[Row] = (
-    Row(_KINDS, frozenset({MARKER}), _ANYWHERE),
+TABLE: Sequence[PeripheryRow] = (
+    PeripheryRow(_KINDS, frozenset({MARKER}), _ANYWHERE),
     # What is asked for at the end is wanted, whatever made the speaker ask.
-    Row(_REQUESTS, _CLAUSES, _BEFORE - {COLON}, _REPORTED),
-    Row(_REQUESTS, _CLAUSES, frozenset({COLON}), _REPORTED | {"pointing"}),
-    Row(_REQUESTS, frozenset({OWN, IMPERSONAL, OTHER}), frozenset({ASKING}), _NAMING),
-    Row(_REQUESTS, frozenset({HEARER}), frozenset({SO}), _REPORTED),
-    Row(_REQUESTS, _CAUSES, _ANYWHERE, _REPORTED),
+    PeripheryRow(_REQUESTS, _CLAUSES, _BEFORE - {COLON}, _REPORTED),
+    PeripheryRow(_REQUESTS, _CLAUSES, frozenset({COLON}), _REPORTED | {"pointing"}),
+    PeripheryRow(_REQUESTS, frozenset({OWN, IMPERSONAL, OTHER}), frozenset({ASKING}), _NAMING),
+    PeripheryRow(_REQUESTS, frozenset({HEARER}), frozenset({SO}), _REPORTED),
+    PeripheryRow(_REQUESTS, _CAUSES, _ANYWHERE, _REPORTED),
     # A phrase says how to do something, unless it precedes a question or gives a reason.
-    Row(
+    PeripheryRow(
         frozenset({QUESTION}), frozenset({PHRASE}), frozenset({ASKING}), _NAMING | {"circumstance"}
     ),
-    Row(_REQUESTS, frozenset({PHRASE}), frozenset({SO}), _NAMING | {"restricting"}),
-    Row(frozenset({HOLDING}), frozenset({PHRASE}), frozenset({SO}), _LIMITING | {"restricting"}),
+    PeripheryRow(_REQUESTS, frozenset({PHRASE}), frozenset({SO}), _NAMING | {"restricting"}),
+    PeripheryRow(
+        frozenset({HOLDING}), frozenset({PHRASE}), frozenset({SO}), _LIMITING | {"restricting"}
+    ),
     # A reason or a purpose does not limit a rule, before or after it.
-    Row(_RULES, _CAUSES, _ANYWHERE, _LIMITING_REASON),
-    Row(frozenset({HOLDING}), _CLAUSES, frozenset({SO}), _LIMITING_REASON),
+    PeripheryRow(_RULES, _CAUSES, _ANYWHERE, _LIMITING_REASON),
+    PeripheryRow(frozenset({HOLDING}), _CLAUSES, frozenset({SO}), _LIMITING_REASON),
     # Nor does what speakers say of themselves; a colon needs an announcement.
-    Row(_RULES, frozenset({OWN}), frozenset({STRONG, BUT}), _LIMITING),
-    Row(_RULES, frozenset({HEARER}), frozenset({BUT}), _LIMITING),
+    PeripheryRow(_RULES, frozenset({OWN}), frozenset({STRONG, BUT}), _LIMITING),
+    PeripheryRow(_RULES, frozenset({HEARER}), frozenset({BUT}), _LIMITING),
     # What is said of the thing by the way says nothing of its use.
-    Row(_KINDS, _CAUSES | {ASIDE, OWN}, frozenset({WITHIN}), _LIMITING_ASIDE),
+    PeripheryRow(_KINDS, _CAUSES | {ASIDE, OWN}, frozenset({WITHIN}), _LIMITING_ASIDE),
 )
 
 
@@ -263,7 +265,7 @@ class PeripheryReader:
         """
         gaps = list(self._gaps(expanded))
         found: dict[int, bool] = {}
-        before: list[Piece] = []
+        before: list[UtterancePiece] = []
         for piece in self._pieces(expanded, gaps):
             start = piece.start + piece.lead
             joined = piece.joined if piece.lead else WEAK
@@ -288,7 +290,11 @@ class PeripheryReader:
         ) and all(each.signs.isdisjoint(_UNTOLD) for each in (*(() if is_told else before), *after))
 
     def _core(
-        self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[Piece], gaps: Sequence[Gap]
+        self,
+        tokens: Tokens,
+        span: tuple[int, int],
+        pieces: Sequence[UtterancePiece],
+        gaps: Sequence[PieceBoundary],
     ) -> Core | None:
         start, end = span
         around = [each for each in pieces if each.end <= start or each.start >= end]
@@ -324,7 +330,7 @@ class PeripheryReader:
         )
 
     def _referent(
-        self, pieces: Sequence[Piece], tokens: Tokens, span: tuple[int, int]
+        self, pieces: Sequence[UtterancePiece], tokens: Tokens, span: tuple[int, int]
     ) -> str | None:
         """The only thing that some pieces name and a core does not, None unless it is known."""
         words = tokens.words
@@ -346,17 +352,17 @@ class PeripheryReader:
             return self.known.lexicon.is_name(word, _THINGS)
         return self.known.may_be_a_thing(word)
 
-    def _gaps(self, tokens: Tokens) -> Iterator[Gap]:
+    def _gaps(self, tokens: Tokens) -> Iterator[PieceBoundary]:
         """The gaps between the pieces of an utterance, from left to right."""
         words = tokens.words
         for place, word in enumerate(words):
             if word == BREAK:
-                yield Gap(place, place + 1, STRONG)
+                yield PieceBoundary(place, place + 1, STRONG)
             elif place in tokens.pauses and place and words[place - 1] != BREAK:
                 between = tokens.text[tokens.items[place - 1].end : tokens.items[place].start]
-                yield Gap(place, place, COLON if set(_DASHES) & set(between) else WEAK)
+                yield PieceBoundary(place, place, COLON if set(_DASHES) & set(between) else WEAK)
             elif self._may_join(tokens, place):
-                yield Gap(place, place, WEAK)
+                yield PieceBoundary(place, place, WEAK)
 
     def _may_join(self, tokens: Tokens, place: int) -> bool:
         """Whether a clause may begin without a pause: "I am tired so pass me the mug"."""
@@ -364,14 +370,14 @@ class PeripheryReader:
         is_lead = is_within and self.words.begins("so", tokens.words[place : place + 1]) > 0
         return is_lead and not _ends_soon(tokens, place + 1)
 
-    def _pieces(self, tokens: Tokens, gaps: Sequence[Gap]) -> Iterator[Piece]:
+    def _pieces(self, tokens: Tokens, gaps: Sequence[PieceBoundary]) -> Iterator[UtterancePiece]:
         starts = (0, *(gap.start for gap in gaps))
         ends = (*(gap.end for gap in gaps), len(tokens.items))
         for start, end in zip(starts, ends, strict=True):
             if start < end:
                 yield self._piece(tokens, start, end)
 
-    def _piece(self, tokens: Tokens, start: int, end: int) -> Piece:
+    def _piece(self, tokens: Tokens, start: int, end: int) -> UtterancePiece:
         part = tokens.part(start, end)
         lead, joined = max((self.words.begins(k, part.words), p) for k, p in _LEADS.items())
         joined = joined if lead else WEAK
@@ -381,7 +387,7 @@ class PeripheryReader:
             form = PHRASE
         said = tokens.part(start + lead, end)
         signs = frozenset() if form == MARKER else frozenset(self._signs(said, form))
-        return Piece(start, end, lead, joined, form, signs)
+        return UtterancePiece(start, end, lead, joined, form, signs)
 
     def _form(self, words: Phrase, bare: Phrase) -> str:
         lead = self.words.begins("and", bare)
@@ -419,7 +425,7 @@ class PeripheryReader:
 
     def _signs(self, tokens: Tokens, form: str) -> Iterator[str]:
         words = tokens.words
-        features = self.features.features([ClauseWord(word, MAIN) for word in words], ())
+        features = self.features.features([ClausePosition(word, MAIN) for word in words], ())
         found = {f"{name}={value}" for name, said in features.main.items() for value in said}
         yield from found
         lead = self.words.begins(form, words) if form in _FORMS else 0
@@ -542,7 +548,7 @@ def load_periphery(path: Path) -> PeripheryWords:
     return PeripheryWords(patterns, lists)
 
 
-def _tells(pieces: Sequence[Piece]) -> bool:
+def _tells(pieces: Sequence[UtterancePiece]) -> bool:
     """Whether some pieces tell what follows them, and neither report nor pretend it.
 
     What the speaker announces at the end is told, whatever was said before.
@@ -555,12 +561,12 @@ def _tells(pieces: Sequence[Piece]) -> bool:
     return all(each.signs.isdisjoint(_PRETENDED) for each in pieces)
 
 
-def _permitted(piece: Piece, pause: int) -> frozenset[str]:
+def _permitted(piece: UtterancePiece, pause: int) -> frozenset[str]:
     """The kinds of cores beside which a piece changes nothing."""
     return frozenset(k for k in _KINDS if any(row.allows(k, piece, pause) for row in TABLE))
 
 
-def _pause(piece: Piece, start: int, gaps: Sequence[Gap], joined: int) -> int:
+def _pause(piece: UtterancePiece, start: int, gaps: Sequence[PieceBoundary], joined: int) -> int:
     """How a piece around a core that begins at a place, so joined to it, is set off."""
     if piece.end > start:
         return AFTER
@@ -575,7 +581,7 @@ def _ends_soon(tokens: Tokens, start: int) -> bool:
     )
 
 
-def _sentences(tokens: Tokens, end: int, gaps: Sequence[Gap]) -> Iterator[Tokens]:
+def _sentences(tokens: Tokens, end: int, gaps: Sequence[PieceBoundary]) -> Iterator[Tokens]:
     """The parts before a place, split at strong pauses."""
     start = 0
     for gap in gaps:

@@ -16,7 +16,7 @@ from ..lexicon.inflection import Inflection
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords, new_recipients
 from ..lexicon.vocabulary import NewWord
-from ..semantics.features import FeatureReader
+from ..semantics.clause_features import FeatureReader
 from ..semantics.meaning import (
     Command,
     FunctionalRule,
@@ -27,7 +27,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
-from .derivation import lexical_entries
+from .derivation_views import lexical_entries
 from .understanding import Reading
 
 MAX_NEW_NAMES = 2

@@ -33,7 +33,7 @@ from ..semantics.meaning import (
 )
 from ..semantics.predicates import PredicateForm
 from .chart import Chart
-from .clarification import Clarification
+from .clarification import Clarifier
 from .parser import SentenceParser, UtteranceContext, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .reading_filter import ReadingFilter
@@ -54,7 +54,7 @@ class UtteranceParser:
     builder: LexiconBuilder
     known_words: KnownWords
     reading_filter: ReadingFilter
-    clarification: Clarification
+    clarification: Clarifier
     periphery: PeripheryReader
 
     def understand(

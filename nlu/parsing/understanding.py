@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from ..lexicon.vocabulary import NewWord
+from ..semantics.clause_features import UtteranceFeatures
 from ..semantics.coreference import Discourse, update_discourse
-from ..semantics.features import UtteranceFeatures
 from ..semantics.meaning import Confidence, Json, Meaning, Statement
 from ..semantics.predicates import PredicateForm
 from .chart import Derivation
-from .derivation import DerivationStep, derivation_step
+from .derivation_views import DerivationStep, derivation_step
 
 
 @dataclass(frozen=True)

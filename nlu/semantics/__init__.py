@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Semantics and pragmatics: from the term of a derivation to what an utterance means to Hilt.
 
-predicates      predicate forms, and patterns over them: `pass(self,knife)`
-meaning         the meanings: rules, commands, questions, corrections, acknowledgements
-coreference     the referent of "it", and the discourse state
-pragmatics      rules from speech acts to intentions
-interpretation  from an intention to its meaning
-features        who does it, when, how surely and on whose word, read off the small words
-licence_table   which features let a meaning become a rule, and how sure it is then
+predicates       predicate forms, and patterns over them: `pass(self,knife)`
+meaning          the meanings: rules, commands, questions, corrections, acknowledgements
+coreference      the referent of "it", and the discourse state
+pragmatics       rules from speech acts to intentions
+interpretation   from an intention to its meaning
+clause_features  who does it, when, how surely and on whose word, read off the small words
+licence_table    which features let a meaning become a rule, and how sure it is then
 """
 
 import lazy_loader

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-from .coreference import Discourse, RefusedError, resolve
-from .features import FeatureReader, UtteranceFeatures, load_features
+from .clause_features import FeatureReader, UtteranceFeatures, load_features
+from .coreference import Discourse, UninterpretableError, resolve
 from .interpretation import Interpreter
-from .licence_table import Licence, load_licence
+from .licence_table import LicenceTable, load_licence
 from .meaning import Command, Control, Meaning, Question, Rule, Statement, ToolCommand
 from .pragmatics import Intention, Pragmatics, load_pragmatics
 from .predicates import PredicateForm, fill, form_of, form_of_term, match
@@ -14,15 +14,15 @@ __all__ = [
     "FeatureReader",
     "Intention",
     "Interpreter",
-    "Licence",
+    "LicenceTable",
     "Meaning",
     "Pragmatics",
     "PredicateForm",
     "Question",
-    "RefusedError",
     "Rule",
     "Statement",
     "ToolCommand",
+    "UninterpretableError",
     "UtteranceFeatures",
     "fill",
     "form_of",

@@ -90,7 +90,7 @@ class Discourse:
         return Discourse() if self.has_failed else self
 
 
-class RefusedError(ValueError):
+class UninterpretableError(ValueError):
     """A predicate form has no meaning for Hilt.
 
     The reason is the answer template `key` with its slots; it may ask a clarification question.
@@ -101,7 +101,7 @@ class RefusedError(ValueError):
         super().__init__(key)
 
 
-class UnlearnableError(RefusedError):
+class UnlearnableError(UninterpretableError):
     """What was said is clear as a whole, but is nothing that Hilt learns."""
 
 
@@ -121,10 +121,10 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
         discourse = replace(discourse, object=_ONE_OF_SEVERAL)
     rest = _simplified(_resolve_rules(form, discourse))
     if IT in rest and discourse.object is None:
-        raise RefusedError("no_referent", asks=True, word=IT.name)
+        raise UninterpretableError("no_referent", asks=True, word=IT.name)
     rest = _simplified(_replace_it(rest, discourse.object)) if discourse.object else rest
     if _ONE_OF_SEVERAL in rest:
-        raise RefusedError("which_thing", asks=True)
+        raise UninterpretableError("which_thing", asks=True)
     return rest
 
 
@@ -139,7 +139,7 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if part.name not in _ORDINALS or part.arguments:
         return None
     if len(discourse.pair) < 2:
-        raise RefusedError("no_referent", asks=True, word=f"the {part.name}")
+        raise UninterpretableError("no_referent", asks=True, word=f"the {part.name}")
     return discourse.pair[_ORDINALS[part.name]]
 
 
@@ -156,11 +156,11 @@ def _without_recipient(act: PredicateForm) -> PredicateForm | None:
 
 
 def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
-    """The person named last for "him", "her" or "them"; `RefusedError` when there is none."""
+    """The person named last for "him", "her" or "them"; an error when there is none."""
     if part not in PERSONAL:
         return None
     if discourse.person is None:
-        raise RefusedError("which_person", asks=True, word=part.name)
+        raise UninterpretableError("which_person", asks=True, word=part.name)
     return discourse.person
 
 
@@ -168,7 +168,7 @@ def _last_use(discourse: Discourse) -> PredicateForm:
     """The use that the last rule or question is about."""
     last = discourse.last
     if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
-        raise RefusedError("no_referent", asks=True, word="the use")
+        raise UninterpretableError("no_referent", asks=True, word="the use")
     return _use_form(last.affordance, last.material)
 
 
@@ -186,7 +186,7 @@ def _resolve_they(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     if THEY not in rest:
         return rest
     if not discourse.named:
-        raise RefusedError("no_referent", asks=True, word=THEY.name)
+        raise UninterpretableError("no_referent", asks=True, word=THEY.name)
     each = [_simplified(rest.mapped(_replacing(THEY, named))) for named in discourse.named]
     return each[0] if len(each) == 1 else PredicateForm("and", tuple(each))
 
@@ -203,7 +203,7 @@ def _with_use(form: PredicateForm) -> PredicateForm | None:
         return None
     thing, clause = form.arguments
     if clause.name != "implies" or clause.arguments[1].name in {"graspObject", *_OF_USE}:
-        raise RefusedError("one_thing_at_a_time")
+        raise UninterpretableError("one_thing_at_a_time")
     _, use, degree = clause.arguments
     return PredicateForm("notUsedFor" if degree.name == "none" else "usedFor", (thing, use))
 
@@ -214,7 +214,7 @@ def _with_tool(form: PredicateForm) -> PredicateForm | None:
         return None
     _, tool, act = form.arguments
     if not _is_tool_act(act) or len(act.arguments) != 2:
-        raise RefusedError("one_thing_at_a_time")
+        raise UninterpretableError("one_thing_at_a_time")
     return PredicateForm(act.name, (*act.arguments, tool))
 
 
@@ -261,7 +261,7 @@ def _resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
         case "first", (thing, act):
             # "Take the mug and pass it to me": the second act must be on the first one's object.
             if IT not in act:
-                raise RefusedError("one_thing_at_a_time")
+                raise UninterpretableError("one_thing_at_a_time")
             form = _replace_it(act, thing)
         case _:
             arguments = (_resolve_rules(part, discourse) for part in form.arguments)
@@ -274,10 +274,10 @@ def _on_occasion(occasion: PredicateForm, rule: PredicateForm) -> PredicateForm:
     if rule.name == "and":
         return PredicateForm("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
     if rule.name != "implies":
-        raise RefusedError("not_a_rule")
+        raise UninterpretableError("not_a_rule")
     context, act, degree = rule.arguments
     if context.name != occasion.name or len(occasion.arguments) < 2:
-        raise RefusedError("one_thing_at_a_time")
+        raise UninterpretableError("one_thing_at_a_time")
     return _replace_it(PredicateForm("implies", (context, act, degree)), occasion.arguments[1])
 
 
@@ -318,7 +318,7 @@ def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> Predicate
     candidates = [_grasped_object(context, owners), *owners]
     known = _most_specific(candidates) or discourse.object
     if known is None:
-        raise RefusedError("of_which_object", asks=True)
+        raise UninterpretableError("of_which_object", asks=True)
     act = PredicateForm("graspObject", (actor, PredicateForm("partOf", (part, known))))
     return PredicateForm("implies", (_with_object(context, known), act, degree))
 
@@ -353,7 +353,7 @@ def _grasped_object(context: PredicateForm, owners: list[PredicateForm]) -> Pred
     if len(arguments) == 3 and context.name != "pass":
         return arguments[2]
     if len(arguments) < 2:
-        raise RefusedError("no_act")
+        raise UninterpretableError("no_act")
     held = arguments[1]
     if _is_tool_act(context) and owners and _most_specific(owners) not in {None, held}:
         return IT
@@ -382,7 +382,7 @@ def _most_specific(candidates: list[PredicateForm]) -> PredicateForm | None:
         if known is not None:
             first, second = _noun(known).name, _noun(candidate).name
             if _noun(known) != _noun(candidate) and not SOMETHING & {first, second}:
-                raise RefusedError("two_objects", first=first, second=second)
+                raise UninterpretableError("two_objects", first=first, second=second)
         if known is None or len(list(candidate)) >= len(list(known)):
             known = candidate
     return known

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from .coreference import Discourse, RefusedError
+from .coreference import Discourse, UninterpretableError
 from .meaning import (
     ANY_OBJECT,
     ActionRule,
@@ -68,7 +68,7 @@ _OF_USES = {"uses_of", "about", "how", "see"}
 
 
 @dataclass(frozen=True)
-class Fragment:
+class FragmentValues:
     """The values that a fragment names: for one slot, and perhaps a degree of confidence.
 
     Attributes:
@@ -98,7 +98,7 @@ class Fragment:
         return self.mode in {"also", "same", "too"}
 
 
-def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
+def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
     """Return the meaning of a fragment after the turns before it.
 
     Raises:
@@ -121,12 +121,12 @@ def complete(fragment: Fragment, discourse: Discourse) -> Meaning:
             patient = _kind(fragment.target)[0] if fragment.target else command.patient
             return replace(command, patient=patient, tool=fragment.tool or command.tool)
         case Command() | ToolCommand():
-            raise RefusedError("as_question", asks=True)
+            raise UninterpretableError("as_question", asks=True)
         case None:
             raise _nothing()
 
 
-def _with_other_of_pair(fragment: Fragment, discourse: Discourse) -> Fragment:
+def _with_other_of_pair(fragment: FragmentValues, discourse: Discourse) -> FragmentValues:
     """The fragment with the other one of two objects spoken of, where it asks about that one."""
     other = _other_of_pair(discourse)
     if not isinstance(discourse.last, Question) or not _is_other(fragment) or other is None:
@@ -134,7 +134,7 @@ def _with_other_of_pair(fragment: Fragment, discourse: Discourse) -> Fragment:
     return replace(fragment, target=ObjectReference(other), asks=True, is_other=True)
 
 
-def _is_other(fragment: Fragment) -> bool:
+def _is_other(fragment: FragmentValues) -> bool:
     target = fragment.target
     return target is not None and target == ObjectReference(target.object, other=True)
 
@@ -147,7 +147,7 @@ def _other_of_pair(discourse: Discourse) -> str | None:
     return others[0].name.replace("_", " ").rstrip() if known else None
 
 
-def _how_explained(fragment: Fragment, discourse: Discourse) -> Question | None:
+def _how_explained(fragment: FragmentValues, discourse: Discourse) -> Question | None:
     """The question how a thing is held, after it was asked why it was held like that."""
     rule = discourse.rule
     if not (discourse.asks_why and fragment.asks and isinstance(rule, ActionRule)):
@@ -156,7 +156,7 @@ def _how_explained(fragment: Fragment, discourse: Discourse) -> Question | None:
 
 
 def _completed(
-    fragment: Fragment, discourse: Discourse
+    fragment: FragmentValues, discourse: Discourse
 ) -> Rule | Question | Command | ToolCommand | None:
     """What a fragment completes: the last meaning, or the rule spoken of last."""
     rule, last = discourse.rule, discourse.last
@@ -187,12 +187,12 @@ def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
         case FunctionalRule() | ActionRule() as rule:
             return Statement((replace(rule, revises=False),))
         case _:
-            raise RefusedError("nothing_to_keep")
+            raise UninterpretableError("nothing_to_keep")
 
 
 def _once_more(discourse: Discourse) -> Command | ToolCommand:
     if discourse.command is None:
-        raise RefusedError("nothing_to_repeat", asks=True)
+        raise UninterpretableError("nothing_to_repeat", asks=True)
     return discourse.command
 
 
@@ -200,7 +200,7 @@ def _applies(rule: Rule, command: Command) -> bool:
     return command.part is None and command.target.object in {None, rule.object}
 
 
-def _as_rule(fragment: Fragment, rule: Rule) -> Meaning:
+def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
     if fragment.asks and fragment.context and fragment.target:
         return Question("how", object=_kind(fragment.target)[0], context=fragment.context)
     if not fragment.mode and fragment.use:
@@ -218,13 +218,13 @@ def _is_denied(rule: Rule) -> bool:
     return rule.confidence[1] < _LIKELY
 
 
-def _instead_of_denied(fragment: Fragment, changed: Rule) -> Meaning:
+def _instead_of_denied(fragment: FragmentValues, changed: Rule) -> Meaning:
     """After "never hold it by the blade" another part is held; only "by the handle" may deny it."""
     instead = Statement((replace(changed, confidence=fragment.default),))
     return instead if fragment.part_of else AskBack(choices=(instead,))
 
 
-def _changed(fragment: Fragment, rule: Rule) -> Rule:
+def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
     """The rule with what a fragment names instead."""
     if fragment.confidence:
         rule = replace(rule, confidence=fragment.confidence)
@@ -239,12 +239,12 @@ def _changed(fragment: Fragment, rule: Rule) -> Rule:
         case ActionRule() if fragment.part:
             if fragment.part_of not in {None, rule.object}:
                 second = str(fragment.part_of)
-                raise RefusedError("two_objects", first=rule.object, second=second)
+                raise UninterpretableError("two_objects", first=rule.object, second=second)
             return replace(rule, part=fragment.part, context=fragment.context or rule.context)
         case ActionRule() if fragment.context:
             return replace(rule, context=fragment.context)
         case ActionRule() if fragment.use and fragment.adds:
-            raise RefusedError("not_a_rule")
+            raise UninterpretableError("not_a_rule")
         case _ if fragment.confidence and not (fragment.use or fragment.part or fragment.context):
             return rule
         case _:
@@ -260,7 +260,7 @@ def _question_on(rule: Rule) -> Question:
 
 
 def _as_question(  # noqa: PLR0911 - a case per slot
-    fragment: Fragment, question: Question
+    fragment: FragmentValues, question: Question
 ) -> Question | AskBack:
     """The last question about what a fragment names; a part may also answer it."""
     if fragment.recipient:
@@ -276,7 +276,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
             rule = FunctionalRule(name, use, fragment.default, props, material=material)
             return AskBack(choices=(Statement((rule,)),))
         if props or fragment.part:
-            raise RefusedError("one_thing_at_a_time")
+            raise UninterpretableError("one_thing_at_a_time")
         if fragment.context:
             return Question("how", object=name, context=fragment.context)
         if fragment.asks and question.ask in _OF_OBJECTS and fragment.is_other:
@@ -297,7 +297,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
     return AskBack(choices=(Statement((rule,)),))
 
 
-def _as_answer(fragment: Fragment, question: Question) -> AskBack:
+def _as_answer(fragment: FragmentValues, question: Question) -> AskBack:
     """The question whether a degree answers the last question: "sometimes, yes"."""
     has_more = fragment.target or fragment.use or fragment.part
     if question.object is None or question.affordance is None or has_more:
@@ -309,14 +309,16 @@ def _as_answer(fragment: Fragment, question: Question) -> AskBack:
     return AskBack(choices=(Statement((rule,)),))
 
 
-def _with_use_of(question: Question, fragment: Fragment) -> Fragment:
+def _with_use_of(question: Question, fragment: FragmentValues) -> FragmentValues:
     """A fragment that names a material, with the use that was asked about on another one."""
     if question.ask not in _OF_OBJECTS or question.material is None:
         raise _nothing()
     return replace(fragment, use=question.affordance)
 
 
-def _as_command(fragment: Fragment, command: Command, discourse: Discourse) -> Command | AskBack:
+def _as_command(
+    fragment: FragmentValues, command: Command, discourse: Discourse
+) -> Command | AskBack:
     """The last command with what a fragment names, or the question which other one is meant."""
     other = _other_of_pair(discourse)
     if (
@@ -356,9 +358,9 @@ def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:
 def _kind(target: ObjectReference) -> tuple[str, tuple[str, ...]]:
     """The kind of object that a rule or question is about, and its properties."""
     if target.object is None or target.other:
-        raise RefusedError("one_thing_at_a_time")
+        raise UninterpretableError("one_thing_at_a_time")
     return target.object, target.props
 
 
-def _nothing() -> RefusedError:
-    return RefusedError("nothing_to_correct", asks=True)
+def _nothing() -> UninterpretableError:
+    return UninterpretableError("nothing_to_correct", asks=True)

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 from ..lexicon.immutable_index import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
-from .coreference import SOMETHING, Discourse, RefusedError, UnlearnableError
-from .fragments import FRAGMENTS, Fragment, complete
+from .coreference import SOMETHING, Discourse, UninterpretableError, UnlearnableError
+from .fragments import FRAGMENTS, FragmentValues, complete
 from .meaning import (
     ANY_OBJECT,
     Acknowledgement,
@@ -131,17 +131,19 @@ class Interpreter:
             raise self._order_beside_rule(*form.arguments)
         rules = tuple(dict.fromkeys(self._rules(form)))
         if len({rule.source for rule in rules}) > 1:
-            raise RefusedError("whose_words", asks=True)
+            raise UninterpretableError("whose_words", asks=True)
         if is_contradictory(rules):
-            raise RefusedError("contradiction", asks=True)
+            raise UninterpretableError("contradiction", asks=True)
         return Statement(rules)
 
-    def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> RefusedError:
+    def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> UninterpretableError:
         """Why an order is no rule: "grab it by the rim and never grab it by the rim"."""
         part, target = self._part_of_object(order.arguments[1])
         held = ActionRule(target.object or "", "grasp", part, self.intervals["high"], target.props)
         is_denied = is_contradictory((held, *self._rules(rule)))
-        return RefusedError("contradiction" if is_denied else "one_thing_at_a_time", asks=is_denied)
+        return UninterpretableError(
+            "contradiction" if is_denied else "one_thing_at_a_time", asks=is_denied
+        )
 
     def _rules(self, form: PredicateForm) -> Iterator[Rule]:
         """The rules that a form states, in the order they were said."""
@@ -151,7 +153,7 @@ class Interpreter:
         elif form.name == "says":
             yield from self._reported(*form.arguments)
         elif form.name != "implies":
-            raise RefusedError("not_a_rule")
+            raise UninterpretableError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
             yield self._action_rule(form)
         else:
@@ -161,7 +163,7 @@ class Interpreter:
         """The rules that somebody told the speaker."""
         for rule in self._rules(content):
             if rule.source:
-                raise RefusedError("whose_words", asks=True)
+                raise UninterpretableError("whose_words", asks=True)
             yield replace(rule, source=_name(person))
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
@@ -188,7 +190,7 @@ class Interpreter:
         slot, mode = FRAGMENTS.get(said.name, ("part", "instead"))
         mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
-        fragment = Fragment(mode, self.intervals["high"], asks)
+        fragment = FragmentValues(mode, self.intervals["high"], asks)
         if slot == "material":
             fragment = replace(fragment, material=_kind(value))
         elif slot == "tool":
@@ -201,7 +203,7 @@ class Interpreter:
             fragment = replace(fragment, confidence=self.intervals[degree[0].name])
         return complete(fragment, discourse)
 
-    def _filled(self, fragment: Fragment, slot: str, value: PredicateForm) -> Fragment:
+    def _filled(self, fragment: FragmentValues, slot: str, value: PredicateForm) -> FragmentValues:
         """A fragment with the value of its slot."""
         match slot:
             case "target" | "held":
@@ -213,7 +215,7 @@ class Interpreter:
                 return replace(fragment, part=part, part_of=owner)
             case "context" | "act":
                 if not self._is_act_on_object(value.name):
-                    raise RefusedError("no_act")
+                    raise UninterpretableError("no_act")
                 target = self._reference(value.arguments[1])
                 return replace(fragment, context=value.name, target=target)
             case "recipient":
@@ -232,12 +234,12 @@ class Interpreter:
         if form.name in self.tool_acts:
             return self._tool_command(form)
         if not self._is_act_on_object(form.name):
-            raise RefusedError("one_thing_at_a_time")
+            raise UninterpretableError("one_thing_at_a_time")
         if len(form.arguments) > (3 if form.name == "pass" else 2):
-            raise RefusedError("one_thing_at_a_time")
+            raise UninterpretableError("one_thing_at_a_time")
         target = self._reference(form.arguments[1])
         if target == ObjectReference(ANY_OBJECT, other=True):
-            raise RefusedError("which_thing", asks=True)
+            raise UninterpretableError("which_thing", asks=True)
         recipient = _name(form.arguments[2]) if len(form.arguments) > 2 else None
         return Command(form.name, target, recipient=recipient)
 
@@ -258,39 +260,39 @@ class Interpreter:
             form = form.arguments[0]
         props = tuple(sorted(names))
         if len(used_for) > 1 or (used_for and form.name not in SOMETHING):
-            raise RefusedError("object_or_use")
+            raise UninterpretableError("object_or_use")
         if used_for:
             affordance, material = _use(used_for[0].arguments[1])
             if used_for[0].name == "usedFor":
                 return ObjectReference(None, affordance, None, props, material, other)
             return ObjectReference(None, None, affordance, props, material, other)
         if form.name in SOMETHING and not props and not other:
-            raise RefusedError("which_thing", asks=True)
+            raise UninterpretableError("which_thing", asks=True)
         return ObjectReference(object=_kind_and_properties(form)[0], props=props, other=other)
 
     def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
         place = form.arguments[1]
         if not isinstance(command, Command):
-            raise RefusedError("one_thing_at_a_time")
+            raise UninterpretableError("one_thing_at_a_time")
         if place.name == "graspObject":
             place = place.arguments[1]
         if place.name != "partOf":
             return replace(command, part=_name(place))
         part, target = self._part_of_object(place)
         if target != command.target:
-            raise RefusedError("one_thing_at_a_time")
+            raise UninterpretableError("one_thing_at_a_time")
         return replace(command, part=part)
 
     def _part_of_object(self, form: PredicateForm) -> tuple[str, ObjectReference]:
         if form.name != "partOf":
-            raise RefusedError("no_part_named")
+            raise UninterpretableError("no_part_named")
         return _name(form.arguments[0]), self._reference(form.arguments[1])
 
     def _tool_command(self, form: PredicateForm) -> ToolCommand:
         patient, props = _kind_and_properties(form.arguments[1])
         if patient == ANY_OBJECT or props:
-            raise RefusedError("on_what", asks=True, goal=form.name)
+            raise UninterpretableError("on_what", asks=True, goal=form.name)
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
             tool = ObjectReference(used_for=self.tool_acts[form.name])
         else:
@@ -300,7 +302,7 @@ class Interpreter:
     def _one_rule(self, form: PredicateForm, problem: str = "one_rule_at_a_time") -> Rule:
         rules = list(self._rules(form))
         if len(rules) != 1:
-            raise RefusedError(problem)
+            raise UninterpretableError(problem)
         return rules[0]
 
     def _functional_rule(self, form: PredicateForm) -> FunctionalRule:
@@ -308,11 +310,11 @@ class Interpreter:
         confidence = self.intervals[degree.name]
         if use.name in {"usedFor", "notUsedFor"}:
             if use.name == "notUsedFor" or use.arguments[0].name not in SOMETHING:
-                raise RefusedError("say_the_use")
+                raise UninterpretableError("say_the_use")
             use = use.arguments[1]
         name, props = _kind_and_properties(noun)
         if name == ANY_OBJECT and not props:
-            raise RefusedError("of_which_object", asks=True)
+            raise UninterpretableError("of_which_object", asks=True)
         affordance, material = _use(use)
         return FunctionalRule(name, affordance, confidence, props, material=material)
 
@@ -320,10 +322,12 @@ class Interpreter:
         context, act, degree = form.arguments
         part, owner = act.arguments[1].arguments
         if not self._is_act_on_object(context.name) and context.name not in self.tool_acts:
-            raise RefusedError("no_act")
+            raise UninterpretableError("no_act")
         name, props = _kind_and_properties(owner)
         if context.name in self.tool_acts and context.arguments[1:] == (owner,):
-            raise RefusedError("not_a_rule")  # it is the tool that is held, not what it is used on
+            raise UninterpretableError(
+                "not_a_rule"
+            )  # it is the tool that is held, not what it is used on
         return ActionRule(name, context.name, _name(part), self.intervals[degree.name], props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
@@ -381,7 +385,7 @@ class Interpreter:
                 return _question_on_target("see", target)
             case _:
                 pass
-        raise RefusedError("unanswerable")
+        raise UninterpretableError("unanswerable")
 
     def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
         rule = self._one_rule(form, "one_thing_at_a_time")
@@ -431,9 +435,9 @@ def _use(form: PredicateForm) -> tuple[str, str | None]:
         kind, props = _kind_and_properties(patient)
         material = None if kind == ANY_OBJECT else " ".join((*props, kind))
         if kind == ANY_OBJECT and props:
-            raise RefusedError("one_thing_at_a_time")
+            raise UninterpretableError("one_thing_at_a_time")
     if form.arguments:
-        raise RefusedError("one_use_at_a_time")
+        raise UninterpretableError("one_use_at_a_time")
     return _name(form), material
 
 
@@ -465,7 +469,7 @@ def _kind(form: PredicateForm) -> str:
     """The kind of object that a form names, which must have no further properties."""
     kind, properties = _kind_and_properties(form)
     if properties or kind == ANY_OBJECT:
-        raise RefusedError("one_thing_at_a_time")
+        raise UninterpretableError("one_thing_at_a_time")
     return kind
 
 
@@ -491,11 +495,11 @@ def _name(form: PredicateForm) -> str:
         RefusedError: the form has arguments, or stands for nothing with a name.
     """
     if form.arguments or form.name in _NAMELESS or form.name in SOMETHING:
-        raise RefusedError("one_thing_at_a_time")
+        raise UninterpretableError("one_thing_at_a_time")
     return form.name.replace("_", " ").rstrip()
 
 
-def _with_use(fragment: Fragment, form: PredicateForm) -> Fragment:
+def _with_use(fragment: FragmentValues, form: PredicateForm) -> FragmentValues:
     affordance, material = _use(form)
     return replace(fragment, use=affordance, material=material)
 

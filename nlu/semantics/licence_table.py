@@ -15,7 +15,7 @@ from functools import reduce
 from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from .features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
+from .clause_features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
 from .meaning import (
     ActionRule,
     Command,
@@ -62,7 +62,7 @@ class LicenceRow:
 
 
 @dataclass(frozen=True)
-class Licence:
+class LicenceTable:
     """The table of rows, and how sure a rule can be at most by the value of a feature.
 
     Attributes:
@@ -119,7 +119,7 @@ def kinds_of(meaning: Meaning) -> frozenset[str]:
 
 def load_licence(
     features: Values, degrees: Mapping[str, Confidence], path: Path = LICENCE_FILE
-) -> Licence:
+) -> LicenceTable:
     """Return the licence of a file.
 
     Args:
@@ -141,7 +141,7 @@ def load_licence(
         for feature, values in _known(parts["degrees"], features).items()
         for value, degree in _known(values, features[feature]).items()
     }
-    return Licence(rows, bounds)
+    return LicenceTable(rows, bounds)
 
 
 def _row(field: YamlNode, features: Values) -> LicenceRow:

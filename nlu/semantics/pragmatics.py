@@ -20,7 +20,7 @@ from ...ontology.evidence_operators import (
     relative_plausibility,
 )
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..grammar.notation import read_rule
+from ..grammar.notation_reader import read_rule
 from .meaning import Confidence
 from .predicates import PredicateForm, fill, form_of_term, match
 

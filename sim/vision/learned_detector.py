@@ -27,13 +27,7 @@ from .neural_classifier import Classifier, NoveltyDetector
 from .percept import PartPercept, Percept, visible_features
 from .perception_noise import NoiseLevels
 from .point_cloud_operations import voxel_downsample, voxel_keys
-from .segmentation import (
-    TABLE_MARGIN,
-    Segment,
-    describe_points,
-    describe_segment,
-    segment_images,
-)
+from .segmentation import TABLE_MARGIN, Segment, describe_points, describe_segment, segment_images
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
 MIN_PART_POINTS = 12  # fewer are errors of the part classifier

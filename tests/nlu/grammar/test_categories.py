@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu.grammar.categories import type_of
-from hilt.nlu.grammar.combinators import Combination, Combinator
-from hilt.nlu.grammar.notation import read_category
+from hilt.nlu.grammar.combinators import BinaryRule, CombinationTable
+from hilt.nlu.grammar.notation_reader import read_category
 from hilt.nlu.grammar.types import BasicType
 from hilt.ontology.yaml_reader import YamlNode
 
@@ -17,9 +17,9 @@ def category(text: str):
     return read_category(YamlNode(text, "<text>", 1, 1))
 
 
-def combined(left: str, right: str) -> list[tuple[str, Combination]]:
+def combined(left: str, right: str) -> list[tuple[str, BinaryRule]]:
     """All that two categories give."""
-    table = Combinator(())
+    table = CombinationTable(())
     found = table.combine(table.sign(category(left)), table.sign(category(right)))
     return [(str(table.category(sign)), rule) for sign, rule in found]
 
@@ -27,13 +27,13 @@ def combined(left: str, right: str) -> list[tuple[str, Combination]]:
 @pytest.mark.parametrize(
     ("left", "right", "result", "rule"),
     [
-        ("NP/N", "N", "NP", Combination.FORWARD),
-        ("NP", "S\\NP", "S", Combination.BACKWARD),
-        ("S/^C", "C/^NP", "S/^NP", Combination.FORWARD_COMPOSITION),
-        ("C\\^NP", "S\\^C", "S\\^NP", Combination.BACKWARD_COMPOSITION),
+        ("NP/N", "N", "NP", BinaryRule.FORWARD),
+        ("NP", "S\\NP", "S", BinaryRule.BACKWARD),
+        ("S/^C", "C/^NP", "S/^NP", BinaryRule.FORWARD_COMPOSITION),
+        ("C\\^NP", "S\\^C", "S\\^NP", BinaryRule.BACKWARD_COMPOSITION),
     ],
 )
-def test_neighbours_combine(left: str, right: str, result: str, rule: Combination) -> None:
+def test_neighbours_combine(left: str, right: str, result: str, rule: BinaryRule) -> None:
     """Application always, composition where both slashes allow it."""
     assert combined(left, right) == [(result, rule)]
 
@@ -56,7 +56,7 @@ def test_nothing_else_combines(left: str, right: str) -> None:
 
 def test_a_composed_functor_does_not_apply_again() -> None:
     """Eisner's normal form: one derivation of many with the same meaning."""
-    table = Combinator(())
+    table = CombinationTable(())
     one, two = table.sign(category("A/^B")), table.sign(category("B/^C"))
     ((composed, _),) = table.combine(one, two)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.nlu.grammar.notation import parse_term
+from hilt.nlu.grammar.notation_reader import parse_term
 from hilt.nlu.grammar.terms import (
     Application,
     BoundVariable,

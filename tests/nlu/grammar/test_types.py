@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.grammar.notation import parse_term, read_type
+from hilt.nlu.grammar.notation_reader import parse_term, read_type
 from hilt.nlu.grammar.types import Type, TypeMismatchError, check_type
 from hilt.ontology.yaml_reader import YamlNode
 

@@ -8,7 +8,7 @@ import pytest
 from hilt.nlu.grammar.categories import AtomicCategory
 from hilt.nlu.grammar.terms import Constant, evaluate
 from hilt.nlu.grammar.word_patterns import PatternError
-from hilt.nlu.lexicon.lexicon import Entry, Lexicon, Sense
+from hilt.nlu.lexicon.lexicon import Entry, LazyEntry, Lexicon
 
 TERM = Constant("knife")
 
@@ -16,7 +16,7 @@ TERM = Constant("knife")
 NOUN = AtomicCategory("N")
 
 
-def sense(says: str, name: str = "", made: list[str] | None = None) -> Sense:
+def sense(says: str, name: str = "", made: list[str] | None = None) -> LazyEntry:
     """A sense of a pattern, which records in `made` that its entry is made."""
 
     def entry() -> Entry:
@@ -24,7 +24,7 @@ def sense(says: str, name: str = "", made: list[str] | None = None) -> Sense:
             made.append(says)
         return Entry(NOUN, TERM, evaluate(TERM), 1, says=says)
 
-    return Sense(says, NOUN, name, entry)
+    return LazyEntry(says, NOUN, name, entry)
 
 
 def found(lexicon: Lexicon, text: str) -> list[tuple[int, str]]:

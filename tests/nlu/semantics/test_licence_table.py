@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.nlu import Language
-from hilt.nlu.semantics.features import UtteranceFeatures
+from hilt.nlu.semantics.clause_features import UtteranceFeatures
 from hilt.nlu.semantics.licence_table import ACCEPT, KINDS, bounded, load_licence
 from hilt.nlu.semantics.meaning import ActionRule, FunctionalRule, Retraction, Statement
 from hilt.ontology.errors import DataError

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.nlu.grammar.notation import parse_term
+from hilt.nlu.grammar.notation_reader import parse_term
 from hilt.nlu.semantics.pragmatics import load_pragmatics
 from hilt.nlu.semantics.predicates import PredicateForm, form_of_term
 from hilt.ontology.errors import DataError

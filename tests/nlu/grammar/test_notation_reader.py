@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu.grammar.categories import AtomicCategory
-from hilt.nlu.grammar.notation import (
+from hilt.nlu.grammar.notation_parser import Start, parse
+from hilt.nlu.grammar.notation_reader import (
     MAX_CHARACTERS,
     NotationCache,
     parse_term,
@@ -21,7 +22,6 @@ from hilt.nlu.grammar.notation import (
     read_type,
     read_unary,
 )
-from hilt.nlu.grammar.notation_parser import Start, parse
 from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, normal_form
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode

@@ -45,7 +45,7 @@ _KEYS = (
 )
 
 
-class ClauseWord(NamedTuple):
+class ClausePosition(NamedTuple):
     """A word of a derivation: its clause, and its place in the utterance.
 
     Attributes:
@@ -121,7 +121,7 @@ class FeatureReader:
     carrying: frozenset[str]
 
     def features(
-        self, words: Sequence[ClauseWord], removed: Iterable[Sequence[str]]
+        self, words: Sequence[ClausePosition], removed: Iterable[Sequence[str]]
     ) -> UtteranceFeatures:
         """Return the features of an utterance by its words and the phrases taken out of it."""
         main, condition = (_joined(self._found(_of_clause(words, c))) for c in (MAIN, CONDITION))
@@ -237,7 +237,7 @@ def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlN
     known[feature] = frozenset({value})
 
 
-def _of_clause(words: Sequence[ClauseWord], clause: str) -> list[str]:
+def _of_clause(words: Sequence[ClausePosition], clause: str) -> list[str]:
     """The words of a clause in their order, with an empty one for each word of another kind."""
     return [each.word if each.clause == clause else "" for each in words]
 

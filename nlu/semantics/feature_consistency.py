@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import compile_pattern, expand
-from .features import FeatureReader
+from .clause_features import FeatureReader
 
 MAX_COMPARED = 20_000
 """Spellings of one pattern that are compared."""

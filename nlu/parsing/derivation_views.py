@@ -12,7 +12,7 @@ from io import StringIO
 from typing import NamedTuple
 
 from ...ontology.errors import extra_required
-from ..grammar.combinators import Combination
+from ..grammar.combinators import BinaryRule
 from ..grammar.terms import quote
 from ..lexicon.lexicon import Entry
 from .chart import Derivation
@@ -56,7 +56,7 @@ class DerivationStep:
 def derivation_step(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:
     """Return the root step of a derivation of the words of an utterance."""
     rule = derivation.rule
-    shown = rule.value if isinstance(rule, Combination) else str(rule)
+    shown = rule.value if isinstance(rule, BinaryRule) else str(rule)
     return DerivationStep(
         " ".join(words[derivation.start : derivation.end]),
         str(derivation.category),

@@ -16,10 +16,16 @@ from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_recipients
 from ..lexicon.vocabulary import NewWord
-from ..semantics.features import CONDITION, MAIN, ClauseWord, FeatureReader, UtteranceFeatures
+from ..semantics.clause_features import (
+    CONDITION,
+    MAIN,
+    ClausePosition,
+    FeatureReader,
+    UtteranceFeatures,
+)
 from ..semantics.meaning import ActionRule, Command, FunctionalRule, Meaning, Statement, ToolCommand
 from .chart import Derivation
-from .derivation import lexical_entries
+from .derivation_views import lexical_entries
 
 
 def features_of(
@@ -51,7 +57,7 @@ def _is_person(
 
 def _words(
     reader: FeatureReader, derivation: Derivation, words: Sequence[str], clause: str
-) -> Iterator[ClauseWord]:
+) -> Iterator[ClausePosition]:
     """The words of a derivation with the clause that each belongs to, from left to right."""
     category = str(derivation.category)
     if category in reader.conditions:
@@ -62,7 +68,7 @@ def _words(
         if is_name or category in reader.names:
             clause = ""
         for word in words[derivation.start : derivation.end]:
-            yield ClauseWord(word, clause)
+            yield ClausePosition(word, clause)
     for part in derivation.parts:
         yield from _words(reader, part, words, clause)
 

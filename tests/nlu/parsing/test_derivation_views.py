@@ -6,7 +6,7 @@ from __future__ import annotations
 from xml.etree import ElementTree
 
 from hilt.nlu import Language
-from hilt.nlu.parsing.derivation import draw_svg
+from hilt.nlu.parsing.derivation_views import draw_svg
 
 
 def test_the_drawing_has_every_word_and_step(language: Language) -> None:

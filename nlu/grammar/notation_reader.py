@@ -30,7 +30,7 @@ MAX_CHARACTERS = 400
 """A longer line is rejected, so that none can nest too deeply to be used."""
 
 _SOURCES = (
-    *("notation.lark", "notation.py", "notation_parser.py"),
+    *("notation.lark", "notation_reader.py", "notation_parser.py"),
     *("categories.py", "terms.py", "types.py"),
 )
 _MALFORMED = (ValueError, TypeError, KeyError, IndexError, RecursionError)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.semantics.features import load_features
+from hilt.nlu.semantics.clause_features import load_features
 from hilt.ontology.errors import DataError
 
 EMPTY = (

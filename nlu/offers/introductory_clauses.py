@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ..lexicon.tokenizer import BREAK
-from ..semantics.features import ASIDE, UtteranceFeatures
+from ..semantics.clause_features import ASIDE, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT
 from ..semantics.meaning import Meaning, Statement
 from .checks import OfferChecks, Phrase
@@ -27,7 +27,7 @@ _UNSURE = frozenset({"think", "hedged"})
 
 
 @dataclass(frozen=True)
-class Introductions:
+class IntroductionChecks:
     """Tells introductions from what a last clause depends on."""
 
     checks: OfferChecks
