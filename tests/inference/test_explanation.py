@@ -20,6 +20,8 @@ from hilt.kb.interval import VACUOUS, Interval
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.ontology.errors import UnknownNameError
 
+from .rule_sources import Told
+
 CUTTING = Goal("pass", Target(used_for="cutting"))
 NAMES = ("knife", "spoon", "screwdriver")
 levels = st.sampled_from([0.95, 0.75, 0.5, 0.25, 0.0])
@@ -47,25 +49,12 @@ operators = st.builds(
 )
 
 
-class Told:
-    """A rule source over a list."""
-
-    sequence = 0
-
-    def __init__(self, rules: Sequence[Rule]) -> None:
-        self.rules = rules
-
-    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """Return the rules at these nodes."""
-        return [rule for rule in self.rules if rule.node in nodes]
-
-
 def decided(
     rules: Sequence[Rule], sure: float = 0.9, settings: Settings | None = None
 ) -> Inference:
     """Return what the find node infers for named objects that are detected with one confidence."""
     seen = [Observation(n, n, {Atom("object", n): Interval(sure, 1.0)}) for n in NAMES]
-    return Affordances(Told(rules), settings).infer("pass/findObject", CUTTING, seen)
+    return Affordances(Told(*rules), settings).infer("pass/findObject", CUTTING, seen)
 
 
 def rule(name: str, degree: float) -> Rule:
@@ -189,7 +178,7 @@ def test_change_of_a_denied_interval_moves_both_bounds():
 
 def test_absent_object_has_a_proof_and_a_change():
     """A rule about an unseen object gives [0, 1]; a weak detection would change the decision."""
-    inference = Affordances(Told([rule("hammer", 0.95)])).infer("pass/findObject", CUTTING, [])
+    inference = Affordances(Told(rule("hammer", 0.95))).infer("pass/findObject", CUTTING, [])
 
     (absent,) = inference.absent
     (change,) = counterfactuals(inference, Settings())

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules about any object apply to those that have the part they name."""
 
-from collections.abc import Sequence
 
 import pytest
 
@@ -11,24 +10,13 @@ from hilt.inference.types import Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, grasping
 
+from .rule_sources import Told
+
 G, NEVER = Interval(0.95, 1.0), Interval(0.0, 0.05)
 HANDLE, HAFT, BLADE = (Atom("part", name) for name in ("handle", "haft", "blade"))
 HAMMER = Goal("pass", Target(object="hammer"))
 GRASP = "pass/graspObject"
 BY_HANDLE = grasping("*", "handle", "pass", interval=G)
-
-
-class Told:
-    """A rule source over a list."""
-
-    sequence = 0
-
-    def __init__(self, *rules: Rule) -> None:
-        self.rules = rules
-
-    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """Return the rules at these nodes."""
-        return [rule for rule in self.rules if rule.node in nodes]
 
 
 def test_part_of_a_rule_about_anything_is_looked_for():

@@ -16,6 +16,8 @@ from hilt.inference.types import Candidate, Conclusion, Goal, Observation, Targe
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 
+from .rule_sources import Told
+
 G, S, NEVER = Interval(0.95, 1.0), Interval(0.5, 1.0), Interval(0.0, 0.05)
 CUTTING = Goal("pass", Target(used_for="cutting"))
 KNIFE = Goal("pass", Target(object="knife"))
@@ -26,19 +28,6 @@ KITCHEN = Atom("place", "kitchen")
 KINDS = Taxonomy([(Atom("object", "bread knife"), Atom("object", "knife"))])
 
 
-class Told:
-    """A rule source over a list."""
-
-    sequence = 0
-
-    def __init__(self, rules: Sequence[Rule]) -> None:
-        self.rules = rules
-
-    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """Return the rules at these nodes."""
-        return [rule for rule in self.rules if rule.node in nodes]
-
-
 def knife(*shown: Atom, name: str = "knife", without: Atom | None = None) -> Observation:
     """Return an observation of a knife with further features, and one that it does not show."""
     atoms = dict.fromkeys((Atom("object", name), *shown), CERTAIN)
@@ -47,7 +36,7 @@ def knife(*shown: Atom, name: str = "knife", without: Atom | None = None) -> Obs
 
 def used(rules: Sequence[Rule], seen: Observation, goal: Goal = CUTTING) -> Candidate:
     """Return what is inferred of one object at the find node."""
-    [candidate] = Affordances(Told(rules), taxonomy=KINDS).infer(FIND, goal, [seen]).candidates
+    [candidate] = Affordances(Told(*rules), taxonomy=KINDS).infer(FIND, goal, [seen]).candidates
     return candidate
 
 
@@ -55,7 +44,7 @@ def grip(rules: Sequence[Rule], *shown: Atom, name: str = "knife") -> str | None
     """Return the part by which an object is passed; None if none is accepted."""
     seen = knife(*PARTS, *shown, name=name)
     goal = Goal("pass", Target(object=name))
-    best = Affordances(Told(rules), taxonomy=KINDS).infer(GRASP, goal, [seen]).best
+    best = Affordances(Told(*rules), taxonomy=KINDS).infer(GRASP, goal, [seen]).best
     return best.argument.name if best and best.argument else None
 
 
@@ -126,7 +115,7 @@ def test_taxonomy_decides_even_if_the_object_is_hardly_seen():
     """A rule about bread knives adds no premise to one about knives that could be doubted."""
     special = functional("bread knife", "cutting", interval=S)
     faint = Observation("it", "bread knife", {Atom("object", "bread knife"): Interval(0.3, 0.3)})
-    affordances = Affordances(Told([CUTS, special]), Settings(detection="point"), KINDS)
+    affordances = Affordances(Told(CUTS, special), Settings(detection="point"), KINDS)
 
     [candidate] = affordances.infer(FIND, CUTTING, [faint]).candidates
 
@@ -254,7 +243,7 @@ def by_id(rules: Sequence[Rule]) -> list[Rule]:
 
 def parts_of(rules: Sequence[Rule]) -> dict[Atom | None, Interval]:
     """Return the interval of each part at the grasp node."""
-    found = Affordances(Told(rules)).infer(GRASP, KNIFE, [ALL_SHOWN]).candidates
+    found = Affordances(Told(*rules)).infer(GRASP, KNIFE, [ALL_SHOWN]).candidates
     return {each.argument: each.interval for each in found}
 
 

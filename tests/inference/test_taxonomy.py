@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
-from collections.abc import Sequence
 
 import pytest
 
@@ -13,25 +12,14 @@ from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.errors import DataError
 
+from .rule_sources import Told
+
 G, C = Interval(0.95, 1.0), Interval(0.25, 1.0)
 BREAD_KNIFE, KNIFE, TOOL = (Atom("object", n) for n in ("bread knife", "knife", "tool"))
 SERVE, PASS = Atom("action", "serve"), Atom("action", "pass")
 KINDS = Taxonomy([(BREAD_KNIFE, KNIFE), (KNIFE, TOOL), (SERVE, PASS)])
 CUTTING = Goal("pass", Target(used_for="cutting"))
 SEEN = Observation("bread knife", "bread knife", {BREAD_KNIFE: CERTAIN})
-
-
-class Told:
-    """A rule source over a list."""
-
-    sequence = 0
-
-    def __init__(self, *rules: Rule) -> None:
-        self.rules = rules
-
-    def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """Return the rules at these nodes."""
-        return [rule for rule in self.rules if rule.node in nodes]
 
 
 def test_distances_count_steps_upwards():
