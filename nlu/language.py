@@ -38,7 +38,7 @@ from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OPERATORS, OfferChecks, load_check_words
 from .offers.choice_answers import load_choice_words
-from .offers.courtesies import Courtesy, has_content, load_courtesies
+from .offers.courtesies import Courtesy, CourtesyPhrases, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, load_model
 from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
@@ -318,7 +318,11 @@ class Language:
         """Return what a text that is not understood says by the way, None for nothing."""
         tokens = tokenize(text, self.builder.contractions)
         known = self.utterance_parser.known_words
-        return load_courtesies(_folder(self.name) / "courtesies.yaml").find(tokens, known)
+        return self._courtesies.find(tokens, known)
+
+    @property
+    def _courtesies(self) -> CourtesyPhrases:
+        return load_courtesies(_folder(self.name) / "courtesies.yaml")
 
     def _aside(self, text: str) -> Control | Acknowledgement | None:
         """What a text that is not understood as a whole stops, or how it is only polite."""
@@ -338,7 +342,7 @@ class Language:
         if any(halt and halt.control == "stop" for halt in halts.values()):
             return Control("stop")
         known = self.utterance_parser.known_words
-        is_bare = not any(has_content(each, known) or each.asks for each in found)
+        is_bare = not any(self._courtesies.has_content(each, known) or each.asks for each in found)
         waits = any(halt and halt.control == "wait" for halt in halts.values())
         return Control("wait") if waits and is_bare else None
 

@@ -54,7 +54,6 @@ _WORD_LISTS = (
         "unfinished",
         "recipient",
         "doer",
-        "other_doer",
         "asked",
         "at_end",
         "gripping",
@@ -233,12 +232,6 @@ class OfferChecks:
     def is_clause_of_its_own(self, words: Sequence[str]) -> bool:
         """Whether a clause has a doer, and is not about what somebody says or thinks."""
         return self._has("doer", words) and self.reader.embedding.isdisjoint(words)
-
-    def denying_pieces(self, mentions: Mentions) -> Iterator[Span]:
-        """Yield the pieces of an utterance that have a negation."""
-        words, idle = mentions.tokens.words, self._idle(mentions)
-        found = {*self._places("negative", words), *self._places("weak_negation", words)} - idle
-        yield from (piece for piece in mentions.pieces if not found.isdisjoint(range(*piece)))
 
     def _idle(self, mentions: Mentions) -> set[int]:
         """The places of the words of degrees and of phrases that hide the features of theirs."""

@@ -8,7 +8,7 @@ about, denies nothing and asks nothing. Nothing follows from it but a polite ans
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -24,15 +24,12 @@ from .utterance_segments import parts
 
 Phrase = tuple[str, ...]
 
-_DENIALS = frozenset({"not", "never", "no", "nothing", "nobody", "without", "if", "unless", "said"})
-_PRONOUNS = frozenset({"it", "them", "that", "one", "me"})
-_STATING = frozenset({"is", "are", "was", "were", "be"})
 _JUDGING = frozenset({"praise", "blame"})
 _VALUED = _JUDGING | {"thanks"}
 _LONGEST_ADDRESS = 3  # words of "my little helper"
 _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
-_VERBS = _STATING | {"am", "has", "have", "had", "do", "does", "did", "will", "would", "means"}
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
+_LISTS = ("before", "denying", "stating", "verbs", "pronouns")
 
 
 @dataclass(frozen=True)
@@ -58,13 +55,14 @@ class CourtesyPhrases:
         kinds: the phrases of each kind, in the order in which they count.
         chatter: the beginnings of parts that are only said by the way.
         openers: what praise or blame begins with: "you are clever", but not "the sky is lovely".
-        before: words that may precede any phrase: "oh, good morning", "I am so sorry".
+        lists: single words by key: those that may precede any phrase ("oh, good morning"), that
+            deny or set a condition, that state something, other verbs, and pronouns for things.
     """
 
-    kinds: dict[str, tuple[Steps, ...]]
+    kinds: Mapping[str, tuple[Steps, ...]]
     chatter: tuple[Steps, ...]
     openers: tuple[Steps, ...]
-    before: frozenset[Phrase]
+    lists: Mapping[str, frozenset[str]]
 
     def find(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
         """Return the courtesy in an utterance; None where there is none."""
@@ -72,7 +70,7 @@ class CourtesyPhrases:
         kept: list[tuple[int, int]] = []
         for start, end in parts(tokens):
             part = tokens.part(start, end)
-            kind = None if part.asks or has_content(part, known) else self._kind(part, known)
+            kind = None if part.asks or self.has_content(part, known) else self._kind(part, known)
             if kind is None:
                 kept.append((start, end))
             else:
@@ -86,11 +84,11 @@ class CourtesyPhrases:
     def _kind(self, part: Tokens, known: KnownWords) -> str | None:
         """The kind of a part: empty for chatter, None where it is neither."""
         words = part.words
-        is_denied = not _DENIALS.isdisjoint(words)
+        is_denied = not self.lists["denying"].isdisjoint(words)
         is_of_hilt = _occurs(self.openers, words, 0)
         for kind, phrases in self.kinds.items():
             is_bare = kind in _JUDGING and not is_of_hilt
-            if is_bare and not _STATING.isdisjoint(words):
+            if is_bare and not self.lists["stating"].isdisjoint(words):
                 continue
             places = range(1 if is_bare else len(words))
             if any(self._is_all(phrases, words, at, kind) for at in places):
@@ -111,15 +109,17 @@ class CourtesyPhrases:
             return False
         led = self.openers if kind in _JUDGING else ()
         before, after = words[:start], words[max(ends) :]
-        is_led = all((word,) in self.before for word in before) or _occurs(led, words, 0)
-        return is_led and len(after) <= _LONGEST_COMPLEMENT and _VERBS.isdisjoint(after)
+        is_led = self.lists["before"].issuperset(before) or _occurs(led, words, 0)
+        verbs = self.lists["stating"] | self.lists["verbs"]
+        return is_led and len(after) <= _LONGEST_COMPLEMENT and verbs.isdisjoint(after)
 
-
-def has_content(part: Tokens, known: KnownWords) -> bool:
-    """Whether a part names something that a rule or a command is about."""
-    found = find_mentions(part, known, {}, Discourse())
-    is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
-    return bool(found.required) or (is_act and not _PRONOUNS.isdisjoint(part.words))
+    def has_content(self, part: Tokens, known: KnownWords) -> bool:
+        """Whether a part names something that a rule or a command is about."""
+        found = find_mentions(part, known, {}, Discourse())
+        is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
+        return bool(found.required) or (
+            is_act and not self.lists["pronouns"].isdisjoint(part.words)
+        )
 
 
 def _occurs(phrases: Sequence[Steps], words: Sequence[str], start: int) -> bool:
@@ -136,11 +136,14 @@ def _text(tokens: Tokens, start: int, end: int) -> str:
 def load_courtesies(path: Path) -> CourtesyPhrases:
     """Return the courtesies of a language; `DataError` says where the file is not as expected."""
     parts = read_yaml(path).entries(
-        required=("courtesies", "chatter", "openers", "before"), optional=()
+        required=("courtesies", "chatter", "openers", *_LISTS), optional=()
     )
-    before = frozenset(each for item in parts["before"].items() for each in spellings(item))
+    lists = {
+        key: frozenset(word for item in parts[key].items() for (word,) in spellings(item))
+        for key in _LISTS
+    }
     kinds = {kind: _patterns(each) for kind, each in parts["courtesies"].entries().items()}
-    return CourtesyPhrases(kinds, _patterns(parts["chatter"]), _patterns(parts["openers"]), before)
+    return CourtesyPhrases(kinds, _patterns(parts["chatter"]), _patterns(parts["openers"]), lists)
 
 
 def _patterns(field: YamlNode) -> tuple[Steps, ...]:

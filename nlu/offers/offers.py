@@ -23,16 +23,13 @@ from ..parsing.parser import UtteranceContext
 from ..semantics.coreference import Discourse
 from ..semantics.meaning import (
     AskBack,
-    Command,
     Confidence,
     Meaning,
     Question,
     Statement,
-    ToolCommand,
 )
 from .candidates import CandidateMeaning, candidates
 from .checks import OfferChecks
-from .introductory_clauses import IntroductionChecks
 from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, find_mentions
 from .ranker import Ranker, left_over
@@ -124,7 +121,7 @@ class OfferFinder:
         corrected = self.of_corrected(tokens, context)
         if corrected:
             return corrected
-        return self.of_last_clause(mentions, context) or self.of_mentions(mentions, context)
+        return self.of_mentions(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -164,21 +161,6 @@ class OfferFinder:
             around = self.checks.around(span, mentions, told)
             if self.checks.is_licensed_beside(meaning, around) and self._is_understood(
                 meaning, context
-            ):
-                return (meaning,)
-        return ()
-
-    def of_last_clause(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return the meaning of the longest last clause that the others only introduce."""
-        tokens, introductions = mentions.tokens, IntroductionChecks(self.checks)
-        for start, end in segments(tokens, self.set_off(tokens)):
-            if end < len(tokens.items) or not introductions.introduces(start, mentions):
-                continue
-            meaning = self.meaning_of(tokens.span(start, end), context)
-            if (
-                isinstance(meaning, (Statement, Command, ToolCommand, Question))
-                and introductions.allows(meaning, start, mentions)
-                and self._is_understood(meaning, context)
             ):
                 return (meaning,)
         return ()

@@ -489,7 +489,8 @@ class PeripheryReader:
             if is_said and words[place + 1 : place + 2] in self.words.lists["listener"]:
                 yield "report"
             elif self._is_own(words, place, or_of_hearer=not is_said):
-                yield "announced" if is_said or is_known else ""
+                if is_said or is_known:
+                    yield "announced"
             elif form != PURPOSE:
                 yield "report" if is_said else "knowledge"
 
