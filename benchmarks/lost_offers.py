@@ -108,7 +108,6 @@ def _before_ranking(
     sources = {
         "a segment": offers.of_segments(mentions, context),
         "typing slips": offers.of_corrected(mentions.tokens, context),
-        "a last clause": offers.of_last_clause(mentions, context),
     }
     name = next((name for name, found in sources.items() if found), "")
     return (f"another: {name}" if name else ""), ""

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules about any object apply to those that have the part they name."""
 
-
 import pytest
 
 from hilt.inference.affordance import Affordances

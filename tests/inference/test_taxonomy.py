@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
-
 import pytest
 
 from hilt.inference.affordance import Affordances
