@@ -27,6 +27,8 @@ from .interval import DIGITS, Interval
 USED_FOR = "usedFor"
 GRASP_OBJECT = "graspObject"
 FIND_OBJECT = "findObject"  # the node that functional rules are attached to
+FORBIDDEN, OBLIGED, PERMITTED = "forbidden", "obliged", "permitted"  # the functors of norms
+NORMS = (FORBIDDEN, OBLIGED, PERMITTED)
 # The kind of argument that known functors need; any other functor takes any.
 ARGUMENT_KINDS: Mapping[str, str] = MappingProxyType({USED_FOR: "affordance", GRASP_OBJECT: "part"})
 _EXAMPLES = {USED_FOR: "usedFor(affordance:cutting)", GRASP_OBJECT: "graspObject(part:blade)"}
@@ -34,8 +36,11 @@ DEFAULT_SPEAKER = "sam"  # where no speaker is named
 MAX_NAME = 100  # characters
 
 Status = Literal["active", "retracted", "superseded", "induced"]
-Kind = Literal["functional", "action", "general"]
-_KINDS: Mapping[str, Kind] = {USED_FOR: "functional", GRASP_OBJECT: "action"}
+Kind = Literal["functional", "action", "norm", "general"]
+_KINDS: Mapping[str, Kind] = {
+    **{USED_FOR: "functional", GRASP_OBJECT: "action"},
+    **{FORBIDDEN: "norm", OBLIGED: "norm", PERMITTED: "norm"},
+}
 
 _WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 _FUNCTOR = re.compile(r"[a-z][A-Za-z0-9]*")
@@ -133,12 +138,23 @@ class Rule:
             raise ValidationError([problem])
         if sum(atom.kind == "material" for atom in self.contexts) > 1:
             raise ValidationError(["A rule has at most one material; write a rule for each."])
+        if self.kind == "norm":
+            self._check_norm()
         check_speaker(self.speaker)
         object.__setattr__(self, "interval", self.interval.rounded())
 
+    def _check_norm(self) -> None:
+        if self.context is None:
+            raise ValidationError([f"{self.functor} needs the action that it is about as context."])
+        allowed = {"part", "action"} if self.functor == OBLIGED else {"part"}
+        found = {self.argument.kind} if self.argument else set[str]()
+        if not found <= allowed or (self.functor == OBLIGED and not found):
+            expected = " or ".join(map(_article, sorted(allowed, reverse=True)))
+            raise ValidationError([f"{self.functor} takes {expected}, not {self.argument}."])
+
     @property
     def kind(self) -> Kind:
-        """Functional (usedFor), action (graspObject of a part), or general."""
+        """Functional (usedFor), action (graspObject of a part), norm, or general."""
         return _KINDS.get(self.functor, "general")
 
     @property
@@ -229,7 +245,7 @@ class Rule:
             "speaker": self.speaker,
             **({"props": [prop.partition(":")[2] for prop in props]} if props else {}),
             **({"contexts": where} if where else {}),
-            **(general if self.kind == "general" else {}),
+            **(general if self.kind in {"norm", "general"} else {}),
         }
 
     def _argument(self, kind: str) -> str | None:
@@ -282,6 +298,34 @@ def grasping(
     contexts = _context("action", context)
     features, argument = _features(name, properties), Atom("part", part)
     return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
+
+
+def norm(
+    functor: str,
+    action: str,
+    name: str = "*",
+    argument: Atom | None = None,
+    *,
+    interval: Interval,
+    contexts: Iterable[Atom] = (),
+    properties: Iterable[str] = (),
+    speaker: str = DEFAULT_SPEAKER,
+) -> Rule:
+    """The rule that an action on an object is forbidden, obliged or permitted.
+
+    Args:
+        functor: one of `NORMS`.
+        action: what is not to be done, or may be.
+        name: the object; "*" for any.
+        argument: the part by which it is done; for an obligation, also the action that comes first.
+        interval: bounds of the probability that it holds.
+        contexts: where, and to whom: places and roles.
+        properties: further features of the object ("hot").
+        speaker: who says it.
+    """
+    features = _features(name, properties)
+    where = frozenset((Atom("action", action), *contexts))
+    return Rule(features, where, functor, argument, interval, speaker)
 
 
 def check_speaker(name: str) -> None:

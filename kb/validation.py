@@ -42,7 +42,7 @@ from .writer import speaker_quads
 if TYPE_CHECKING:
     from rdflib import Graph
 
-RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule"))
+RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule", "Norm"))
 MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
 _WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
 PORTION = 1000  # nodes that SHACL checks at a time

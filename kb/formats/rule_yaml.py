@@ -5,6 +5,7 @@
     rules:
       - {object: knife, affordance: cutting, interval: [0.95, 1]}
       - {object: knife, context: pass, part: blade, interval: 0.95}
+      - {object: knife, forbidden: pass, contexts: "role:child", interval: 0.95}
 
 `docs/files.md` lists all keys. A mistake is reported with its line and column.
 """
@@ -17,11 +18,11 @@ from functools import lru_cache
 from ...ontology.errors import DataError, HiltError
 from ...ontology.yaml_reader import YamlNode, parse_yaml
 from ..interval import Interval
-from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from ..rule import GRASP_OBJECT, NORMS, USED_FOR, Atom, Rule
 from . import value_notation
 from .csv_table import BETWEEN, Cells, Writable
 
-_CONCLUSIONS = ("affordance", "part", "functor")
+_CONCLUSIONS = ("affordance", "part", "functor", *NORMS)
 _KEYS = (
     *("object", "properties", "features", "context", "contexts", "material"),
     *(*_CONCLUSIONS, "argument", "interval", "speaker", "status", "time"),
@@ -90,7 +91,8 @@ def _features(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
 
 
 def _contexts(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
-    acting = _atoms(found.get("context"), "action") | _atoms(found.get("contexts"), "action")
+    keys = ("context", "contexts", *NORMS)
+    acting = frozenset[Atom]().union(*(_atoms(found.get(key), "action") for key in keys))
     return acting | _atoms(found.get("material"), "material")
 
 
@@ -118,9 +120,9 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
             f"a rule concludes one thing: expected one of {', '.join(_CONCLUSIONS)}, "
             f"found {' and '.join(given) or 'none'}."
         )
-    if given != ["functor"] and "argument" in found:
+    if given[0] in {"affordance", "part"} and "argument" in found:
         raise found["argument"].fail(f'"argument" goes with "functor", not with "{given[0]}".')
-    name = found[given[0]].text()
+    name = given[0] if given[0] in NORMS else found[given[0]].text()
     if given == ["affordance"]:
         return USED_FOR, value_notation.read_atom(name, "affordance")
     if given == ["part"]:

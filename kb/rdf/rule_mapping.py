@@ -40,6 +40,7 @@ PART, AFFORDANCE, ARGUMENT = (term(n) for n in ("part", "affordance", "argument"
 CLASSES = {
     "functional": term("FunctionalRule"),
     "action": term("ActionRule"),
+    "norm": term("Norm"),
     "general": term("Rule"),
 }
 _ARGUMENTS = {"part": PART, "affordance": AFFORDANCE}
@@ -108,8 +109,8 @@ def node_edge(rule: Rule) -> Quad:
 
 
 def plain_edges(rule: Rule) -> list[Quad]:
-    """The plain edges from features to the argument; none when the rule opposes its conclusion."""
-    if rule.argument is None or not rule.asserts:
+    """The plain edges from features to the argument; none for a norm or a rule that opposes it."""
+    if rule.argument is None or not rule.asserts or rule.kind == "norm":
         return []
     edge, end = edge_property(rule.functor), atom_iri(rule.argument)
     return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 
 from hilt.kb.interval import Interval
-from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.kb.rule import Atom, Rule, functional, grasping, norm
 
 words = st.sampled_from(["knife", "wine glass", "mug", "salad spoon", "o'clock", "crêpe", "t-bar"])
 chances = st.integers(0, 1_000_000).map(lambda millionths: millionths / 1_000_000)
@@ -34,4 +34,10 @@ general_rules = st.builds(
     intervals,
     speakers,
 )
-rules = functional_rules | grasping_rules | general_rules
+norms = st.builds(
+    norm, st.sampled_from(["forbidden", "permitted"]), contexts, words | st.just("*"),
+    st.none() | st.builds(Atom, st.just("part"), words), interval=intervals, speaker=speakers,
+    contexts=st.lists(st.builds(Atom, st.sampled_from(["role", "place"]), words), max_size=2),
+    properties=st.lists(st.just("hot"), max_size=1),
+)  # fmt: skip
+rules = functional_rules | grasping_rules | norms | general_rules

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.kb.interval import Interval
-from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.kb.rule import Atom, Rule, functional, grasping, norm
 from hilt.ontology.errors import ValidationError
 
 HIGH = Interval(0.95, 1)
@@ -98,6 +98,35 @@ def test_other_functor_makes_a_general_rule():
     assert (rule.kind, rule.node) == ("general", "pass.moveSlowly")
     assert rule.as_json()["functor"] == "moveSlowly"
     assert rule.as_json()["contexts"] == ["place:kitchen"]
+
+
+def test_norm_hangs_on_its_action():
+    """What is forbidden is found at the action, whatever the object; JSON has who and where."""
+    rule = norm("forbidden", "pass", interval=HIGH, contexts=[Atom("role", "child")])
+
+    assert (rule.kind, rule.node, rule.context) == ("norm", "pass.forbidden", "pass")
+    assert rule.as_json()["contexts"] == ["role:child"]
+    assert rule.as_json()["functor"] == "forbidden"
+
+
+@pytest.mark.parametrize(
+    ("functor", "argument", "said"),
+    [
+        ("forbidden", Atom("action", "pass"), "forbidden takes a part, not action:pass"),
+        ("obliged", None, "obliged takes a part or an action, not None"),
+        ("permitted", Atom("object", "mug"), "permitted takes a part, not object:mug"),
+    ],
+)
+def test_norm_is_about_a_part_or_what_comes_first(functor: str, argument: Atom | None, said: str):
+    """A norm that nothing could keep is refused."""
+    with pytest.raises(ValidationError, match=said):
+        norm(functor, "pass", "knife", argument, interval=HIGH)
+
+
+def test_norm_needs_its_action():
+    """Without an action nothing is forbidden."""
+    with pytest.raises(ValidationError, match="forbidden needs the action"):
+        Rule(frozenset([Atom("object", "mug")]), frozenset(), "forbidden", None, HIGH)
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,10 @@ RULE = """rule:0123456789abcdef a hilt:ActionRule ; hilt:feature object:knife ;
 USE = """rule:0123456789abcdef a hilt:FunctionalRule ; hilt:feature object:knife ;
     hilt:functor hilt:usedFor ; hilt:affordance affordance:cutting ; hilt:lower 0.95 ;
     hilt:upper 1.0 ; hilt:status hilt:active ; prov:wasAttributedTo speaker:sam ."""
+NORM = """rule:0123456789abcdef a hilt:Norm ; hilt:feature object:knife ;
+    hilt:context action:pass , role:child ; hilt:functor functor:obliged ;
+    hilt:argument action:pointTo ; hilt:lower 0.95 ; hilt:upper 1.0 ; hilt:status hilt:active ;
+    prov:wasAttributedTo speaker:sam ."""
 SAID = """utterance:1 a hilt:Utterance ; hilt:sequence 1 ; hilt:text "Hello." ;
     hilt:kind "statement" ; hilt:accepted true ; hilt:predicate "x" ; hilt:answer "y" ;
     hilt:asserts rule:0123456789abcdef ; prov:wasAttributedTo speaker:sam ;
@@ -57,6 +61,7 @@ EXAMPLES = {
     "Rule": RULE.replace("ActionRule", "Rule"),
     "ActionRule": RULE,
     "FunctionalRule": USE,
+    "Norm": NORM,
     "Utterance": SAID,
     "Episode": DONE,
     "Step": STEP,
@@ -102,6 +107,10 @@ BREAKS = [
     (USE, "hilt:functor hilt:usedFor", "hilt:functor hilt:graspObject", "a functional rule is"),
     (USE, "hilt:affordance affordance:cutting ;", "", "has one hilt:affordance"),
     (USE, "affordance:cutting", "object:cutting", "hilt:affordance leads to"),
+    (NORM, "functor:obliged", "functor:advised", "of a norm is functor:forbidden"),
+    (NORM, "action:pass ,", "action:pass , action:use ,", "A norm has one action"),
+    (NORM, "hilt:argument action:", "hilt:argument object:", "hilt:argument of a norm"),
+    (NORM, "hilt:argument action:", "hilt:affordance affordance:", "A norm has a hilt:part"),
     (SAID, "utterance:1", "utterance:first", "An utterance is a node"),
     (SAID, "hilt:sequence 1", "hilt:sequence 0", "one hilt:sequence"),
     (SAID, 'hilt:text "Hello." ;', "", "one hilt:text"),

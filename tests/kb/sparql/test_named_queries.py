@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.kb.interval import Interval
+from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Term
-from hilt.kb.rule import functional
+from hilt.kb.rule import Atom, functional, norm
 from hilt.kb.sparql.named_queries import QUERIES_FOLDER, named_query, query_names, read_query
 from hilt.ontology.errors import QueryError, UnknownNameError
 from hilt.ontology.vocabulary import Iri, iri, split, term
@@ -95,6 +95,17 @@ def test_contradiction_is_a_pair_that_excludes_each_other(paper: KnowledgeBase):
 
     assert names(row)[4] == CUTTING.id.removeprefix("rule/")
     assert names(row)[6] == never.id.removeprefix("rule/")
+
+
+def test_norms_are_listed_with_whom_they_are_about(paper: KnowledgeBase):
+    """One row a norm, with the places and roles that it holds for."""
+    child = [Atom("role", "child"), Atom("place", "kitchen")]
+    teach(paper, norm("forbidden", "pass", "knife", interval=CERTAIN, contexts=child))
+
+    (row,) = paper.answer("forbidden", action="pass")
+
+    assert names(row)[:3] == ["forbidden", "pass", "knife"]
+    assert sorted(str(row[4]).split(", ")) == ["child", "kitchen"]
 
 
 def test_unknown_query_and_parameter_are_told():

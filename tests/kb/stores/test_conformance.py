@@ -16,10 +16,10 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.agent.execution.embodiment import Embodiment
-from hilt.kb.interval import Interval
+from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Literal, Quad, Term
-from hilt.kb.rule import functional, grasping
+from hilt.kb.rule import Atom, functional, grasping, norm
 from hilt.kb.sparql.named_queries import query_names
 from hilt.kb.sparql.results import BooleanResult, ConstructResult, QueryLimits, SelectResult
 from hilt.kb.stores.base import Store
@@ -312,6 +312,8 @@ def questioned(store: Store) -> KnowledgeBase:
         kb.believe(text, predicate, "sam", [rule])
     never = functional("knife", "cutting", interval=Interval(0, 0.2))
     kb.believe("Never.", "", "anna", [never])
+    child = [Atom("role", "child")]
+    kb.believe("No.", "", "anna", [norm("forbidden", "pass", interval=CERTAIN, contexts=child)])
     kb.retract(BLADE.id, "Forget it.", "", "sam")
     return kb
 
@@ -324,6 +326,8 @@ QUESTIONS: list[tuple[str, dict[str, str]]] = [
     ("contradictions", {"object": "knife"}),
     ("counts", {}),
     ("features-of-node", {"node": "findObject.cutting"}),
+    ("forbidden", {}),
+    ("forbidden", {"action": "pass"}),
     ("how-to-grasp", {"object": "knife"}),
     ("how-to-grasp", {"object": "knife", "context": "pickUp"}),
     ("rules-of-node", {"node": "pickUp.graspObject"}),
