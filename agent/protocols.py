@@ -90,7 +90,7 @@ class ExtraPrimitives(Protocol):
 
 @runtime_checkable
 class ReleasingMotion(Protocol):
-    """A motion that can empty its hand without an action tree; optional."""
+    """A motion that can empty its hand, also without an action tree; optional."""
 
     @property
     def held(self) -> Percept | None:

@@ -53,16 +53,36 @@ class ArgumentByAffordance:
 
 
 @dataclass(frozen=True)
+class DescribedObject:
+    """An argument given by a description: "the red mug", "something used for cutting".
+
+    Attributes:
+        object: its kind; None for any kind.
+        used_for, not_used_for: an affordance that it must have, or must not have.
+        properties: those that it must have.
+        material: what the affordance is wanted for.
+    """
+
+    object: str | None = None
+    used_for: str | None = None
+    not_used_for: str | None = None
+    properties: frozenset[str] = frozenset()
+    material: str | None = None
+
+
+@dataclass(frozen=True)
 class Step:
     """A step of an action tree.
 
     Attributes:
         action: a primitive or a tree.
-        arguments: parameter of that action -> argument of the tree above, or "=word".
+        arguments: parameter of that action -> argument of the tree above, "=word" or a description.
+        part: the part by which the step holds its object; None leaves it to the rules.
     """
 
     action: str
-    arguments: Mapping[str, str]
+    arguments: Mapping[str, str | DescribedObject]
+    part: str | None = None
 
 
 @dataclass(frozen=True)
@@ -79,12 +99,16 @@ class Precondition:
     """A precondition of an action tree.
 
     Attributes:
-        kind: "sees", the object is in view; or "holds", it is in the hand.
-        parameter: the argument it is about.
+        kind: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property.
+        parameter: the argument it is about, or "=object".
+        property: the property that "is" asks for.
+        negated: whether it must not be so.
     """
 
     kind: str
     parameter: str
+    property: str | None = None
+    negated: bool = False
 
 
 @dataclass(frozen=True)
@@ -120,6 +144,8 @@ class ActionTree:
         requires: the preconditions.
         otherwise: branches for failures; the first that handles a failure is taken.
         is_a: the more general action whose rules it inherits.
+        objects: parameter -> the kind of object for which the action was taught; None for an action
+            of a file.
     """
 
     name: str
@@ -129,6 +155,7 @@ class ActionTree:
     requires: tuple[Precondition, ...] = ()
     otherwise: tuple[FailureBranch, ...] = ()
     is_a: str | None = None
+    objects: Mapping[str, str] | None = None
 
     @property
     def all_steps(self) -> Iterator[Step]:

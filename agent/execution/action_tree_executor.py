@@ -16,7 +16,14 @@ from ...inference.affordance import Affordances
 from ...inference.node_rules import FIND
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
-from ...ontology.actions import FIXED, Actions, ActionTree, Loop, Precondition
+from ...ontology.actions import (
+    FIXED,
+    Actions,
+    ActionTree,
+    DescribedObject,
+    Loop,
+    Precondition,
+)
 from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError, MotionInterruptedError
 from ...sim.robot.interruption import Interruption
@@ -78,18 +85,27 @@ class TreeExecutor:
         self._context = context
         self._request = request
         self._primitives = (
-            PrimitiveExecutor(context.motion, context.vision) if context.motion else None
+            PrimitiveExecutor(context.motion, context.vision, request.action)
+            if context.motion
+            else None
         )
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
         self._setbacks: list[AnswerContent] = []
         self._found: dict[Target, FoundObject] = {}
         self._rejected: dict[str, FailedAttempt] = {}
+        # What the command or the step names: the part, and what a tool is used on.
+        self._part, self._patient = request.part, request.arguments.get(PATIENT)
 
     def result(self, answer: AnswerContent) -> GoalResult:
         """Return the result of the execution so far, with this answer."""
         world = self._primitives.world if self._primitives else WorldOutcome()
         return GoalResult(answer, self.decision, tuple(self._steps), world, tuple(self._setbacks))
+
+    def name(self, argument: Argument | None) -> str:
+        """Return the kind of the object that was found for an argument, or that it names."""
+        found = self._found.get(argument) if isinstance(argument, Target) else None
+        return found.percept.object if found else _named(argument) or "thing"
 
     # --- The four operations ---------------------------------------------------------------
 
@@ -142,14 +158,15 @@ class TreeExecutor:
             return ()
         percepts = self._context.vision.search([str(feature) for feature in features])
         found = self._found.get(self._target(arguments))
-        if _action(node) == FIND:
+        is_new = found is None or all(each.name != found.percept.name for each in percepts)
+        if _action(node) == FIND and is_new:
             tried = {*self._rejected, *self._excluded(arguments)}
             return [each for each in percepts if each.name not in tried]
         return [each for each in percepts if found is None or each.name == found.percept.name]
 
     def _excluded(self, arguments: Mapping[str, Argument]) -> Collection[str]:
         """The objects that were chosen before; what a tool is used on may be the same again."""
-        is_patient = self._target(arguments) == self._request.arguments.get(PATIENT)
+        is_patient = self._target(arguments) == self._patient
         return () if is_patient else self._request.excluded
 
     def _act(
@@ -258,14 +275,30 @@ class TreeExecutor:
             self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
 
     def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> AnswerContent | None:
-        if self._primitives is None:  # nothing is going to be done
+        unmet = (self._unmet_condition(each, arguments) for each in tree.requires)
+        return next(filter(None, unmet), None)
+
+    def _unmet_condition(
+        self, condition: Precondition, arguments: Mapping[str, Argument]
+    ) -> AnswerContent | None:
+        argument = _value(condition.parameter, arguments)
+        if condition.property:
+            return self._unmet_property(condition, argument)
+        # Without a robot nothing is going to be done.
+        if self._primitives is None or self._holds(condition, argument) is not condition.negated:
             return None
-        for condition in tree.requires:
-            if not self._holds(condition, arguments.get(condition.parameter)):
-                name = _named(arguments.get(condition.parameter)) or condition.parameter
-                key = {"sees": "nothing_seen", "holds": "not_held"}[condition.kind]
-                return AnswerContent(key, {"object": name}, "failed", "required")
-        return None
+        return outcome_answer.required(condition, _named(argument) or "thing")
+
+    def _unmet_property(self, condition: Precondition, argument: Argument) -> AnswerContent | None:
+        """The question whether a thing has a property that is not seen, or why it must not."""
+        prop, name = condition.property or "", _named(argument) or "thing"
+        told = self._request.contexts.get(Atom("property", prop))
+        seen = self._context.vision.search([f"property:{prop}"]) if told is None else ()
+        if told is None and all(each.object != name for each in seen):
+            slots = {"object": name, "property": prop}
+            return AnswerContent("is_it_so", slots, "asked", "required")
+        is_so = told is None or told.lower > 0
+        return outcome_answer.required(condition, name) if is_so is condition.negated else None
 
     def _holds(self, condition: Precondition, argument: Argument | None) -> bool:
         if condition.kind == "sees":
@@ -281,10 +314,21 @@ class TreeExecutor:
             if isinstance(step, Loop):
                 failure = self._repeat(node, step, arguments)
             else:
-                failure = self.visit(f"{node}/{step.action}", self._passed(step, arguments))
+                failure = self._visit_step(node, step, arguments)
             if failure:
                 return failure
         return None
+
+    def _visit_step(
+        self, node: str, step: TreeStep, arguments: Mapping[str, Argument]
+    ) -> AnswerContent | None:
+        """Visit the node of a step, for which the part and the patient that it names hold."""
+        before, passed = (self._part, self._patient), self._passed(step, arguments)
+        self._part = step.part or self._part
+        self._patient = passed.get(PATIENT, self._patient)
+        failure = self.visit(f"{node}/{step.action}", passed)
+        self._part, self._patient = before
+        return failure
 
     def _repeat(
         self, node: str, loop: Loop, arguments: Mapping[str, Argument]
@@ -300,10 +344,7 @@ class TreeExecutor:
 
     def _passed(self, step: TreeStep, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
         """The arguments that a step passes on, reviewed if it is a tree itself."""
-        passed = {
-            parameter: word.removeprefix(FIXED) if word.startswith(FIXED) else arguments[word]
-            for parameter, word in step.arguments.items()
-        }
+        passed = {name: _value(each, arguments) for name, each in step.arguments.items()}
         if step.action in self._context.actions.trees:
             return review_arguments(
                 self._context.actions, step.action, replace(self._request, arguments=passed)
@@ -316,12 +357,12 @@ class TreeExecutor:
         self, arguments: Mapping[str, Argument], percepts: Sequence[Percept], inference: Inference
     ) -> AnswerContent | None:
         target = self._target(arguments)
-        patient = self._request.arguments.get(PATIENT)
+        patient = self._patient
         if target != patient or self.decision is None:
             # The patient of a tool may be looked for too; the decision is about the tool.
             self.decision = Decision(
                 inference,
-                named_part=self._request.part,
+                named_part=self._part,
                 patient=_named(patient),
                 rejected=tuple(self._rejected.values()),
             )
@@ -346,8 +387,11 @@ class TreeExecutor:
         self.decision = decision
         chosen = decision.chosen_part if decision else None
         best = inference.best
-        if best and outcome_answer.is_guess(best) and not self._request.part:
+        if best and outcome_answer.is_guess(best) and not self._part:
             return None, outcome_answer.not_sure_how(self._request.action, percept.object, best)
+        denied = [each.argument.name for each in inference.denied if each.argument]
+        if chosen in denied and not self._request.part:
+            return None, self._no_part("forbidden_part", percept, part=chosen)
         if chosen:
             return self._chosen_part(chosen, percept)
         if decision and inference.denied:
@@ -359,7 +403,7 @@ class TreeExecutor:
             return None, outcome_answer.not_sure_how(
                 self._request.action, percept.object, unsure[0]
             )
-        is_tool = PATIENT in self._request.arguments
+        is_tool = self._patient is not None
         return self._context.grips.get(percept.object) if is_tool else None, None
 
     def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, AnswerContent | None]:
@@ -417,6 +461,17 @@ def _constraint(inference: Inference) -> Constraint | None:
         best.interval.upper,
         str(argument) if argument and not is_part else None,
     )
+
+
+def _value(given: str | DescribedObject, arguments: Mapping[str, Argument]) -> Argument:
+    """What a step passes on: an argument of its tree, a word, or the object of a description."""
+    match given:
+        case DescribedObject(name, used_for, not_used_for, properties, material):
+            return Target(name, used_for, not_used_for, None, properties, material=material)
+        case _ if given.startswith(FIXED):
+            return given.removeprefix(FIXED)
+        case _:
+            return arguments[given]
 
 
 def _named(argument: Argument | None) -> str | None:

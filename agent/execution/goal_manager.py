@@ -13,10 +13,11 @@ from ..protocols import Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .action_tree_executor import ExecutionContext, TreeExecutor
 from .outcome import AnswerContent, Decision, GoalResult, WalkStep
+from .primitives import EMPTYING, empty_hand
 from .request import Request, review_arguments
 
-_EMPTIED = {"release": "released", "putDown": "put_down", "putBack": "put_back"}
-"""The answer when the hand was emptied by a control."""
+_EMPTYING = {"release": "letGo", "putDown": "placeObject", "putBack": "returnObject"}
+"""The primitive of each control that empties the hand."""
 
 
 class GoalManager:
@@ -82,6 +83,10 @@ class GoalManager:
             failure = outcome_answer.stopped(self.holding)
         recipient = str(arguments.get("recipient", ""))
         answer = failure or self._answer(request, execution.decision, recipient, unable)
+        if tree.objects is not None and answer.ending == "done":
+            names = tuple(map(execution.name, map(arguments.get, tree.parameters)))
+            is_done = self.motion is not None
+            answer = outcome_answer.taught_done(request.action, names, is_done=is_done)
         return execution.result(answer)
 
     @property
@@ -92,23 +97,13 @@ class GoalManager:
 
     def empty_hand(self, control: str, named: str | None = None) -> AnswerContent:
         """Release, put down or put back what the hand holds; `named` is what it should be."""
-        held = self.holding
-        if not isinstance(self.motion, ReleasingMotion) or held is None:
-            return AnswerContent("nothing_held", {}, "failed", "nothing_held")
-        if named not in {None, held}:
-            return AnswerContent("not_held", {"object": str(named)}, "failed", "nothing_held")
-        moves = {"release": self.motion.release, "putDown": self.motion.put_down}
-        report = moves.get(control, self.motion.put_back)()
-        if report.ok:
-            return AnswerContent(_EMPTIED[control], {"object": held})
-        if report.reason == outcome_answer.INTERRUPTED:
-            return outcome_answer.stopped(self.holding)
-        key = "dropped" if report.reason == "dropped" else "no_place"
-        return AnswerContent(key, {"object": held}, "failed", report.reason)
+        return empty_hand(self.motion, _EMPTYING[control], named)
 
     def _answer(
         self, request: Request, decision: Decision | None, recipient: str, unable: Sequence[str]
     ) -> AnswerContent:
+        if request.action in _EMPTYING and self.motion and not unable:
+            return outcome_answer.hand_emptied(_EMPTYING[request.action], request.name("object"))
         if decision is None or decision.object.best is None:  # nothing was looked for or needed
             return AnswerContent("okay")
         if unable:
@@ -123,4 +118,5 @@ class GoalManager:
             return []
         below = (node for node in self.actions.nodes if node.startswith(f"{tree}/"))
         needed = {node.rsplit("/", 1)[-1] for node in below} & self.actions.primitives.keys()
-        return sorted(needed - self.motion.abilities - {FIND})
+        own = EMPTYING.keys() if isinstance(self.motion, ReleasingMotion) else set[str]()
+        return sorted(needed - self.motion.abilities - own - {FIND})

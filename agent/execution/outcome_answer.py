@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
+from ...ontology.actions import Precondition
 from .outcome import AnswerContent, Decision, Slot
 
 INTERRUPTED = "interrupted"  # the cause of a failure: somebody asked to stop
@@ -21,6 +22,8 @@ _DONE = {  # action -> the answer without a part, with one, and with one that wa
     "grasp": ("grasped_somewhere", "grasped", "grasped"),
     "use": ("picked_up", "picked_up_by", "picked_up_as_told"),
 }
+_DONE_OTHERWISE = ("did", "did_by", "did_by")
+_EMPTIED = {"letGo": "released", "placeObject": "put_down", "returnObject": "put_back"}
 _MOTION = {  # reason of a motion report -> the answer with a part, and without
     "unreachable": ("unreachable_part", "unreachable"),
     "no_grasp": ("no_grasp", "no_grasp_anywhere"),
@@ -47,7 +50,7 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
     teacher = _teacher(decision)
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
-    plain, by_part, as_told = _DONE.get(action, _DONE["use"])
+    plain, by_part, as_told = _DONE.get(action, _DONE_OTHERWISE)
     return AnswerContent(as_told if teacher else by_part if decision.chosen_part else plain, slots)
 
 
@@ -120,6 +123,34 @@ def stopped(holding: str | None) -> AnswerContent:
     if holding is None:
         return AnswerContent("stopped", {}, "failed", INTERRUPTED)
     return AnswerContent("stopped_holding", {"object": holding}, "failed", INTERRUPTED)
+
+
+def hand_emptied(primitive: str, held: str, reason: str = "") -> AnswerContent:
+    """Return the answer to a primitive that was to empty the hand, with the reason if it failed."""
+    if reason == INTERRUPTED:
+        return stopped(held)
+    if reason:
+        key = "dropped" if reason == "dropped" else "no_place"
+        return AnswerContent(key, {"object": held}, "failed", reason)
+    return AnswerContent(_EMPTIED[primitive], {"object": held})
+
+
+def required(condition: Precondition, name: str) -> AnswerContent:
+    """Return the answer when a precondition about an object of this name is not met."""
+    if condition.property:
+        key = "required_not" if condition.negated else "required"
+        slots = {"object": name, "property": condition.property}
+        return AnswerContent(key, slots, "failed", "required")
+    keys = {"sees": ("nothing_seen", "see_one"), "holds": ("not_held", "grasped_somewhere")}
+    return AnswerContent(
+        keys[condition.kind][condition.negated], {"object": name}, "failed", "required"
+    )
+
+
+def taught_done(action: str, objects: tuple[str, ...], *, is_done: bool) -> AnswerContent:
+    """Return the answer to a taught action that was carried out, or what Hilt would do."""
+    key = ("did_taught" if is_done else "would_do_taught") + ("" if objects else "_alone")
+    return AnswerContent(key, {"goal": action, "objects": objects} if objects else {"goal": action})
 
 
 def unable(action: str, primitive: str, decision: Decision) -> AnswerContent:

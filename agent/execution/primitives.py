@@ -13,13 +13,19 @@ from dataclasses import dataclass, field, replace
 from ...inference.types import Target
 from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
-from ..protocols import ExtraPrimitives, Motion, Vision
+from ..protocols import ExtraPrimitives, Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .outcome import AnswerContent, Constraint, WorldOutcome
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
 MM = 1e3  # in a metre
+EMPTYING: Mapping[str, Callable[[ReleasingMotion], MotionReport]] = {
+    "placeObject": lambda motion: motion.put_down(),
+    "returnObject": lambda motion: motion.put_back(),
+    "letGo": lambda motion: motion.release(),
+}
+"""The primitives that empty the hand, with what a motion does for each."""
 
 
 @dataclass(frozen=True)
@@ -50,13 +56,15 @@ class PrimitiveExecutor:
         world: what happened so far.
         holding: the name of the object in the hand, if any.
         sensed: the events that the robot has sensed ("driven").
-        tool, patient: the object types of the tool and of what it is used on; for answers.
+        goal, tool, patient: the goal, and the object types of the tool and of what it is used on;
+            for answers.
     """
 
-    def __init__(self, motion: Motion, vision: Vision) -> None:
+    def __init__(self, motion: Motion, vision: Vision, goal: str = "use") -> None:
         self.world = WorldOutcome()
         self.holding: str | None = None
         self.sensed: set[str] = set()
+        self.goal = goal
         self.tool: str | None = None
         self.patient: str | None = None
         self._motion, self._vision = motion, vision
@@ -70,6 +78,7 @@ class PrimitiveExecutor:
             "moveAbove": self._move_above,
             "raise": lambda _: self._struck(motion.raise_()),
             "lower": lambda _: self._struck(motion.lower()),
+            **dict.fromkeys(EMPTYING, self._empty_hand),
         }
 
     def perform(self, task: PrimitiveTask) -> AnswerContent | None:
@@ -106,6 +115,16 @@ class PrimitiveExecutor:
         report = self._motion.hand_over()
         self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
+
+    def _empty_hand(self, task: PrimitiveTask) -> AnswerContent | None:
+        wanted = task.arguments.get("object")
+        named = wanted.object if isinstance(wanted, Target) else wanted
+        failure = empty_hand(self._motion, task.action, named)
+        if failure.ending == "failed":
+            return failure
+        self.holding = None
+        self.world = replace(self.world, executed=True)
+        return None
 
     def _point_at(self, task: PrimitiveTask) -> AnswerContent | None:
         if task.percept is None:
@@ -160,9 +179,23 @@ class PrimitiveExecutor:
         if reason in LOST:
             return AnswerContent("dropped", {"object": tool}, "failed", reason)
         key = "not_driven" if reason == "not_driven" else "cannot_strike"
-        slots = {"patient": self.patient or "thing", "tool": tool}
+        slots = {"goal": self.goal, "patient": self.patient or "thing", "tool": tool}
         return AnswerContent(key, slots, "failed", reason)
 
     def _failed(self, reason: str, task: PrimitiveTask) -> AnswerContent:
         name = task.percept.object if task.percept else self.tool or "thing"
         return outcome_answer.motion_failed(reason, name, self._part)
+
+
+def empty_hand(motion: Motion | None, primitive: str, named: str | None) -> AnswerContent:
+    """Empty the hand of a robot by one of `EMPTYING`; return the answer.
+
+    `named` is the kind of object that the hand should hold, None for any.
+    """
+    held = motion.held if isinstance(motion, ReleasingMotion) else None
+    if not isinstance(motion, ReleasingMotion) or held is None:
+        return AnswerContent("nothing_held", {}, "failed", "nothing_held")
+    if named not in {None, held.object}:
+        return AnswerContent("not_held", {"object": str(named)}, "failed", "nothing_held")
+    report = EMPTYING[primitive](motion)
+    return outcome_answer.hand_emptied(primitive, held.object, "" if report.ok else report.reason)

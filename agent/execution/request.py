@@ -62,6 +62,19 @@ class Request:
         target = meant if isinstance(meant, Target) else Target()
         return self._about(replace(target, properties=target.properties | frozenset(properties)))
 
+    def name(self, parameter: str) -> str:
+        """Return the kind of object that an argument names."""
+        argument = self.arguments.get(parameter)
+        return (argument.object if isinstance(argument, Target) else argument) or "thing"
+
+    def told(self, result: GoalResult, *, is_so: bool) -> Request | None:
+        """Return this request after Hilt asked whether an object has a property; None otherwise."""
+        if result.answer.ending != "asked" or "property" not in result.answer.slots:
+            return None
+        atom = Atom("property", str(result.answer.slots["property"]))
+        interval = Interval(1.0, 1.0) if is_so else Interval(0.0, 0.0)
+        return replace(self, contexts={**self.contexts, atom: interval})
+
     @property
     def _chosen(self) -> str:
         """The parameter whose object Hilt chooses."""

@@ -27,7 +27,7 @@ MOST_OF_NEVER = 0.1
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
-_LISTED = frozenset({"list", "clauses", "things", "kinds", "quotes", "names"})
+_LISTED = frozenset({"list", "those", "clauses", "things", "kinds", "quotes", "names"})
 _SLOT_FORMS = frozenset({"a", "the", "be", "it", "many", "to", "done", "name", "use"}) | _LISTED
 
 
@@ -206,6 +206,7 @@ class AnswerTemplates:
             "name": _capitalised,
             "list": str,
             "clauses": str,
+            "those": lambda word: f"the {word}",
             "things": self.inflection.with_article,
             "kinds": lambda word: self.inflection.form(word, "plural"),
             "quotes": lambda text: f'"{text.removesuffix(".")}"',
