@@ -43,7 +43,7 @@ from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, load_model
 from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
 from .offers.typing_slips import is_misspelled
-from .offers.utterance_segments import parts
+from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.periphery import PeripheryReader, load_periphery
@@ -264,12 +264,11 @@ class Language:
     def offers(self) -> OfferFinder:
         """What is offered for an utterance that is not understood."""
         folder = _folder(self.name)
+        words = load_check_words(folder / "offers.yaml")
         intervals = self.degrees.intervals
         return OfferFinder(
             load_model(folder / "offers.json"),
-            OfferChecks(
-                load_check_words(folder / "offers.yaml"), self.parser.features, self.parser.licence
-            ),
+            OfferChecks(words, self.parser.features, self.parser.licence),
             self.utterance_parser.known_words,
             {
                 tuple(phrase.split()): intervals[degree]
@@ -280,8 +279,7 @@ class Language:
             self.answers,
             self.generate,
             self._meaning_of,
-            self._set_off,
-            self._leaves,
+            SegmentReader(self.utterance_parser.periphery, self.builder.expand_endings, words),
         )
 
     def chosen(self, text: str, count: int) -> int | None:
@@ -295,12 +293,6 @@ class Language:
     def _meaning_of(self, text: str, context: UtteranceContext) -> Meaning:
         """The meaning of a text that somebody says at some point, without offers."""
         return self.utterance_parser.understand(text, context, ()).meaning
-
-    def _set_off(self, tokens: Tokens) -> Mapping[int, bool]:
-        return self.utterance_parser.periphery.set_off(self.builder.expand_endings(tokens))
-
-    def _leaves(self, tokens: Tokens, span: tuple[int, int]) -> bool:
-        return self.utterance_parser.periphery.leaves(self.builder.expand_endings(tokens), span)
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

@@ -39,8 +39,7 @@ from ..semantics.meaning import (
     Statement,
     ToolCommand,
 )
-from .mentions import Mentions
-from .utterance_segments import Span, rest_of
+from .mentions import Mentions, Span
 
 Phrase = tuple[str, ...]
 
@@ -58,11 +57,13 @@ _WORD_LISTS = (
         "at_end",
         "gripping",
         "joining",
+        "opening",
+        "complement",
+        "concession",
         "turning",
         "because",
     ),
 )
-_DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
@@ -113,40 +114,6 @@ class OfferChecks:
         named = dict(features_of_names(self.reader, words, meaning, new))
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
-
-    def around(self, span: Span, mentions: Mentions, told: Mapping[int, bool]) -> Sequence[Phrase]:
-        """Return the words around a span on which its meaning may depend.
-
-        Those of a preamble that tells the span, by the places of such spans, are left out.
-        """
-        start, end = span
-        return rest_of(mentions.tokens, (0 if told.get(start) else start, end))
-
-    def adds_nothing(self, span: Span, mentions: Mentions, told: Mapping[int, bool]) -> bool:
-        """Whether what stands around a span names nothing and has no word that changes it.
-
-        What stands before may name something when it is set off by a strong pause, and may have
-        such a word when it tells the span.
-        """
-        start, end = span
-        named = [(m.start, m.end) for m in mentions.names if not m.is_new and m.role in _DOMAIN]
-        named += [(first, last) for first, last, _ in mentions.degrees]
-        if start in told:
-            named = [each for each in named if each[0] >= start]
-        is_told = told.get(start, True) and not self._is_joined(span, mentions.tokens.words)
-        kept = is_told and all(start <= first and last <= end for first, last in named)
-        return kept and not any(
-            self._has(kind, words)
-            for words in self.around(span, mentions, told)
-            for kind in OPERATORS
-        )
-
-    def _is_joined(self, span: Span, words: Phrase) -> bool:
-        """Whether "and" or "or" stands between a span and what is around it."""
-        start, end = span
-        before = words[start - 1 : start + 1] if start else ()
-        joining = self.phrases["joining"]
-        return any((word,) in joining for word in (*before, *words[end : end + 1]))
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""

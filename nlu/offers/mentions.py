@@ -48,6 +48,7 @@ _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
 
 
+_DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _SPOKEN_OF = frozenset({"object", "part", "affordance", "material", "property"})
 
 Span = tuple[int, int]
@@ -140,6 +141,12 @@ class Mentions:
     def known(self) -> tuple[Mention, ...]:
         """The names that are known, without acts."""
         return tuple(each for each in self.names if not each.is_new and each.role in _SPOKEN_OF)
+
+    def names_something(self, span: Span) -> bool:
+        """Whether a span has a name that a rule or a command may be about, or a degree."""
+        named = [(m.start, m.end) for m in self.names if not m.is_new and m.role in _DOMAIN]
+        named += [(start, end) for start, end, _ in self.degrees]
+        return any(span[0] < end and start < span[1] for start, end in named)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:

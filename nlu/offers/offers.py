@@ -21,20 +21,24 @@ from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..parsing.parser import UtteranceContext
 from ..semantics.coreference import Discourse
+from ..semantics.interpretation import GOALS
 from ..semantics.meaning import (
+    ActionRule,
     AskBack,
     Confidence,
+    FunctionalRule,
     Meaning,
-    Question,
+    Rule,
     Statement,
 )
+from ..semantics.predicates import PredicateForm
 from .candidates import CandidateMeaning, candidates
 from .checks import OfferChecks
 from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, find_mentions
 from .ranker import Ranker, left_over
 from .typing_slips import corrected_texts
-from .utterance_segments import Span, segments
+from .utterance_segments import SegmentReader
 
 MAX_OFFERS = 3
 
@@ -85,9 +89,6 @@ class OfferFinder:
         answers: the words of the question.
         realize: returns the sentence for a meaning.
         meaning_of: returns the meaning of a text that somebody says at some point.
-        set_off: returns the places behind a strong pause, and whether what precedes only tells
-            what follows.
-        leaves: whether what is around a span neither restricts it nor makes it a report.
     """
 
     model: OfferModel
@@ -98,8 +99,7 @@ class OfferFinder:
     answers: AnswerTemplates
     realize: Callable[[Meaning], str]
     meaning_of: Callable[[str, UtteranceContext], Meaning]
-    set_off: Callable[[Tokens], Mapping[int, bool]]
-    leaves: Callable[[Tokens, Span], bool]
+    segments: SegmentReader
 
     def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | None:
         """Return the question which of some meanings was meant, None when none is to be offered."""
@@ -151,15 +151,13 @@ class OfferFinder:
         tokens = mentions.tokens
         if len(tokens.items) > MAX_TOKENS:
             return ()
-        told = self.set_off(tokens)
-        spans = segments(tokens, told)
-        harmless = (each for each in spans if self.checks.adds_nothing(each, mentions, told))
-        for span in islice(harmless, MAX_SEGMENTS):
-            meaning = self.meaning_of(tokens.span(*span), context)
-            if not isinstance(meaning, Question) and not self.leaves(tokens, span):
+        for start, end in islice(self.segments.found(mentions), MAX_SEGMENTS):
+            beside = _with_object_before(start, mentions, context)
+            meaning = _revising(self.meaning_of(tokens.span(start, end), beside), context)
+            if start and _holds_for_anything(meaning, mentions):
                 continue
-            around = self.checks.around(span, mentions, told)
-            if self.checks.is_licensed_beside(meaning, around) and self._is_understood(
+            after = [tokens.words[end:]]
+            if self.checks.is_licensed_beside(meaning, after) and self._is_understood(
                 meaning, context
             ):
                 return (meaning,)
@@ -227,6 +225,49 @@ class OfferFinder:
         except UnknownNameError:
             return False
         return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
+
+
+def _with_object_before(
+    place: int, mentions: Mentions, context: UtteranceContext
+) -> UtteranceContext:
+    """A context in which "it" is the one object named before a place, if any is named there."""
+    before = [m for m in mentions.names if m.role == "object" and m.end <= place]
+    if not before:
+        return context
+    names = {m.name for m in before}
+    is_one = len(names) == 1 and not before[0].is_new
+    thing = PredicateForm(names.pop()) if is_one else None
+    named = (thing,) if thing else ()
+    discourse = replace(context.discourse, object=thing, named=named, has_failed=False)
+    return replace(context, discourse=discourse)
+
+
+def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
+    """A statement that corrects the last rule where it differs from it, and nothing else."""
+    last = context.discourse.rule
+    if not isinstance(meaning, Statement):
+        return meaning
+    return Statement(tuple(replace(rule, revises=_differs(rule, last)) for rule in meaning.rules))
+
+
+def _differs(rule: Rule, last: Rule | None) -> bool:
+    """Whether a rule says something else of what the last one is about."""
+    match rule, last:
+        case FunctionalRule(), FunctionalRule():
+            is_same = (rule.object, rule.affordance) == (last.object, last.affordance)
+        case ActionRule(), ActionRule():
+            is_same = (rule.object, rule.context) == (last.object, last.context)
+        case _:
+            return False
+    return is_same and replace(rule, revises=last.revises) != last
+
+
+def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
+    """Whether a rule on holding is for no act, although the utterance names one."""
+    acts = {m.name for m in mentions.names if m.role == "act"} - {"grasp"}
+    rules = meaning.rules if isinstance(meaning, Statement) else ()
+    contexts = {rule.context for rule in rules if isinstance(rule, ActionRule)}
+    return "grasp" in contexts and not acts.isdisjoint(GOALS)
 
 
 def _is_word(word: str) -> bool:

@@ -1,35 +1,141 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Segments: spans of an utterance that may be all that it means.
+"""Segments: spans of an utterance that may be all that it means, by what stands around them.
 
-"Old trick of my trade: you cut with a knife" is understood after its colon. What stands around a
-segment is only said by the way if it names nothing and has no word on which the meaning may depend;
-a preamble behind a strong pause may, unless the segment is then somebody else's word or a pretence.
+"Old trick of my trade: you cut with a knife" is understood after its colon. What precedes a segment
+tells it, says nothing of it, or makes it a report, a pretence or a condition; the pieces of
+periphery and the pause before the segment show which. A person confirms what is offered, so more
+may precede it than what is understood at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import combinations, pairwise
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 
 from ..lexicon.tokenizer import BREAK, Tokens
+from ..parsing.periphery import (
+    ASKING,
+    BUT,
+    COLON,
+    HEARER,
+    INSIDE,
+    MARKER,
+    OWN,
+    PHRASE,
+    SO,
+    STRONG,
+    WEAK,
+    PeripheryReader,
+    UtterancePiece,
+)
+from .mentions import Mentions
 
 LEAST_WORDS = 3
 """The least length of a segment [words]."""
 
 Span = tuple[int, int]
 
+_QUOTED = frozenset({"quoted"})
+_PRETENDED = _QUOTED | {"unreal", "attitude=hypothetical"}
+_REPORTED = _PRETENDED | {"source=hearsay", "source=other", "belief=denied"}
+_DOUBTED = _REPORTED | {"doubtful", "attitude=doubt", "implied_negation"}
+_LIMITED = _DOUBTED | {
+    *("attitude=perhaps", "restricting", "circumstance", "called", "degree", "condition=absent"),
+    *("act", "held", "condition", "exception"),
+}
+_BLOCKING: Mapping[int, frozenset[str]] = {
+    BUT: _QUOTED,
+    SO: _PRETENDED,
+    STRONG: _REPORTED,
+    COLON: _DOUBTED,
+    ASKING: _LIMITED,
+    WEAK: _LIMITED,
+    INSIDE: _LIMITED | {"modality=weak", "polarity=negative"},
+}
+"""The operators by which the piece before a segment, so set off, changes what it means."""
 
-def segments(tokens: Tokens, starts: Iterable[int]) -> Iterator[Span]:
-    """Yield the spans from pause to pause, or from one of some starts, the longest first."""
-    whole = (0, len(tokens.items))
-    spans = combinations(sorted({*whole, *starts, *tokens.pauses, *_breaks(tokens)}), 2)
-    long_enough = (s for s in spans if s[1] - s[0] >= LEAST_WORDS and s != whole)
-    yield from sorted(long_enough, key=lambda span: span[0] - span[1])
+_CHANGING = frozenset(
+    {"restricting", "negative", "weak_negation", "condition", "exception", "report"}
+)
+"""By these what follows it does."""
+
+_OUTWEIGHED = frozenset({"source=other", "implied_negation", "doubtful", "condition"})
+"""What speakers say themselves in spite of these."""
+
+_UNCLEAR = frozenset({INSIDE, WEAK, ASKING})
+"""The pauses before a segment that may go on with its sentence."""
+
+_PERSONS = frozenset({OWN, HEARER})
 
 
-def rest_of(tokens: Tokens, span: Span) -> Sequence[tuple[str, ...]]:
-    """Return the words before and after a span."""
-    return tuple(filter(None, (tokens.words[: span[0]], tokens.words[span[1] :])))
+@dataclass(frozen=True)
+class SegmentReader:
+    """Finds the segments of utterances that may be all that is meant.
+
+    Attributes:
+        periphery: types what stands around a segment.
+        expanded: returns tokens with their short forms written out, word by word.
+        phrases: the words of each check on offers.
+    """
+
+    periphery: PeripheryReader
+    expanded: Callable[[Tokens], Tokens]
+    phrases: Mapping[str, frozenset[tuple[str, ...]]]
+
+    def found(self, mentions: Mentions) -> Iterator[Span]:
+        """Yield the segments beside which nothing else is meant, the longest first."""
+        tokens = self.expanded(mentions.tokens)
+        for span in self._spans(tokens):
+            before, after, pause = self.periphery.around(tokens, span)
+            is_told = self._tells(before, tokens, pause)
+            is_clear = pause not in _UNCLEAR or not mentions.names_something((0, span[0]))
+            if is_told and is_clear and self._adds_nothing(after, mentions, span[1]):
+                yield span
+
+    def _spans(self, tokens: Tokens) -> Iterator[Span]:
+        """Yield the spans from pause to pause, or from behind a joining word, the longest first."""
+        words, count = tokens.words, len(tokens.items)
+        ends = {count, *tokens.pauses, *_breaks(tokens)}
+        opened = {n + 1 for n in ends - {count} if words[n : n + 1] in self.phrases["opening"]}
+        opened |= {n for n in range(1, count) if words[n - 1 : n] in self.phrases["complement"]}
+        found = ((start, end) for start in {0} | ends | opened for end in ends)
+        kept = (s for s in found if s[1] - s[0] >= LEAST_WORDS and s != (0, count))
+        yield from sorted(kept, key=lambda span: (span[0] - span[1], span))
+
+    def _tells(self, before: Sequence[UtterancePiece], tokens: Tokens, pause: int) -> bool:
+        """Whether what precedes a segment tells it or says nothing of it."""
+        pieces = [each for each in before if each.form != MARKER]
+        if not pieces:
+            return pause != INSIDE or not before
+        last = pieces[-1]
+        words = tokens.words[last.start + last.lead : last.end]
+        signs = last.signs | {k for k in ("condition", "exception") if self._begins(k, words)}
+        is_own = last.form in _PERSONS or not signs.isdisjoint({"announced", "agent=speaker"})
+        if pause in _UNCLEAR and self._begins("concession", words):
+            return True
+        if pause in _UNCLEAR and not all(e.signs.isdisjoint(_DOUBTED | {"degree"}) for e in pieces):
+            return False
+        if "announced" in signs or words[-1:] in self.phrases["at_end"]:
+            signs -= _OUTWEIGHED
+        if last.form == PHRASE and pause not in {BUT, SO} and "restricting" in signs:
+            return False
+        if pause != BUT and not is_own and (pause == INSIDE or "report" in signs):
+            return False
+        return signs.isdisjoint(_BLOCKING[pause])
+
+    def _adds_nothing(self, after: Sequence[UtterancePiece], mentions: Mentions, end: int) -> bool:
+        """Whether what follows a segment names nothing and has no word that changes it."""
+        words = mentions.tokens.words[end:]
+        is_announced = all("announced" in each.signs for each in after)
+        if self._begins("joining", words) and not is_announced:
+            return False
+        return not mentions.names_something((end, len(mentions.tokens.items))) and all(
+            each.form == MARKER or each.signs.isdisjoint(_DOUBTED | _CHANGING) for each in after
+        )
+
+    def _begins(self, kind: str, words: Sequence[str]) -> bool:
+        return any(tuple(words[: len(each)]) == each for each in self.phrases[kind])
 
 
 def parts(tokens: Tokens) -> Iterator[Span]:

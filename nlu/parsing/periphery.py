@@ -37,6 +37,7 @@ PHRASE = "phrase"
 A phrase has no verb of its own, so it belongs to the core: "by the handle", "with two hands".
 """
 
+INSIDE = -1
 WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER, WITHIN = range(8)
 """How a piece is set off: the strongest pause between it and the core, or its other place.
 
@@ -79,7 +80,6 @@ _PRETENDED = frozenset(
     }
 )
 # The same, and what asks for something else or only under a condition.
-_UNTOLD = frozenset({"report", "unreal", "quoted", "source=hearsay", "source=other"})
 _REPORTED = _PRETENDED | {
     *("knowledge", "act", "condition", "exception", "condition=absent", "held", "unwanted")
 }
@@ -258,36 +258,21 @@ class PeripheryReader:
             if core is not None:
                 yield core
 
-    def set_off(self, expanded: Tokens) -> Mapping[int, bool]:
-        """The places behind a strong pause, and whether what precedes tells what follows.
+    def around(
+        self, expanded: Tokens, span: tuple[int, int]
+    ) -> tuple[list[UtterancePiece], list[UtterancePiece], int]:
+        """Return the pieces before and after a span, and the pause or word that sets it off.
 
-        It does not when it is somebody else's word or a pretence, or has a condition at its end.
-        """
-        gaps = list(self._gaps(expanded))
-        found: dict[int, bool] = {}
-        before: list[UtterancePiece] = []
-        for piece in self._pieces(expanded, gaps):
-            start = piece.start + piece.lead
-            joined = piece.joined if piece.lead else WEAK
-            if before and _pause(before[-1], start, gaps, joined) in _BEFORE:
-                found[start] = _tells(before)
-            before.append(piece)
-        return found
-
-    def leaves(self, expanded: Tokens, span: tuple[int, int]) -> bool:
-        """Whether what is next to a span neither restricts it nor makes it a report or a pretence.
-
-        What is told is told in spite of a report before it.
+        That is `INSIDE` for a span within a clause.
         """
         start, end = span
-        is_told = self.set_off(expanded).get(start, False)
-        pieces = self._pieces(expanded, list(self._gaps(expanded)))
-        said = [each for each in pieces if each.form != MARKER]
-        before = [each for each in said if each.end <= start][-1:]
-        after = [each for each in said if each.start >= end][:1]
-        return not any(
-            each.form == PHRASE and "restricting" in each.signs for each in (*before, *after)
-        ) and all(each.signs.isdisjoint(_UNTOLD) for each in (*(() if is_told else before), *after))
+        before, after = expanded.part(0, start), expanded.part(end, len(expanded.items))
+        pieces = [list(self._pieces(each, list(self._gaps(each)))) for each in (before, after)]
+        pauses = (gap.pause for gap in self._gaps(expanded) if gap.end <= start <= gap.start)
+        beginning = [p.joined for p in pieces[0][-1:] if p.form == MARKER]
+        words = expanded.words[start:]
+        leads = (joined for lead, joined in _LEADS.items() if self.words.begins(lead, words))
+        return pieces[0], pieces[1], max((*pauses, *beginning, *leads), default=INSIDE)
 
     def _core(
         self,
@@ -547,19 +532,6 @@ def load_periphery(path: Path) -> PeripheryWords:
         for key in _LISTS
     }
     return PeripheryWords(patterns, lists)
-
-
-def _tells(pieces: Sequence[UtterancePiece]) -> bool:
-    """Whether some pieces tell what follows them, and neither report nor pretend it.
-
-    What the speaker announces at the end is told, whatever was said before.
-    """
-    last = next((each.signs for each in reversed(pieces) if each.form != MARKER), frozenset())
-    if not last.isdisjoint({"condition", "exception"}):
-        return False
-    if "announced" in last:
-        return last.isdisjoint(_PRETENDED - {"report"})
-    return all(each.signs.isdisjoint(_PRETENDED) for each in pieces)
 
 
 def _permitted(piece: UtterancePiece, pause: int) -> frozenset[str]:
