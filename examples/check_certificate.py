@@ -16,6 +16,7 @@ from random import Random
 LEFT_OPEN = (50, 250, 500, 750)  # thousandths that a level leaves open, the highest level first
 ACTIONS = {"pass": "pass me", "pickUp": "pick up", "pointTo": "point to"}
 GRASPING = {"pass": "pass", "pickUp": "pick up"}
+NUMBERS = {"teaching": 50, "situations": 3, "growth": 8}  # of learning scenarios and orders
 
 
 def score(code):
@@ -51,24 +52,73 @@ def choices(objects, ranked, levels):
     return {"ranked": ranked, "levels": levels} | tally(kinds, masks)
 
 
-def situations(objects, affordances, cells, codes, action):
-    """What to choose, and to read, in every scene for every affordance of a learning scenario."""
-    lines, kinds = [], []
-    for scene, f in product(range(2 ** len(objects)), range(len(affordances))):
-        asked = [i * len(affordances) + f for i in range(len(objects)) if scene >> i & 1]
-        tops = best([codes[cell] for cell in asked])
-        if not tops:  # then rules about absent objects are read, to say what would do
-            asked = range(f, len(objects) * len(affordances), len(affordances))
-        tied = [cells[cell][0] for i, cell in enumerate(asked) if tops >> i & 1]
-        grasps = [i for i, (o, _, c) in enumerate(cells) if [o] == tied[:1] and c == action]
-        parts, read = best([codes[i] for i in grasps]), {i for i in [*asked, *grasps] if codes[i]}
-        mask = sum(1 << objects.index(o) for o in tied)
-        lines.append(f"{scene} {f} {mask} {parts} {sum(1 << i for i in read)}\n")
-        kinds.append(min(len(tied), 2))
-    return {"codes": codes} | tally(kinds, "".join(lines).encode())
+def node(cells, i):
+    """The cells whose rules are at the same node: of an affordance, or of an action."""
+    _, argument, context = cells[i]
+    same = [j for j, cell in enumerate(cells) if cell[2] == context]
+    return same if context else [j for j in same if cells[j][1] == argument]
 
 
-def expected(found, chosen=choices):
+def chosen(found, cells, codes, asked):
+    """The objects and parts to choose, and the cells to read and to meet, one bit each."""
+    mask, action, f = asked
+    every = node(cells, f)
+    asked = [cell for i, cell in enumerate(every) if mask >> i & 1]
+    tops = best([codes[cell] for cell in asked])
+    if not tops:  # then rules about absent objects are read, to say what would do
+        asked = every
+    tied = [cells[cell][0] for i, cell in enumerate(asked) if tops >> i & 1]
+    grasps = [i for i, (o, _, c) in enumerate(cells) if [o] == tied[:1] and c == action]
+    met = {*every, *(node(cells, grasps[0]) if grasps else ())}
+    sets = [sum(1 << i for i in each if codes[i]) for each in ({*asked, *grasps}, met)]
+    objects = sum(1 << found["objects"].index(o) for o in tied)
+    return [objects, best([codes[i] for i in grasps]), *sets]
+
+
+def digest(lines):
+    """A digest of lines of numbers."""
+    return sha256("".join(f"{' '.join(map(str, line))}\n" for line in lines).encode()).hexdigest()
+
+
+def situations(found, cells, codes, action):
+    """What to choose in every scene for every affordance of a learning scenario."""
+    asked = product(range(2 ** len(found["objects"])), range(len(found["affordances"])))
+    lines = [[m, f, *chosen(found, cells, codes, (m, action, f))] for m, f in asked]
+    kinds = [min(line[2].bit_count(), 2) for line in lines]
+    return {"codes": codes} | tally(kinds, b"") | {"digest": digest(lines)}
+
+
+def taught(found, cells, seed, number):
+    """What to hold and to choose when a random set of rules was taught, or all of them."""
+    rng = Random(f"{seed}/{number}")  # noqa: S311 - scenarios, not secrets
+    share = (4 * len(cells)) ** (rng.random() - 1)
+    codes = drawn(cells, rng, share if number else 1.0)
+    sizes = (2 ** len(found["objects"]), len(ACTIONS), len(found["affordances"]))
+    asked = [[int(size * rng.random()) for size in sizes] for _ in range(5)]
+    choices = [
+        [m, a, f, *chosen(found, cells, codes, (m, [*ACTIONS][a], f))[:2]] for m, a, f in asked
+    ]
+    told = 2 * sum(code.bit_count() for code in codes)  # each sentence twice
+    return {"codes": codes, "held": codes, "told": told, "choices": choices}
+
+
+def drawn(cells, rng, share):
+    """The codes of a random set of rules."""
+    return [sum(bit for bit in (1, 2, 4, 8) if rng.random() < share) for _ in cells]
+
+
+def grown(cells, seed, number):
+    """The scores of the cells of a node after each rule, when all are taught in a random order."""
+    rng = Random(f"{seed}/{number}")  # noqa: S311 - orders, not secrets
+    order = sorted(range(4 * len(cells)), key=lambda _: rng.random())
+    codes, scores, lines = [0] * len(cells), [score(code) for code in range(16)], []
+    for index in order:
+        codes[index // 4] |= 8 >> index % 4
+        lines += [scores[codes[i]] for i in node(cells, index // 4)]
+    return {"order": order, "digest": digest(lines)}
+
+
+def expected(found, weak=choices):
     """The certificate as it has to be, for the names and the seed of the one that was found."""
     names = {key: found[key] for key in ("objects", "affordances", "parts", "levels")}
     objects, affordances, n = found["objects"], found["affordances"], len(found["objects"])
@@ -81,26 +131,20 @@ def expected(found, chosen=choices):
             return f"To {GRASPING[c]} a {o} {level} grab the {o} by the {argument}"
         return f"{'an' if o[0] in 'aeiou' else 'a'} {o} is {level} used for {argument}"
 
-    def drawn(number):
-        rng = Random(seed + number)  # noqa: S311 - scenarios, not secrets
-        return [rng.randrange(16) if seed + number else 15 for _ in cells]
-
     def row(shift, i):
-        c = cells[i][2]
         codes = [(shift + j) % 16 for j in range(len(cells))]
-        same = (2, 0) if c else (2, 1)  # of the object and context; without any, of the affordance
-        near = [j for j in range(len(cells)) if all(cells[j][k] == cells[i][k] for k in same)]
-        near = near if c or not codes[i] else [i]
-        read = sum(1 << j for j in near if codes[j])
-        return [*score(codes[i]), 1 << i if codes[i] else 0, read]
+        near = node(cells, i)
+        met = sum(1 << j for j in near if codes[j])
+        if cells[i][2]:  # the parts of the object
+            near = [j for j in near if cells[j][0] == cells[i][0]]
+        read = sum(1 << j for j in near if codes[j] and (cells[i][2] or j == i or not codes[i]))
+        return [*score(codes[i]), 1 << i if codes[i] else 0, read, met]
 
-    def taught(number):
-        rules = sum(bin(code).count("1") for code in drawn(number))
-        held = [drawn(number)] * 3  # told in order, shuffled, and everything twice
-        return {"codes": drawn(number), "held": held, "told": [rules, rules, 2 * rules]}
+    def half(number):
+        return drawn(cells, Random(f"{seed}/{number}"), 0.5 if number else 1.0)  # noqa: S311
 
     return names | {
-        "format": 1,
+        "format": 2,
         "contexts": list(GRASPING),
         "actions": list(ACTIONS),
         "seed": seed,
@@ -118,14 +162,15 @@ def expected(found, chosen=choices):
         ],
         "scenes": list(range(2**n)),
         "scores": [[row(shift, i) for i in range(len(cells))] for shift in range(16)],
-        "choices": [chosen(n, k, m) for k in range(n + 1) for m in range(min(k, 1), k + 1)],
+        "choices": [weak(n, k, m) for k in range(n + 1) for m in range(min(k, 1), k + 1)],
         "grasps": [[[best([a, b])] * (2 * n) for b in range(16)] for a in range(16)],
-        "teaching": [taught(i) for i in range(max(2, len(found["teaching"])))],
+        "teaching": [taught(found, cells, seed, i) for i in range(NUMBERS["teaching"])],
         "situations": [
-            situations(objects, affordances, cells, drawn(i), action)
-            for i in range(max(2, len(found["situations"]) // 3))
+            situations(found, cells, half(i), action)
+            for i in range(NUMBERS["situations"])
             for action in ACTIONS
         ],
+        "growth": [grown(cells, seed, i) for i in range(NUMBERS["growth"])],
     }
 
 

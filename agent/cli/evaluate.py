@@ -14,10 +14,13 @@ from .options import AsJson, Seed, app, example
 
 What = Annotated[
     str | None,
-    typer.Argument(help="paper, situations, grasps, all-scenarios, noise, custom or module:Class."),
+    typer.Argument(
+        help="paper, situations, grasps, all-scenarios, random, noise, custom or module:Class."
+    ),
 ]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
+Drawn = Annotated[int | None, typer.Option(min=1, help="Learning scenarios of the random run.")]
 Gap = Annotated[
     float | None,
     typer.Option(min=0.01, max=0.2, help="Least distance between things on a robot's table [m]."),
@@ -53,6 +56,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     what: What = None,
     sim: Sim = False,
     scenes: Scenes = None,
+    scenarios: Drawn = None,
     gap: Gap = None,
     poses: Poses = None,
     trials: Trials = None,
@@ -72,8 +76,9 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
     8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
-    by factorisation; --out keeps the certificate. noise: accuracy under failing vision, hearing
-    and teachers, as curves. custom: objects, norms and scenes of your own, from --file.
+    by factorisation; --out keeps the certificate. random: random sets of rules. noise: accuracy
+    under failing vision, hearing and teachers, as curves. custom: objects, norms and scenes of your
+    own, from --file.
 
     --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
     code 1 when they do.
@@ -94,6 +99,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     given = {
         "sim": sim or None,
         "scenes": scenes,
+        "scenarios": scenarios,
         "gap": gap,
         "poses": poses,
         "trials": trials,

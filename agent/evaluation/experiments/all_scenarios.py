@@ -10,16 +10,15 @@ order of the scores alone, then the program is right everywhere if it is right o
     choices     every weak order of the objects of every scene
     grasps      8 · 2 · 16² choices between the parts of an object
 
-2,189,146 cases, which are run with the code under test. The hypotheses are tested too: teaching
-tests H1 (shuffled, doubled, read back), the traces of scores and of whole decisions (situations)
-test H2, and choices are made among scores that can only be compared (H3). The certificate contains
-all results in one file that others can check.
+2,189,146 cases, which are run with the code under test. The hypotheses are tested too
+(`hypotheses`), and choices are made among scores that can only be compared (H3). The certificate
+contains all results in one file that others can check.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, cast
@@ -38,9 +37,20 @@ from ..verification.finite_cases import (
     check_scores,
     check_words,
 )
-from ..verification.hypotheses import check_situations, check_teaching
+from ..verification.hypotheses import COMMANDS, check_growth, check_situations, check_teaching
 from ..verification.scenario_space import ScenarioSpace
 from ..verification.weak_orders import WeakOrderClass, weak_order_blocks
+
+FIXED: Mapping[str, Callable[..., CheckResult]] = {
+    "words": check_words,
+    "scores": check_scores,
+    "grasps": check_grasps,
+}
+DRAWN: Mapping[str, Callable[..., CheckResult]] = {  # from the seed
+    "teaching": check_teaching,
+    "situations": check_situations,
+    "growth": check_growth,
+}
 
 
 @dataclass(frozen=True)
@@ -51,15 +61,17 @@ class AllScenariosExperiment(Experiment):
         seed: the seed of the learning scenarios that test the hypotheses.
         objects: number of objects of the paper; fewer for a quick run.
         affordances: number of its affordances.
-        taught: number of learning scenarios taught by sentence, in three orders each.
+        taught: number of random learning scenarios taught by sentence.
         traced: number of learning scenarios of which all situations are traced.
+        grown: number of random orders in which all rules are taught one by one.
     """
 
     name: ClassVar[str] = "all-scenarios"
     objects: int = 8
     affordances: int = 5
-    taught: int = 9
+    taught: int = 50
     traced: int = 3
+    grown: int = 8
 
     def cases(self) -> Sequence[Case]:
         """Return the finite cases, in blocks, and the tests of the hypotheses."""
@@ -71,12 +83,13 @@ class AllScenariosExperiment(Experiment):
             *(("grasps", (code,)) for code in codes),
             *(("teaching", (number,)) for number in range(self.taught)),
             *(("situations", (n, action)) for n in range(self.traced) for action in actions),
+            *(("growth", (number,)) for number in range(self.grown)),
             *(("choices", (each.ranked, each.levels)) for each in weak_order_blocks(self.objects)),
         ]
-        return [
-            Case(self.name, "/".join([what, *map(str, numbers)]), {what: list(numbers)})
-            for what, numbers in found
-        ]
+        return [self._case(what, *numbers) for what, numbers in found]
+
+    def _case(self, what: str, *numbers: int) -> Case:
+        return Case(self.name, "/".join([what, *map(str, numbers)]), {what: list(numbers)})
 
     def run(self, case: Case) -> CaseResult:
         """Run one block with the code under test."""
@@ -103,21 +116,12 @@ class AllScenariosExperiment(Experiment):
         return VerbalizedSpace(self._space)
 
     def _run(self, spec: Json) -> CheckResult:
-        ((what, numbers),) = spec.items()
-        first, second = [*cast("list[int]", numbers), 0, 0][:2]
-        match what:
-            case "words":
-                return check_words(self._taught_space)
-            case "scores":
-                return check_scores(self._taught_space, first)
-            case "grasps":
-                return check_grasps(self._taught_space, first)
-            case "teaching":
-                return check_teaching(self._taught_space, self.seed + first)
-            case "situations":
-                return check_situations(self._taught_space, self.seed + first, second)
-            case _:
-                return WeakOrderClass(self.objects, first, second).verify()
+        ((what, numbers),) = cast("Mapping[str, list[int]]", spec).items()
+        if what == "choices":
+            return WeakOrderClass(self.objects, *numbers).verify()
+        if what in DRAWN:
+            return DRAWN[what](self._taught_space, self.seed, *numbers)
+        return FIXED[what](self._taught_space, *numbers)
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:
@@ -127,3 +131,25 @@ class AllScenariosExperiment(Experiment):
             if result.kind == "check":  # errors are left out: then the certificate is incomplete
                 found[result.key.partition("/")[0]].append(result.facts)
         return found
+
+
+@dataclass(frozen=True)
+class RandomScenariosExperiment(AllScenariosExperiment):
+    """Random learning scenarios alone, each taught by sentence and tested by random commands."""
+
+    name: ClassVar[str] = "random"
+    scenarios: int = 2000
+
+    def cases(self) -> Sequence[Case]:
+        """Return a case for each scenario; number 0 would teach everything."""
+        return [self._case("teaching", number + 1) for number in range(self.scenarios)]
+
+    def summary(self, results: Sequence[CaseResult]) -> Json:
+        """Return the numbers of sentences and of decisions."""
+        facts = self._facts(results).get("teaching", [])
+        told = sum(cast("int", each["told"]) for each in facts)
+        return {"sentences": told, "decisions": COMMANDS * len(facts)}
+
+    def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
+        """Return no certificate: `AllScenariosExperiment` makes it."""
+        return {}

@@ -16,7 +16,8 @@ EXPERIMENTS: Mapping[str, str] = {
     "situations": ".paper:SituationsExperiment",
     "grasps": ".grasps:GraspExperiment",
     "all-scenarios": ".all_scenarios:AllScenariosExperiment",
-    "noise": ".noise:NoiseExperiment",
+    "random": ".all_scenarios:RandomScenariosExperiment",
+    "noise": ".noise_robustness:NoiseExperiment",
     "custom": ".custom:CustomExperiment",
 }
 

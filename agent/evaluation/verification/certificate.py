@@ -15,7 +15,7 @@ from ...execution.outcome import Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from .scenario_space import ScenarioSpace
 
-FORMAT = 1
+FORMAT = 2
 OUTCOMES = ("none", "unique", "ties")
 Facts = Mapping[str, Sequence[Json]]
 
@@ -38,8 +38,7 @@ def make_certificate(space: ScenarioSpace, facts: Facts, pinned: Json) -> Json:
         "scores": [each["rows"] for each in facts.get("scores", ())],
         "choices": list(facts.get("choices", ())),
         "grasps": [each["rows"] for each in facts.get("grasps", ())],
-        "teaching": list(facts.get("teaching", ())),
-        "situations": list(facts.get("situations", ())),
+        **{name: list(facts.get(name, ())) for name in ("teaching", "situations", "growth")},
     }
 
 

@@ -13,7 +13,7 @@ from dataclasses import astuple
 from functools import cached_property
 
 from ....inference.interval_operators import Operators
-from ....inference.types import Candidate, Target
+from ....inference.types import Candidate, Inference, Target
 from ....kb.interval import VACUOUS
 from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....nlu.language import Language
@@ -34,7 +34,6 @@ from .taught_agent import (
 )
 
 CheckResult = tuple[Json, list[str]]  # facts, and a line for each deviation
-NOT_CONCLUDED: list[float] = [0.0, 1.0, 0.0, 0]  # lower, upper, lambda, accepted without a rule
 DIGITS = 9  # precision of written scores; exact for the levels of the paper
 FINDING = "pointTo"  # the action that only finds an object
 
@@ -66,9 +65,9 @@ class VerbalizedSpace:
         return rule_from_meaning(rule, DEFAULT_SPEAKER)
 
     def statements_of(self, sentence: str) -> frozenset[GraphStatement]:
-        """Return the graph of beliefs after telling one sentence only."""
+        """Return the graph of beliefs after telling one sentence only, or none if it is empty."""
         if sentence not in self._statements:
-            with TaughtAgent([self.rule(sentence)]) as taught:
+            with TaughtAgent([self.rule(sentence)] if sentence else []) as taught:
                 self._statements[sentence] = belief_statements(taught.base)
         return self._statements[sentence]
 
@@ -141,7 +140,8 @@ def differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
 def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
     """Check the score of each cell at one code, among cells of other codes.
 
-    A row is lower, upper, lambda, accepted, the cells of the proof, and the cells that were read.
+    A row is lower, upper, lambda, accepted, then the cells of the proof, those that were read, and
+    those whose rules were met.
     Each score must be the same, to the last bit, with all objects in the scene and if only its own
     cell was taught; and evaluating its proof again must give the same interval.
     """
@@ -149,7 +149,7 @@ def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
     codes = taught_space.space.shifted(shift)
     with taught_space.taught_agent(codes) as taught:
         found = [_score(taught_space, taught, cell) for cell in cells]
-        full = [_candidate_of(cell, _decide(taught, cell, objects)) for cell in cells]
+        full = [candidate_of(cell, decide_about(taught, cell, objects)) for cell in cells]
     wrong: list[str] = []
     for cell, code, (candidate, row), other in zip(cells, codes, found, full, strict=True):
         with taught_space.agent_taught_cell(cell, code) as taught:
@@ -164,23 +164,29 @@ def _score(
     taught_space: VerbalizedSpace, taught: TaughtAgent, cell: RuleKey
 ) -> tuple[Candidate | None, list[float]]:
     """Return the candidate of a cell with only its object in the scene, and its row."""
-    decided = _decide(taught, cell, [cell.object])
-    candidate = _candidate_of(cell, decided)
-    read = taught_space.cell_mask(decided.read)
+    decided = decide_about(taught, cell, [cell.object])
+    candidate = candidate_of(cell, decided)
+    rules = candidate.rules if candidate else ()
+    sets = (map(RuleKey.from_rule, rules), decided.read, decided.listed)
+    return candidate, [*score_of(candidate), *map(taught_space.cell_mask, sets)]
+
+
+def score_of(candidate: Candidate | None) -> list[float]:
+    """Return lower, upper, lambda and accepted of a candidate; None if no rule applies."""
     if candidate is None:
-        return None, [*NOT_CONCLUDED, 0, read]
-    based_on = taught_space.cell_mask(RuleKey.from_rule(rule) for rule in candidate.rules)
-    numbers = [round(n, DIGITS) for n in (*_bounds(candidate), candidate.certainty)]
-    return candidate, [*numbers, int(candidate.accepted), based_on, read]
+        return [0.0, 1.0, 0.0, 0]
+    numbers = (round(n, DIGITS) for n in (*_bounds(candidate), candidate.certainty))
+    return [*numbers, int(candidate.accepted)]
 
 
-def _decide(taught: TaughtAgent, cell: RuleKey, scene: Sequence[str]) -> TracedDecision:
+def decide_about(taught: TaughtAgent, cell: RuleKey, scene: Sequence[str]) -> TracedDecision:
+    """Return the decision about a command that asks for the conclusion of a cell."""
     if cell.context:
         return taught.decide(cell.context, Target(object=cell.object), scene)
     return taught.decide(FINDING, Target(used_for=cell.argument), scene)
 
 
-def _candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
+def candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
     """Return the candidate of a cell in a decision; None if no rule applies."""
     inference = decided.part if cell.context else decided.object
     found = [
@@ -231,15 +237,15 @@ def _grasp_row(taught_space: VerbalizedSpace, first: int, second: int) -> list[i
     ]
     with taught_space.taught_agent(codes) as taught:
         return [
-            parts_mask(space, name, taught.decide(context, Target(object=name), [name]))
+            parts_mask(space, name, taught.decide(context, Target(object=name), [name]).part)
             for name in space.objects
             for context in CONTEXTS
         ]
 
 
-def parts_mask(space: ScenarioSpace, name: str, decided: TracedDecision) -> int:
+def parts_mask(space: ScenarioSpace, name: str, found: Inference | None) -> int:
     """Return the bit mask of the acceptable parts of an object."""
-    chosen = {each.argument.name for each in acceptable_candidates(decided.part) if each.argument}
+    chosen = {each.argument.name for each in acceptable_candidates(found) if each.argument}
     return sum(1 << i for i, part in enumerate(space.parts[name]) if part in chosen)
 
 

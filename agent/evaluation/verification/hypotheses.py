@@ -1,65 +1,84 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the hypotheses of the verification.
 
-teaching    H1: a learning scenario taught by sentence in order, shuffled, and with every sentence
-            twice gives the same rules, which are the rules taught; and the graph of beliefs is the
-            union of the graphs after each sentence alone
+teaching    H1: a random learning scenario taught by sentence, shuffled and with every sentence
+            twice, gives the rules taught; the graph of beliefs is the union of the graphs after
+            each sentence alone; and random commands in random scenes are decided right
 situations  H2: for every scene and command under one learning scenario, only the cells of the
-            objects in the scene and of the parts of the chosen object are read. If there is no
-            choice, rules about absent objects are read afterwards, to name one that would do.
+            objects in the scene and of the parts of the chosen object are read, and only rules of
+            their nodes are met. If there is no choice, rules about absent objects are read
+            afterwards, to name one that would do.
+growth      H2: rules are taught one by one in a random order, until all 288 are. Whatever number of
+            others the node and the base hold, the scores of its cells are those of the definition
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from random import Random
 
-from ....inference.types import Target
-from ....kb.rule import Rule
+from ....inference.types import Inference, Target
+from ....kb.rule import DEFAULT_SPEAKER, Rule
+from ....sim.scene.scene import scene_with
 from ...agent import Agent
 from ...config import AgentConfig
-from ..learning_scenarios import ACTIONS, CONTEXTS
-from .finite_cases import CheckResult, VerbalizedSpace, differences, highest_codes, parts_mask
-from .scenario_space import CONFIDENCES, Codes, RuleKey, ScenarioSpace, code_of
-from .taught_agent import GraphStatement, TaughtAgent, acceptable_candidates, belief_statements
+from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command
+from .finite_cases import (
+    CheckResult,
+    VerbalizedSpace,
+    candidate_of,
+    decide_about,
+    differences,
+    highest_codes,
+    parts_mask,
+    score_of,
+)
+from .scenario_space import CONFIDENCES, Codes, RuleKey, ScenarioSpace, belief, code_of
+from .taught_agent import (
+    GraphStatement,
+    TaughtAgent,
+    TracedDecision,
+    acceptable_candidates,
+    belief_statements,
+)
+
+COMMANDS = 5  # given in each random learning scenario
+Choice = list[int]  # scene, action, affordance, acceptable objects, acceptable parts of the first
 
 
-def scenario_codes(space: ScenarioSpace, seed: int) -> Codes:
-    """Return the learning scenario of a seed; with seed 0 everything is taught."""
-    return space.drawn(seed) if seed else (space.full,) * len(space.cells)
+def check_teaching(taught_space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
+    """Check H1: teach a random learning scenario by sentence, read it back, and give commands.
 
-
-def check_teaching(taught_space: VerbalizedSpace, seed: int) -> CheckResult:
-    """Check H1: teach a learning scenario by sentence in three ways, and read the beliefs back."""
-    space = taught_space.space
-    codes = scenario_codes(space, seed)
-    rng = Random(seed)  # noqa: S311 - orders, not secrets
+    The number of rules is log-uniform: few and many are equally likely. Number 0 is all rules.
+    """
+    space, rng = taught_space.space, _random(seed, number)
+    share = (len(space.cells) * len(LEVELS)) ** (rng.random() - 1)
+    codes = space.drawn(rng, share if number else 1.0)
+    sizes = (2 ** len(space.objects), len(ACTIONS), len(space.affordances))
+    asked = [[int(size * rng.random()) for size in sizes] for _ in range(COMMANDS)]
     once = space.sentences(codes)
-    shuffled = rng.sample(once, len(once))
-    doubled = rng.sample(once * 2, len(once) * 2)
-    bases = [_teach(sentences) for sentences in (once, shuffled, doubled)]
-    held = [_read_back(space, rules) for rules, _ in bases]
-    wrong = [f"{codes} is read back as {each}" for each in held if each != list(codes)]
-    if not bases[0] == bases[1] == bases[2]:
-        wrong.append("the beliefs depend on the order of teaching")
-    apart = (taught_space.statements_of(each) for each in once)
-    if bases[0][1] != frozenset[GraphStatement]().union(*apart):
-        wrong.append("the beliefs are not the union of the beliefs from each sentence")
-    return {"codes": codes, "held": held, "told": [len(once), len(shuffled), len(doubled)]}, wrong
-
-
-def _teach(sentences: Sequence[str]) -> tuple[frozenset[Rule], frozenset[GraphStatement]]:
-    """Return the rules and the graph of beliefs after telling sentences."""
     with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
-        for sentence in sentences:
+        for sentence in rng.sample(once * 2, len(once) * 2):
             agent.hear(sentence, only="tell")
-        rules = frozenset(replace(r, utterance=None, time=None) for r in agent.base.rules())
-        return rules, belief_statements(agent.base)
+        held = _read_back(space, agent.base.rules())
+        statements = belief_statements(agent.base)
+        choices = [_commanded(space, agent, *each) for each in asked]
+    apart = (taught_space.statements_of(each) for each in ("", *once))
+    wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
+    if statements != frozenset[GraphStatement]().union(*apart):
+        wrong.append("the beliefs are not the union of the beliefs from each sentence")
+    wrong += differences(
+        choices, [[*each, *_definition(space, codes, *each)[:2]] for each in asked]
+    )
+    return {"codes": codes, "held": held, "told": 2 * len(once), "choices": choices}, wrong
 
 
-def _read_back(space: ScenarioSpace, rules: frozenset[Rule]) -> list[int]:
+def _random(seed: int, number: int) -> Random:
+    return Random(f"{seed}/{number}")  # noqa: S311 - scenarios, not secrets
+
+
+def _read_back(space: ScenarioSpace, rules: Sequence[Rule]) -> list[int]:
     names = {(number, 1.0): level for level, number in CONFIDENCES.items()}
     levels: dict[RuleKey, list[str]] = {cell: [] for cell in space.cells}
     for rule in rules:
@@ -67,55 +86,107 @@ def _read_back(space: ScenarioSpace, rules: frozenset[Rule]) -> list[int]:
     return [code_of(levels[cell]) for cell in space.cells]
 
 
-def check_situations(taught_space: VerbalizedSpace, seed: int, action: int) -> CheckResult:
+def _commanded(space: ScenarioSpace, agent: Agent, mask: int, action: int, wanted: int) -> Choice:
+    """Return what an agent chooses that is given a command as a sentence."""
+    text = command([*ACTIONS][action], space.affordances[wanted])
+    scene = scene_with(space.scene(mask), seed=0, objects=agent.objects)
+    with agent.in_scene(scene) as other:
+        result = other.hear(text, only="do", keep=False).result
+    decision = result.decision if result else None
+    chosen = (decision.object, decision.part) if decision else (None, None)
+    return [mask, action, wanted, *_masks(space, *chosen)]
+
+
+def _masks(space: ScenarioSpace, found: Inference | None, part: Inference | None) -> Choice:
+    """Return the acceptable objects, and the acceptable parts of the first of them."""
+    names = [each.object for each in acceptable_candidates(found)]
+    return [space.mask(names), parts_mask(space, names[0], part) if names else 0]
+
+
+def check_situations(
+    taught_space: VerbalizedSpace, seed: int, number: int, action: int
+) -> CheckResult:
     """Check H2: one action in all scenes for all affordances, with the cells that were read.
 
     A line of the digest gives the scene, the affordance, the acceptable objects, the acceptable
-    parts of the first of them, and the cells read.
+    parts of the first of them, the cells read, and those whose rules were met. Number 0 is the
+    learning scenario of all rules.
     """
     space = taught_space.space
-    codes = scenario_codes(space, seed)
+    codes = space.drawn(_random(seed, number), 0.5 if number else 1.0)
     with taught_space.taught_agent(codes) as taught:
-        lines = list(_lines(taught_space, taught, list(ACTIONS)[action]))
-    truth = [_expected_line(space, codes, list(ACTIONS)[action], *line[:2]) for line in lines]
-    wrong = differences(lines, truth)
-    text = "".join(f"{' '.join(map(str, line))}\n" for line in lines)
+        lines = list(_situations(taught_space, taught, action))
+    truth = [[*each[:2], *_definition(space, codes, each[0], action, each[1])] for each in lines]
     counts = [sum(min(line[2].bit_count(), 2) == n for line in lines) for n in range(3)]
     facts = {"codes": codes, "none": counts[0], "unique": counts[1], "ties": counts[2]}
-    return {**facts, "digest": hashlib.sha256(text.encode()).hexdigest()}, wrong
+    return {**facts, "digest": _digest(lines)}, differences(lines, truth)
 
 
-Line = tuple[int, int, int, int, int]  # scene, affordance, objects, parts, cells read
-
-
-def _lines(taught_space: VerbalizedSpace, taught: TaughtAgent, action: str) -> Iterator[Line]:
+def _situations(
+    taught_space: VerbalizedSpace, taught: TaughtAgent, action: int
+) -> Iterator[list[int]]:
     space = taught_space.space
     for mask in range(2 ** len(space.objects)):
         for number, affordance in enumerate(space.affordances):
-            decided = taught.decide(action, Target(used_for=affordance), space.scene(mask))
-            names = [each.object for each in acceptable_candidates(decided.object)]
-            parts = parts_mask(space, names[0], decided) if names else 0
-            yield mask, number, space.mask(names), parts, taught_space.cell_mask(decided.read)
+            target = Target(used_for=affordance)
+            decided = taught.decide([*ACTIONS][action], target, space.scene(mask))
+            sets = map(taught_space.cell_mask, (decided.read, decided.listed))
+            yield [mask, number, *_masks(space, decided.object, decided.part), *sets]
 
 
-def _expected_line(
-    space: ScenarioSpace, codes: Codes, action: str, mask: int, affordance: int
-) -> Line:
-    """Return the line according to the definition, from the codes alone."""
+def _definition(
+    space: ScenarioSpace, codes: Codes, mask: int, action: int, affordance: int
+) -> list[int]:
+    """Return the right choices, and the cells to read and to meet, from the codes alone."""
     scene = [i for i in range(len(space.objects)) if mask >> i & 1]
-    cells = [i * len(space.affordances) + affordance for i in scene]
-    tops = highest_codes([codes[cell] for cell in cells])
+    node = space.node(RuleKey("", space.affordances[affordance]))
+    tops = highest_codes([codes[node[i]] for i in scene])
     objects = [name for i, name in enumerate(scene) if tops >> i & 1]
-    grasped = _part_cells(space, action, objects[0]) if objects else []
+    context = [*ACTIONS][action]
+    held = [space.objects[i] for i in objects[:1] if context in CONTEXTS]
+    grasped = [space.index[RuleKey(o, part, context)] for o in held for part in space.parts[o]]
+    read = {*([node[i] for i in scene] if objects else node), *grasped}
+    listed = {*node, *(space.node(RuleKey("", "", context)) if held else ())}
     parts = highest_codes([codes[cell] for cell in grasped])
-    step = len(space.affordances)
-    everywhere = range(affordance, len(space.objects) * step, step)
-    read = sum(1 << cell for cell in (*(cells if objects else everywhere), *grasped) if codes[cell])
-    return mask, affordance, sum(1 << i for i in objects), parts, read
+    sets = (sum(1 << cell for cell in each if codes[cell]) for each in (read, listed))
+    return [sum(1 << i for i in objects), parts, *sets]
 
 
-def _part_cells(space: ScenarioSpace, action: str, number: int) -> list[int]:
-    """Return the cells of the parts of an object for an action; none if it does not grasp."""
-    name = space.objects[number]
-    contexts = [context for context in CONTEXTS if context == action]
-    return [space.index[RuleKey(name, part, c)] for c in contexts for part in space.parts[name]]
+def check_growth(taught_space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
+    """Check H2: teach all rules one by one; after each, the scores of the cells of its node.
+
+    A line of the digest gives lower, upper, lambda and accepted for each of these cells.
+    """
+    space, rng = taught_space.space, _random(seed, number)
+    rules = list(taught_space.rules.items())
+    order = sorted(range(len(rules)), key=lambda _: rng.random())
+    codes = [0] * len(space.cells)
+    lines: list[list[float]] = []
+    wrong: list[str] = []
+    with TaughtAgent([]) as taught:
+        for index in order:
+            (cell, level), rule = rules[index]
+            taught.base.believe("", "", DEFAULT_SPEAKER, [rule])
+            codes[space.index[cell]] |= code_of([level])
+            node = space.node(cell)
+            scores = [*_node_scores(taught, [space.cells[each] for each in node])]
+            right = [[belief(code), 1.0, int(code > 0)] for code in (codes[each] for each in node)]
+            wrong += differences([[*each[:2], each[3]] for each in scores], right)
+            lines += scores
+    return {"order": order, "digest": _digest(lines)}, wrong
+
+
+def _node_scores(taught: TaughtAgent, node: Sequence[RuleKey]) -> Iterator[list[float]]:
+    """Yield the scores of the cells of a node, with all its objects in view."""
+    scene = list(dict.fromkeys(cell.object for cell in node))
+    decided: dict[str, TracedDecision] = {}
+    for cell in node:
+        asked = cell.object if cell.context else cell.argument
+        if asked not in decided:
+            decided[asked] = decide_about(taught, cell, scene)
+        yield score_of(candidate_of(cell, decided[asked]))
+
+
+def _digest(lines: Sequence[Sequence[float]]) -> str:
+    text = "".join(f"{' '.join(map(str, line))}\n" for line in lines)
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -133,10 +133,16 @@ class ScenarioSpace:
         """
         return tuple((shift + i) % (self.full + 1) for i in range(len(self.cells)))
 
-    def drawn(self, seed: int) -> Codes:
-        """Return a random learning scenario."""
-        rng = Random(seed)  # noqa: S311 - scenarios, not secrets
-        return tuple(rng.randrange(self.full + 1) for _ in self.cells)
+    def drawn(self, rng: Random, share: float) -> Codes:
+        """Return a random learning scenario, to which each rule belongs with the chance `share`."""
+        bits = [1 << i for i in range(len(LEVELS))]
+        return tuple(sum(bit for bit in bits if rng.random() < share) for _ in self.cells)
+
+    def node(self, cell: RuleKey) -> list[int]:
+        """Return the indices of the cells whose rules are at the same node as those of a cell."""
+        same = (each for each in self.cells if each.context == cell.context)
+        every = (each for each in same if cell.context or each.argument == cell.argument)
+        return [self.index[each] for each in every]
 
 
 def levels_of(code: int) -> list[str]:

@@ -4,18 +4,19 @@
 It is the goal manager with perfect vision and a knowledge base in memory, without language and
 body, so that thousands of decisions can be made with one knowledge base.
 
-`TracingSource` stands between the knowledge base and the inference: its rules record when anything
-is read of them that another level of confidence, or another statement, would change. What
-identifies the cell of a rule (features, contexts, functor and argument) may be read freely: this is
-how the program finds the relevant rules. A run is deterministic: one that read the cells R decides
-alike in all learning scenarios that agree on R and teach something about the same cells.
+`TracingSource` stands between the knowledge base and the inference: its rules record that they were
+met, and when anything is read of them that another level of confidence, or another statement, would
+change. What identifies the cell of a rule (features, contexts, functor and argument) only tells
+that it is there: this is how the program finds the relevant rules. A run is deterministic: one that
+met the cells L and read the cells R decides alike in all learning scenarios that agree on R and
+have the same number of rules in each cell of L.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import TypeAlias
 
@@ -46,24 +47,33 @@ _actions = cache(load_actions)
 STATED = frozenset({"interval", "speaker", "utterance", "time", "status", "trust", "id", "support"})
 
 
+@dataclass(frozen=True)
+class Trace:
+    """The cells of the rules that were met, and of those whose content was read."""
+
+    listed: set[RuleKey] = field(default_factory=set[RuleKey])
+    read: set[RuleKey] = field(default_factory=set[RuleKey])
+
+
 class TracingRule(Rule):
-    """A rule that records when its content is read."""
+    """A rule that records that it was met, and when its content is read."""
 
     def __getattribute__(self, name: str) -> object:
-        """Return an attribute; record the cell first if the attribute depends on the statement."""
-        if name in STATED:
-            record = object.__getattribute__(self, "__dict__").get("record")
-            if record is not None:  # None during construction
-                record.add(RuleKey.from_rule(self))
+        """Return an attribute; record the cell first."""
+        state = object.__getattribute__(self, "__dict__")
+        if "trace" in state and not name.startswith("__"):  # absent during construction
+            state["trace"].listed.add(state["key"])
+            if name in STATED:
+                state["trace"].read.add(state["key"])
         return object.__getattribute__(self, name)
 
 
 class TracingSource:
-    """A source of rules that records in `read` the keys of the rules that are read."""
+    """A source of rules that records in `trace` which rules are met and read."""
 
     def __init__(self, source: RuleSource) -> None:
         self.source = source
-        self.read: set[RuleKey] = set()
+        self.trace = Trace()
 
     @property
     def sequence(self) -> int:
@@ -72,12 +82,12 @@ class TracingSource:
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """Return the rules of the source as tracing rules."""
-        found: list[Rule] = []
-        for rule in self.source.rules_at_nodes(nodes):
-            tracing = TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
-            tracing.__dict__["record"] = self.read
-            found.append(tracing)
-        return found
+        return [self._tracing(rule) for rule in self.source.rules_at_nodes(nodes)]
+
+    def _tracing(self, rule: Rule) -> Rule:
+        tracing = TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
+        tracing.__dict__.update(key=RuleKey.from_rule(rule), trace=self.trace)
+        return tracing
 
 
 @dataclass(frozen=True)
@@ -87,11 +97,13 @@ class TracedDecision:
     Attributes:
         object: the inference at the find node; None if no node was reached.
         part: the inference at the grasp node; None if the action does not grasp.
+        listed: the cells of all rules that were met.
         read: the cells whose content was read.
     """
 
     object: Inference | None
     part: Inference | None
+    listed: frozenset[RuleKey]
     read: frozenset[RuleKey]
 
 
@@ -110,11 +122,13 @@ class TaughtAgent(AbstractContextManager["TaughtAgent"]):
         things = Scene(tuple(Placement(name, name) for name in scene), seed=0)
         vision = PerfectVision(things, _objects())
         manager = GoalManager(_actions(), self._affordances, vision, motion=None)
-        self._source.read.clear()
+        trace = self._source.trace
+        trace.listed.clear()
+        trace.read.clear()
         result = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER))
-        read = frozenset(self._source.read)
         found: Decision | None = result.decision
-        return TracedDecision(found and found.object, found and found.part, read)
+        chosen = (found.object, found.part) if found else (None, None)
+        return TracedDecision(*chosen, frozenset(trace.listed), frozenset(trace.read))
 
     def __exit__(self, *_: object) -> None:
         self.base.close()

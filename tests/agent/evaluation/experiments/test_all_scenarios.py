@@ -15,9 +15,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.agent.evaluation.case import Case, CaseResult, to_json_line
-from hilt.agent.evaluation.experiments.all_scenarios import AllScenariosExperiment
+from hilt.agent.evaluation.experiments.all_scenarios import (
+    AllScenariosExperiment,
+    RandomScenariosExperiment,
+)
 from hilt.agent.evaluation.verification.finite_cases import VerbalizedSpace, check_scores
-from hilt.agent.evaluation.verification.hypotheses import check_teaching
+from hilt.agent.evaluation.verification.hypotheses import (
+    check_growth,
+    check_situations,
+    check_teaching,
+)
 from hilt.agent.evaluation.verification.scenario_space import RuleKey, ScenarioSpace, belief
 from hilt.agent.evaluation.verification.taught_agent import TaughtAgent, TracingSource
 from hilt.agent.evaluation.verification.weak_orders import (
@@ -26,6 +33,7 @@ from hilt.agent.evaluation.verification.weak_orders import (
     surjections,
     weak_order_blocks,
 )
+from hilt.inference.affordance import Affordances
 from hilt.inference.decision import DecisionRule
 from hilt.inference.interval_operators import EPSILON, Operators
 from hilt.inference.settings import Settings
@@ -33,7 +41,7 @@ from hilt.inference.types import Inference, Target
 from hilt.kb import Interval, KnowledgeBase, functional
 
 CHECKER = Path(__file__).parents[4] / "examples" / "check_certificate.py"
-SMALL = AllScenariosExperiment(objects=2, affordances=2, taught=2, traced=2)
+SMALL = AllScenariosExperiment(objects=2, affordances=2, taught=3, traced=2, grown=2)
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +53,17 @@ def results() -> list[CaseResult]:
 
 @pytest.fixture(scope="module")
 def checker() -> dict[str, object]:
-    """What the checker defines."""
-    return runpy.run_path(str(CHECKER))
+    """What the checker defines, for the small run."""
+    defined = runpy.run_path(str(CHECKER))
+    assert defined["NUMBERS"] == numbers_of_runs(AllScenariosExperiment())
+    defined["NUMBERS"].update(numbers_of_runs(SMALL))
+    return defined
+
+
+def numbers_of_runs(experiment: AllScenariosExperiment) -> dict[str, int]:
+    """How many scenarios and orders an experiment draws."""
+    drawn = experiment.taught, experiment.traced, experiment.grown
+    return dict(zip(("teaching", "situations", "growth"), drawn, strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -159,6 +176,141 @@ def test_another_fusion_is_found_out(monkeypatch):
     assert wrong
 
 
+@pytest.fixture(scope="module")
+def taught_space() -> VerbalizedSpace:
+    """Three objects, one affordance: a node has up to 12 or 24 rules."""
+    return VerbalizedSpace(ScenarioSpace.from_paper(3, 1))
+
+
+def hide_at_node(monkeypatch, hidden, owner=KnowledgeBase, name="rules_at_nodes"):
+    """Patch what finds the rules of a node: `hidden` returns those that are left out."""
+    original = getattr(owner, name)
+
+    def fewer(self, key):
+        rules = list(original(self, key))
+        return [rule for rule in rules if rule not in hidden(self, rules)]
+
+    monkeypatch.setattr(owner, name, fewer)
+
+
+def a_rule_of_9_or_10(_, rules):
+    """The last rule of a node that holds 9 or 10."""
+    return rules[-1:] if len(rules) in {9, 10} else []
+
+
+def a_rule_after_40_changes(base, rules):
+    """The first rule of every node, while the base has been changed just so often."""
+    return rules[:1] if base.sequence == 40 else []
+
+
+def the_knife_without_the_spoon(_, rules):
+    """The rules about knives, if nothing was told of spoons."""
+    without = not any(rule.object == "spoon" for rule in rules)
+    return [rule for rule in rules if rule.object == "knife"] if without else []
+
+
+def what_another_object_shares(_, rules):
+    """Rules that are as sure as one about an object earlier in the alphabet."""
+    said = {(rule.object, rule.interval) for rule in rules}
+    return [r for r in rules if any(o < r.object and i == r.interval for o, i in said)]
+
+
+def more_than_11_rules(_, rules):
+    """All rules of a node behind the eleventh."""
+    return rules[11:]
+
+
+def test_scores_do_not_change_while_the_base_grows(taught_space):
+    """Without any of the faults below nothing is refused."""
+    assert check_growth(taught_space, 0, 0)[1] == []
+
+
+@pytest.mark.parametrize("owner", [(KnowledgeBase, "rules_at_nodes"), (Affordances, "_rules_at")])
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        a_rule_of_9_or_10,
+        a_rule_after_40_changes,
+        the_knife_without_the_spoon,
+        what_another_object_shares,
+        more_than_11_rules,
+    ],
+)
+def test_rules_hidden_by_the_presence_of_others_are_found_out(
+    monkeypatch, taught_space, hidden, owner
+):
+    """Wherever rules get lost because of others: while the base grows, the scores are wrong."""
+
+    def hidden_there(self, rules):
+        return hidden(getattr(self, "source", self), rules)
+
+    hide_at_node(monkeypatch, hidden_there, *owner)
+
+    _, wrong = check_growth(taught_space, 0, 0)
+
+    assert wrong
+
+
+def test_rules_that_are_remembered_too_long_are_found_out(monkeypatch, taught_space):
+    """A cache that is not emptied at every fifth change is noticed while the base grows."""
+    sequence = TracingSource.sequence.fget
+    assert sequence is not None
+    stale = property(lambda source: sequence(source) - (sequence(source) % 5 == 0))
+    monkeypatch.setattr(TracingSource, "sequence", stale)
+
+    _, wrong = check_growth(taught_space, 0, 0)
+
+    assert wrong
+
+
+@pytest.mark.parametrize(("attribute", "trace"), [("contexts", 1), ("interval", 2)])
+def test_looking_at_rules_of_another_node_is_found_out(monkeypatch, taught_space, attribute, trace):
+    """Meeting a rule of another node is traced, and so is reading it."""
+    original = Affordances._rules_at
+
+    def curious(self, key):
+        for rule in original(self, "pickUp.graspObject"):
+            getattr(rule, attribute)
+        return original(self, key)
+
+    monkeypatch.setattr(Affordances, "_rules_at", curious)
+
+    _, wrong = check_situations(taught_space, 0, 0, 2)
+
+    found, wanted = (eval(each)[-2:] for each in wrong[-1].split(", not "))  # noqa: S307
+    assert [one == other for one, other in zip(found, wanted, strict=True)] == [trace == 1, False]
+
+
+def test_random_teaching_finds_rules_out_that_hide_others(monkeypatch):
+    """A few scenarios taught by sentence show that all but three rules of a node are lost."""
+    experiment = RandomScenariosExperiment(objects=3, affordances=1, scenarios=8)
+    hide_at_node(monkeypatch, lambda _, rules: rules[3:])
+
+    results = [experiment.run(case) for case in experiment.cases()]
+
+    assert not all(result.right for result in results)
+
+
+def test_random_run_is_right_and_counts_what_it_did():
+    """Every random scenario is taught, read back, and decided upon."""
+    experiment = RandomScenariosExperiment(objects=2, affordances=2, scenarios=4, seed=1)
+
+    results = [experiment.run(case) for case in experiment.cases()]
+
+    assert [result.found for result in results] == ["0 wrong"] * 4
+    told = sum(result.facts["told"] for result in results)
+    assert experiment.summary(results) == {"sentences": told, "decisions": 20}
+    assert experiment.files(results) == {}
+
+
+@pytest.mark.parametrize("key", ["teaching", "situations", "growth"])
+def test_checker_refuses_a_certificate_that_was_cut(certificate, checker, key):
+    """The number of scenarios that were taught, traced and grown is pinned."""
+    cut = certificate | {key: certificate[key][:-1]}
+
+    assert any(checker["differences"](cut, checker["expected"](cut)))
+
+
 def test_base_that_forgets_is_found_out(monkeypatch):
     """A base in which a rule takes the place of others of its node is no set of what was told."""
     believe = KnowledgeBase.believe
@@ -170,7 +322,7 @@ def test_base_that_forgets_is_found_out(monkeypatch):
 
     monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
 
-    _, wrong = check_teaching(VerbalizedSpace(ScenarioSpace.from_paper(1, 1)), seed=0)
+    _, wrong = check_teaching(VerbalizedSpace(ScenarioSpace.from_paper(1, 1)), 0, 0)
 
     assert "the beliefs are not the union of the beliefs from each sentence" in wrong
 
@@ -216,20 +368,22 @@ def test_trace_notes_what_is_read_of_a_rule():
         base.believe("", "", "sam", [functional("mug", "containing", interval=Interval(0.5, 1))])
         traced = TracingSource(base)
         (rule,) = traced.rules_at_nodes(["findObject.containing"])
-        assert (rule.object, rule.affordance, traced.read) == ("mug", "containing", set())
+        assert (rule.object, rule.affordance, traced.trace.read) == ("mug", "containing", set())
+        assert traced.trace.listed == {RuleKey("mug", "containing")}
 
         assert rule.support == Interval(0.5, 1)
 
-    assert traced.read == {RuleKey("mug", "containing")}
+    assert traced.trace.read == {RuleKey("mug", "containing")}
 
 
 def test_decision_reads_only_what_is_on_the_table():
-    """Rules about what is not in the scene are not read."""
+    """Rules about what is not in the scene are met, since they are at the node, but not read."""
     rules = [functional(name, "cutting", interval=Interval(0.5, 1)) for name in ("knife", "spoon")]
     with TaughtAgent(rules) as taught:
         decided = taught.decide("pointTo", Target(used_for="cutting"), ["knife"])
 
     assert decided.read == {RuleKey("knife", "cutting")}
+    assert decided.listed == {RuleKey("knife", "cutting"), RuleKey("spoon", "cutting")}
 
 
 @pytest.mark.parametrize(
