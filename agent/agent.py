@@ -19,6 +19,7 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from ..inference.affordance import Affordances
+from ..inference.experience import Experience
 from ..inference.induction import InducedRuleSource
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
@@ -76,6 +77,7 @@ class Agent:
     ) -> None:
         self.base = base
         self.actions = actions
+        self._vision, self._motion = vision, motion
         self.embodiment = embodiment
         self.config = config = config or AgentConfig()
         self.scene = embodiment.scene
@@ -86,13 +88,13 @@ class Agent:
             else base,
             config.load_settings(),
             Taxonomy.from_base(base),
+            Experience(base, self.robot),
         )
         self.simulate = embodiment.simulate and vision is None
-        self._vision, self._motion = vision, motion
         self.interruption = Interruption()
         self._hearing = Lock()
         self._film: Film | None = None
-        self._episodes = EpisodeRecorder(base, self.circumstances, self.state)
+        self._episodes = EpisodeRecorder(base, self.circumstances, self.state, self.robot)
         self.dialogue = DialogueManager(
             base,
             language.with_words(action_words(actions, language)),
@@ -210,6 +212,11 @@ class Agent:
     def state(self) -> str:
         """Return a hash of the state of the simulation; empty when there is none yet."""
         return self.body.state_hash() if "body" in self.__dict__ else ""
+
+    @property
+    def robot(self) -> str:
+        """The name of the robot, with which its experience is kept."""
+        return type(self._motion).__name__ if self._motion else self.embodiment.robot
 
     def visible(self) -> tuple[str, ...]:
         """Return the objects in view; without noise those of the scene, in its order."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..inference.affordance import Affordances
+from ..inference.experience import Experience
 from ..inference.induction import InducedRuleSource
 from ..inference.settings import Settings
 from ..inference.taxonomy import Taxonomy
@@ -154,6 +155,7 @@ def _run(
         else past,
         agent.affordances.settings,
         Taxonomy.from_base(agent.base),
+        Experience(base, agent.robot, before=episode.utterance),
     )
     again = _again(episode)
     result, said = agent.attempt(episode.text, request_from_json(again["request"]))

@@ -20,9 +20,10 @@ from itertools import chain
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
-from ..kb.rule import Atom, Rule
+from ..kb.rule import GRASP_OBJECT, Atom, Rule
 from .decision import DecisionRule, ObjectRules
-from .node_rules import FIND, NodeRules, features_of, implied_atoms
+from .experience import ExperienceSource, OutcomeCounts
+from .node_rules import FIND, NodeRules, acting_for, features_of, implied_atoms
 from .proof import Proof, derive, rule_proof, unknown_proof
 from .settings import Settings
 from .specificity import MATERIAL, ImpliedAtoms
@@ -48,13 +49,19 @@ class RuleSource(Protocol):
 class Affordances:
     """Inference over the rules of a source, which are inherited along a taxonomy.
 
-    The rules of a node are cached until the sequence number of the source changes.
+    What is told about the parts to grasp by is discounted by `experience`, if there is any. The
+    rules of a node are cached until the sequence number of the source changes.
     """
 
     def __init__(
-        self, source: RuleSource, settings: Settings | None = None, taxonomy: Taxonomy = FLAT
+        self,
+        source: RuleSource,
+        settings: Settings | None = None,
+        taxonomy: Taxonomy = FLAT,
+        experience: ExperienceSource | None = None,
     ) -> None:
         self.source = source
+        self.experience = experience
         self.settings = settings or Settings()
         self.taxonomy = taxonomy
         self._sequence = -1
@@ -127,7 +134,18 @@ class Affordances:
         shown = implied_atoms(seen.atoms, self.taxonomy)
         for applied in here.binding(seen, shown).by_argument():
             proof = self._conclude(applied.rules, here, seen, shown)
-            yield decision.candidate(seen, applied.rules[0].argument, [proof], applied)
+            argument = applied.rules[0].argument
+            known = self._experience_with(argument, here, seen)
+            yield decision.candidate(seen, argument, [proof], applied, experience=known)
+
+    def _experience_with(
+        self, argument: Atom | None, here: NodeRules, seen: Observation
+    ) -> OutcomeCounts | None:
+        """Return the outcomes of grasps by a part at this node; None if there were none."""
+        if self.experience is None or here.action != GRASP_OBJECT or argument is None:
+            return None
+        counts = self.experience.of(seen.object, argument.name, acting_for(here.node))
+        return counts if counts.outcomes else None
 
     def _absent_candidates(
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
+from .experience import OutcomeCounts
 from .interval_operators import EPSILON, Operators, certainty
 from .proof import LEAVES, Proof, derive
 from .types import Candidate, Inference, Observation, Verdict
@@ -72,9 +73,16 @@ class DecisionRule:
         applied: ObjectRules,
         *,
         is_absent: bool = False,
+        experience: OutcomeCounts | None = None,
     ) -> Candidate:
-        """Return the candidate for an object: the conjunction of proof steps, with a verdict."""
+        """Return the candidate for an object: the conjunction of proof steps, with a verdict.
+
+        It is discounted by the experience with the argument, if there is any.
+        """
         proof = derive("and", steps, self.operators)
+        if experience:
+            seen_before = Proof("experienced", experience.interval, str(experience))
+            proof = derive("discount", (proof, seen_before), self.operators)
         if applied.overrides:
             proof = replace(proof, overruled=applied.overruled)
         if argument is not None and proof.step not in LEAVES:
@@ -92,9 +100,8 @@ class DecisionRule:
             reason += f"; inherited, {inherited} step{'s' if inherited > 1 else ''} up"
         if overruled:
             reason += "; more specific than " + ", ".join(map(repr, overruled))
-        return Candidate(
-            seen.name, seen.object, argument, proof, sure, verdict, reason, inherited, overruled
-        )
+        found = (seen.name, seen.object, argument, proof, sure, verdict, reason)
+        return Candidate(*found, inherited, overruled, experience)
 
     def _verdict(self, interval: Interval, is_unknown: bool) -> Verdict:
         if is_unknown:

@@ -186,6 +186,11 @@ class NodeRules:
         return (*(f"{context.name}.{functor}" for context in self.contexts), functor)
 
 
+def acting_for(node: str) -> str:
+    """Return the action that a node is part of: "pass" for "pass/graspObject"."""
+    return next(iter(Actions.contexts(node)), node)
+
+
 def material_kinds(name: str | None, taxonomy: Taxonomy) -> frozenset[str]:
     """Return the names of a material and of its more general kinds: rye bread is bread."""
     kinds = taxonomy.above(Atom("object", name)) if name else ()

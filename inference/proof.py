@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof trees: the derivation of an interval, which can be displayed and evaluated again.
 
-The leaves of a `Proof` are evidence: observations, given contexts and taught rules. Its inner nodes
-are operators. `evaluate` computes the tree again from its leaves with the same operators: it
-returns the interval of the root, equal to the last bit, or another one if leaves are replaced
-(counterfactuals).
+The leaves of a `Proof` are evidence: observations, given contexts, taught rules and experience. Its
+inner nodes are operators. `evaluate` computes the tree again from its leaves with the same
+operators: it returns the interval of the root, equal to the last bit, or another one if leaves are
+replaced (counterfactuals).
 """
 
 from __future__ import annotations
@@ -17,10 +17,21 @@ from ..kb.interval import VACUOUS, Interval
 from ..kb.rule import Rule
 from .interval_operators import Operators
 
-Step = Literal["seen", "given", "told", "unknown", "and", "not", "fuse", "modus ponens"]
+Step = Literal[
+    "seen",
+    "given",
+    "told",
+    "unknown",
+    "experienced",
+    "and",
+    "not",
+    "fuse",
+    "modus ponens",
+    "discount",
+]
 Json = dict[str, object]
 
-LEAVES = ("seen", "given", "told", "unknown")
+LEAVES = ("seen", "given", "told", "unknown", "experienced")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +42,8 @@ class Proof:
         step: the kind of evidence, or the operator.
         interval: the result of the step.
         label: description of the evidence ("object:knife seen on knife 1").
-        inputs: the proofs of its inputs; for modus ponens the antecedent, then the rule.
+        inputs: the proofs of its inputs; for modus ponens the antecedent, then the rule; for a
+            discount what was told, then the experience by which it is discounted.
         rule: the rule, for a taught rule as evidence.
         overruled: rules that would apply, but that more specific ones override.
     """
@@ -108,6 +120,8 @@ def apply_operator(step: Step, inputs: Sequence[Interval], operators: Operators)
         return inputs[0].negated()
     if step == "fuse":
         return operators.fuse(inputs)
+    if step == "discount":
+        return Interval(inputs[0].lower * inputs[1].upper, inputs[0].upper)
     return operators.conclude(inputs[0], inputs[1])
 
 

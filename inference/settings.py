@@ -20,7 +20,7 @@ SETTINGS_FILE = Path(__file__).parents[1] / "ontology" / "settings.yaml"
 STAGES = ("rules", "conclusions")
 DETECTIONS = ("open", "point")
 OPERATORS = tuple(each.name for each in fields(Operators))
-THRESHOLD = "threshold"
+THRESHOLD, CONTRADICTION = "threshold", "contradiction"
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,8 @@ class Settings:
             "conclusions" of single rules, literally as in the paper.
         detection: a detection with confidence d is [d, 1] ("open", default) or [d, d] ("point").
         threshold: Λ in [0, 1], which lambda must exceed before the robot acts.
+        contradiction: the mass in [0, 1] above which experience contradicts what was told so much
+            that the robot asks.
         thresholds: Λ by context: that of an action ("pass") replaces the general one; that of a
             place or role ("place:hospital") can only raise it.
 
@@ -44,6 +46,7 @@ class Settings:
     stage: str = "rules"
     detection: str = "open"
     threshold: float = 0.005
+    contradiction: float = 0.25
     thresholds: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def __post_init__(self) -> None:
@@ -59,7 +62,9 @@ class Settings:
         Raises:
             DataError: the file is invalid; gives the position and what was expected.
         """
-        top = read_yaml(path).entries(optional=[*OPERATORS, "stage", "detection", THRESHOLD])
+        top = read_yaml(path).entries(
+            optional=[*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD]
+        )
         chosen = cls()
         for name, value in top.items():
             if name != THRESHOLD:
@@ -96,6 +101,8 @@ class Settings:
 def _chosen(settings: Settings, name: str, value: YamlNode) -> Settings:
     """Return settings with one setting replaced."""
     first, _, context = name.partition(".")
+    if name == CONTRADICTION:
+        return replace(settings, contradiction=value.number(low=0, high=1))
     if first == THRESHOLD:
         return _with_threshold(settings, context, value.number(low=0, high=1))
     try:
@@ -106,7 +113,7 @@ def _chosen(settings: Settings, name: str, value: YamlNode) -> Settings:
             return replace(settings, **{name: value.text()})
     except UnknownNameError as error:
         raise value.fail(str(error)) from error
-    known = (*OPERATORS, "stage", "detection", THRESHOLD, f"{THRESHOLD}.CONTEXT")
+    known = (*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD, f"{THRESHOLD}.CONTEXT")
     raise value.fail(str(UnknownNameError("choice", name, known)))
 
 

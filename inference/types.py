@@ -16,6 +16,7 @@ from typing import Literal
 
 from ..kb.interval import Interval
 from ..kb.rule import USED_FOR, Atom, Rule
+from .experience import OutcomeCounts, contradiction
 from .proof import Proof
 
 Verdict = Literal["accepted", "denied", "unsure", "unknown", "absent"]
@@ -109,6 +110,7 @@ class Candidate:
         reason: the reason for the verdict, in a few words.
         inherited: distance of the rules in the is-a hierarchy: 0 for rules about this kind.
         overruled: rules that more specific ones override.
+        experience: the outcomes of grasps by that part; None where there are none.
     """
 
     name: str
@@ -120,6 +122,17 @@ class Candidate:
     reason: str
     inherited: int = 0
     overruled: tuple[Rule, ...] = ()
+    experience: OutcomeCounts | None = None
+
+    @property
+    def told(self) -> Interval:
+        """The interval that follows from what was told, without experience."""
+        return self.proof.inputs[0].interval if self.experience else self.interval
+
+    @property
+    def contradiction(self) -> float:
+        """The mass by which experience contradicts what was told, in [0, 1]."""
+        return contradiction(self.told, self.experience.interval) if self.experience else 0.0
 
     @property
     def interval(self) -> Interval:

@@ -2,13 +2,14 @@
 """Episodes: how the robot carried out a command, step by step, and by which rules.
 
 The graph `episodes` has the facts that queries ask for (goal, outcome, which rules decided what at
-which node); the complete record, as `hilt do --json` prints it, is stored beside them as one text.
+which node, what each grasp came to); the complete record, as `hilt do --json` prints it, is stored
+beside them as one text. Experience is counted from the grasp trials, which are stored nowhere else.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from datetime import datetime
 from decimal import Decimal
 from numbers import Number
@@ -18,6 +19,7 @@ from ..ontology.vocabulary import Iri, external, iri, term
 from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_iri, utterance_number
 from .interval import Interval
 from .rdf.record_mapping import (
+    REQUIRED,
     FieldProperty,
     PropertyValues,
     group_properties,
@@ -26,6 +28,7 @@ from .rdf.record_mapping import (
     record_properties,
 )
 from .rdf.rule_mapping import (
+    CONTEXT,
     FEATURE,
     GENERATED_AT,
     LOWER,
@@ -35,13 +38,16 @@ from .rdf.rule_mapping import (
     atom_from_iri,
     atom_iri,
 )
-from .rdf.terms import Quad
+from .rdf.terms import Quad, Term
 from .rule import Atom
 from .stores.base import Store
 
 EPISODES = iri("graph", "episodes")
 
-STEP, INDEX = term("step"), term("index")
+STEP, INDEX, TRIAL = term("step"), term("index"), term("trial")
+FORGOTTEN_BY = term("forgottenBy")
+HELD = "held"
+GRASP_OUTCOMES = (HELD, "slipped", "dropped", "wrong_part", "missed", "refused")
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,28 @@ class EpisodeStep:
     rules: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class GraspTrial:
+    """One closing of the gripper, and what came of it.
+
+    Attributes:
+        object: the kind of object.
+        part: the part by which it was to be held.
+        context: the action that it was grasped for ("pass").
+        outcome: one of `GRASP_OUTCOMES`: held; slipped while it was lifted; dropped later; the
+            wrong part or nothing (missed) between the fingers; or refused at the hand-over.
+        robot: the robot that did it.
+        forgotten_by: number of the utterance that made it be forgotten; None while it counts.
+    """
+
+    object: str
+    part: str
+    context: str
+    outcome: str
+    robot: str = ""
+    forgotten_by: int | None = None
+
+
 @dataclass(frozen=True, kw_only=True)
 class Episode:
     """The execution of one command.
@@ -79,6 +107,7 @@ class Episode:
         object, part: the object and the part that were chosen; None where none was.
         rules: ids of the rules that decided.
         steps: the decisions at the nodes, in order of execution.
+        trials: what each grasp came to, in order.
         touched: the parts that the fingers touched.
         lifted_m: height the object was lifted [m]; None without a simulation.
         handed_over: whether it was still held at the hand-over; None without a simulation.
@@ -98,6 +127,7 @@ class Episode:
     part: str | None = None
     rules: tuple[str, ...] = ()
     steps: tuple[EpisodeStep, ...] = ()
+    trials: tuple[GraspTrial, ...] = ()
     touched: tuple[str, ...] = ()
     lifted_m: float | None = None
     handed_over: bool | None = None
@@ -107,7 +137,7 @@ class Episode:
 
 
 def episode_quads(episode: Episode) -> Iterator[Quad]:
-    """The statements about a recorded episode and its steps."""
+    """The statements about a recorded episode, its steps and its grasp trials."""
     node = iri("episode", episode.id)
     yield Quad(node, TYPE, term("Episode"), EPISODES)
     for predicate, value in record_properties(episode, _EPISODE):
@@ -123,6 +153,13 @@ def episode_quads(episode: Episode) -> Iterator[Quad]:
             bounds = step.interval.rounded()
             yield Quad(step_node, LOWER, Decimal(str(bounds.lower)), EPISODES)
             yield Quad(step_node, UPPER, Decimal(str(bounds.upper)), EPISODES)
+    for index, trial in enumerate(episode.trials):
+        trial_node = iri("trial", f"{episode.id}.{index}")
+        yield Quad(node, TRIAL, trial_node, EPISODES)
+        yield Quad(trial_node, TYPE, term("GraspTrial"), EPISODES)
+        yield Quad(trial_node, INDEX, index, EPISODES)
+        for predicate, value in record_properties(trial, _TRIAL):
+            yield Quad(trial_node, predicate, value, EPISODES)
 
 
 def read_episodes(store: Store) -> Iterator[Episode]:
@@ -133,12 +170,29 @@ def read_episodes(store: Store) -> Iterator[Episode]:
     )
 
 
+def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]:
+    """The grasp trials that count, with an object `of` this kind and by this part, if given."""
+    wanted = ((_TRIAL["object"], of), (_TRIAL["part"], part))
+    for quad in store.quads(None, TYPE, term("GraspTrial"), EPISODES):
+        found = group_properties(store.properties(quad.subject, EPISODES))
+        fits = (name is None or at.encode(name) in found[at.predicate] for at, name in wanted)
+        if not found[FORGOTTEN_BY] and all(fits):
+            yield quad.subject
+
+
 def _read(store: Store, node: Iri) -> Episode:
     found = group_properties(store.properties(node, EPISODES))
-    steps = [group_properties(store.properties(cast(Iri, s), EPISODES)) for s in found[STEP]]
-    steps.sort(key=lambda step: cast(int, step[INDEX][0]))
     fields = read_fields(found, _EPISODE, "An episode")
-    return Episode(**fields, steps=tuple(map(_read_step, steps)), id=local_name(node))
+    steps = tuple(map(_read_step, _in_order(store, found[STEP])))
+    trials = (read_fields(each, _TRIAL, "A trial") for each in _in_order(store, found[TRIAL]))
+    trials = tuple(GraspTrial(**each) for each in trials)
+    return Episode(**fields, steps=steps, trials=trials, id=local_name(node))
+
+
+def _in_order(store: Store, nodes: Iterable[Term]) -> list[PropertyValues]:
+    """The properties of the numbered nodes of an episode, in order."""
+    found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
+    return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
 
 
 def _read_step(found: PropertyValues) -> EpisodeStep:
@@ -162,6 +216,14 @@ _STEP = {
     "path": FieldProperty(term("path"), str),
     "features": FieldProperty(FEATURE, Iri, atom_iri, atom_from_iri, ()),
     **_CHOICE,
+}
+_TRIAL = {
+    "object": replace(_CHOICE["object"], default=REQUIRED),
+    "part": replace(_CHOICE["part"], default=REQUIRED),
+    "context": FieldProperty(CONTEXT, Iri, lambda name: atom_iri(Atom("action", name)), local_name),
+    "outcome": FieldProperty(term("outcome"), str),
+    "robot": FieldProperty(term("robot"), str),
+    "forgotten_by": FieldProperty(FORGOTTEN_BY, Iri, utterance_iri, utterance_number, None),
 }
 _EPISODE = {
     "goal": FieldProperty(term("goal"), str),

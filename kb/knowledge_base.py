@@ -72,6 +72,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         store: where everything is kept.
         reader: reads the rules and the history.
         writer: changes them.
+        episodes_recorded: how many episodes were recorded since it was opened.
     """
 
     rules_at_nodes = _delegated("reader", RuleReader.rules_at_nodes)
@@ -95,6 +96,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     forget_word = _delegated("writer", RuleWriter.forget_word)
     learn_phrase = _delegated("writer", RuleWriter.learn_phrase)
     forget_phrase = _delegated("writer", RuleWriter.forget_phrase)
+    forget_trials = _delegated("writer", RuleWriter.forget_trials)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store, which is closed with the base; an empty one becomes a base.
@@ -109,6 +111,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         self.store = store
         self.reader = RuleReader(store)
         self.writer = RuleWriter(self.reader, clock=clock)
+        self.episodes_recorded = 0
         with store.writing():
             self._check_format()
 
@@ -233,6 +236,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
                 episode, id=f"{number}-{mark}", utterance=number or None, time=moment
             )
             self.store.apply(insert=episode_quads(recorded))
+            self.episodes_recorded += 1
         return recorded
 
     def episodes(self) -> Iterator[Episode]:

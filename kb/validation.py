@@ -53,6 +53,7 @@ _GRAPHS = {
     "Utterance": HISTORY,
     "Episode": EPISODES,
     "Step": EPISODES,
+    "GraspTrial": EPISODES,
     "Word": LEXICON,
     "Phrase": LEXICON,
     "Base": BASE_GRAPH,

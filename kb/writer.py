@@ -16,7 +16,8 @@ from functools import partial
 
 from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, term
-from .history import HISTORY, SEQUENCE, Utterance, utterance_quads
+from .episodes import EPISODES, FORGOTTEN_BY, trial_nodes
+from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
 from .interval import Interval
 from .learned_phrases import LearnedPhrase, phrase_iri, phrase_quads
 from .learned_words import LEXICON, LearnedWord, word_iri, word_quads
@@ -210,6 +211,30 @@ class RuleWriter:
             moment = to_milliseconds(self.clock())
             self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
         return phrase
+
+    def forget_trials(
+        self, text: str, speaker: str, *, of: str | None = None, part: str | None = None
+    ) -> int:
+        """Let grasp trials no longer count as experience, and return how many they were.
+
+        Args:
+            text: the utterance that forgets them, for the history.
+            speaker: who forgets them.
+            of: the kind of object; None for any.
+            part: the part by which it was grasped; None for any.
+
+        Raises:
+            NotFoundError: there are no such trials.
+        """
+        with self._store.writing():
+            found = list(trial_nodes(self._store, of, part))
+            if not found:
+                raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
+            by = utterance_iri(self._reader.sequence + 1)
+            change = _Change([Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found])
+            moment = to_milliseconds(self.clock())
+            self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
+        return len(found)
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None

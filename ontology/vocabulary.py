@@ -32,6 +32,7 @@ RECORD_KINDS = (
     "speaker",
     "episode",
     "step",
+    "trial",
     "word",
     "phrase",
 )

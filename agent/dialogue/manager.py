@@ -31,6 +31,7 @@ from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
 from .conversation import Conversation, UnderstoodTurn, answer_to
 from .open_question import OpenQuestion
+from .part_agreements import PartAgreements
 from .questions import answer
 from .reply import Reply
 from .teaching import phrase_from_base, word_for_person, word_from_base
@@ -83,6 +84,7 @@ class DialogueManager:
         )
         self._beliefs = BeliefRevision(base, self._conversation)
         self._clarification = ClarificationDialogue(self._conversation, self.hear, self._respond)
+        self._agreements = PartAgreements(lambda: goals().affordances)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
         self._record_episode = record_episode
@@ -236,6 +238,7 @@ class DialogueManager:
 
     def _carry_out(self, turn: UnderstoodTurn, request: Request) -> Reply:
         conversation = self._conversation
+        request = self._agreements.applied_to(request)
         result, spoken = self.attempt(request)
         spoken = self._asking_for_use(turn, result, spoken)
         self._last = (turn, request)
@@ -254,6 +257,11 @@ class DialogueManager:
         wanted = request.arguments.get("object")
         if chosen and isinstance(wanted, Target) and wanted.object is None:
             conversation.refer_to(chosen.object)
+        if result.doubt:
+            again = partial(self._carry_out, turn, request)
+            question = self._agreements.question(result.doubt, request, turn.speaker, again)
+            conversation.open_question = question
+            return reply
         settled = request.confirmed(result)
         if reply.ending == "asked" and settled:
             conversation.open_question = OpenQuestion(

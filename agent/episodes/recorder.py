@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 
 from ...kb.episodes import Episode, EpisodeStep
 from ...kb.interval import Interval
@@ -31,9 +32,10 @@ class EpisodeRecorder:
         base: KnowledgeBase,
         circumstances: Callable[[], Json | None],
         state: Callable[[], str],
+        robot: str,
     ) -> None:
         self._base = base
-        self._circumstances, self._state = circumstances, state
+        self._circumstances, self._state, self._robot = circumstances, state, robot
         self._last: str | None = None
         self._is_whole = True
 
@@ -43,7 +45,7 @@ class EpisodeRecorder:
             self.forget_state()
         if keep:
             self._last = self._base.record_episode(
-                episode_from_reply(reply, self._again(request))
+                episode_from_reply(reply, self._again(request), self._robot)
             ).id
         else:
             self._is_whole = False
@@ -60,8 +62,8 @@ class EpisodeRecorder:
         return kept | {"circumstances": circumstances, "after": self._last}
 
 
-def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
-    """Return the episode of a command: its steps, and the whole document as JSON."""
+def episode_from_reply(reply: Reply, again: Json | None = None, robot: str = "") -> Episode:
+    """Return the episode of a command: its steps and grasps, and the whole document as JSON."""
     result = reply.result
     decision = result.decision if result else None
     best = decision.object.best if decision else None
@@ -79,6 +81,7 @@ def episode_from_reply(reply: Reply, again: Json | None = None) -> Episode:
         part=decision.chosen_part if decision else None,
         rules=tuple(rule.id for rule in decision.rules) if decision else (),
         steps=tuple(_step_of(step) for step in result.steps) if result else (),
+        trials=tuple(replace(each, robot=robot) for each in result.trials) if result else (),
         touched=tuple(sorted(world.touched)) if world else (),
         lifted_m=world.lifted_m if world else None,
         handed_over=world.handed_over if world else None,

@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ...inference.settings import OPERATORS, THRESHOLD, Settings
+from ...inference.settings import CONTRADICTION, OPERATORS, THRESHOLD, Settings
 from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom
@@ -34,6 +34,7 @@ def request_as_json(request: Request) -> Json:
         "contexts": {str(a): [held.lower, held.upper] for a, held in request.contexts.items()},
         "assumed": sorted(request.assumed),
         "excluded": sorted(request.excluded),
+        "agreed": dict(request.agreed),
     }
 
 
@@ -50,6 +51,7 @@ def request_from_json(kept: Mapping[str, Any]) -> Request:
         {Atom.parse(atom): Interval(*held) for atom, held in kept["contexts"].items()},
         frozenset(kept["assumed"]),
         frozenset(kept.get("excluded", ())),  # episodes of older versions have none
+        dict(kept.get("agreed", {})),
     )
 
 
@@ -130,7 +132,7 @@ def settings_as_choices(settings: Settings) -> list[str]:
     """Return settings as choices for `Settings.with_choices`: "fusion=dempster", ..."""
     chosen = {name: getattr(settings.operators, name) for name in OPERATORS}
     chosen |= {"stage": settings.stage, "detection": settings.detection}
-    chosen |= {THRESHOLD: settings.threshold}
+    chosen |= {THRESHOLD: settings.threshold, CONTRADICTION: settings.contradiction}
     chosen |= {f"{THRESHOLD}.{name}": each for name, each in settings.thresholds.items()}
     return [f"{name}={value}" for name, value in chosen.items()]
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...inference.affordance import Affordances
-from ...inference.node_rules import FIND
+from ...inference.node_rules import FIND, acting_for
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
 from ...ontology.actions import (
@@ -30,6 +30,7 @@ from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
 from ..protocols import Motion, Vision
 from . import outcome_answer
+from .doubt import Doubt, find_doubt
 from .outcome import (
     AnswerContent,
     Constraint,
@@ -96,11 +97,14 @@ class TreeExecutor:
         self._rejected: dict[str, FailedAttempt] = {}
         # What the command or the step names: the part, and what a tool is used on.
         self._part, self._patient = request.part, request.arguments.get(PATIENT)
+        self._doubt: Doubt | None = None
 
     def result(self, answer: AnswerContent) -> GoalResult:
         """Return the result of the execution so far, with this answer."""
         world = self._primitives.world if self._primitives else WorldOutcome()
-        return GoalResult(answer, self.decision, tuple(self._steps), world, tuple(self._setbacks))
+        trials = self._primitives.grasps.trials if self._primitives else ()
+        done = (tuple(self._steps), world, tuple(self._setbacks), trials, self._doubt)
+        return GoalResult(answer, self.decision, *done)
 
     def name(self, argument: Argument | None) -> str:
         """Return the kind of the object that was found for an argument, or that it names."""
@@ -197,7 +201,7 @@ class TreeExecutor:
         percept = found.percept if found else None
         bound = _constraint(inference)
         return self._primitives.perform(
-            PrimitiveTask(action, arguments, percept, part, bound, things)
+            PrimitiveTask(action, arguments, percept, part, bound, things, acting_for(node))
         )
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
@@ -362,7 +366,7 @@ class TreeExecutor:
             # The patient of a tool may be looked for too; the decision is about the tool.
             self.decision = Decision(
                 inference,
-                named_part=self._part,
+                named_part=self._part or self._request.agreed_part(inference),
                 patient=_named(patient),
                 rejected=tuple(self._rejected.values()),
             )
@@ -392,6 +396,10 @@ class TreeExecutor:
         denied = [each.argument.name for each in inference.denied if each.argument]
         if chosen in denied and not self._request.part:
             return None, self._no_part("forbidden_part", percept, part=chosen)
+        self._doubt = self._find_doubt(percept, inference)
+        if self._doubt:
+            self._report_setback(outcome_answer.doubted(self._doubt, self._request.speaker))
+            return None, outcome_answer.ask_about(self._doubt)
         if chosen:
             return self._chosen_part(chosen, percept)
         if decision and inference.denied:
@@ -405,6 +413,14 @@ class TreeExecutor:
             )
         is_tool = self._patient is not None
         return self._context.grips.get(percept.object) if is_tool else None, None
+
+    def _find_doubt(self, percept: Percept, inference: Inference) -> Doubt | None:
+        """Return the doubt about the part that was told; None where the speaker named one."""
+        if self.decision and self.decision.named_part:
+            return None
+        context, kind = self._context, percept.object
+        parts = [*filter(None, [context.grips.get(kind)]), *sorted(context.parts.get(kind, ()))]
+        return find_doubt(inference, context.affordances, kind, parts)
 
     def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, AnswerContent | None]:
         part = self._own_part(name, percept)

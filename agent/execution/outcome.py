@@ -13,7 +13,9 @@ from typing import Literal
 
 from ...inference.proof import Proof
 from ...inference.types import Candidate, Inference
+from ...kb.episodes import GraspTrial
 from ...kb.rule import Rule
+from .doubt import Doubt
 
 Json = dict[str, object]
 Slot = str | tuple[str, ...]  # a name or a list of names
@@ -265,7 +267,10 @@ class GoalResult:
         decision: which object and part, if the tree looks for any.
         steps: the nodes in the order of execution.
         world: what happened in the world.
-        setbacks: failures that a branch of the tree handled, to be said before the answer.
+        setbacks: failures that a branch of the tree handled, and what is doubted, to be said before
+            the answer.
+        trials: what each grasp came to.
+        doubt: the part that experience speaks against, if that is asked about.
     """
 
     answer: AnswerContent
@@ -273,6 +278,8 @@ class GoalResult:
     steps: tuple[WalkStep, ...]
     world: WorldOutcome
     setbacks: tuple[AnswerContent, ...] = ()
+    trials: tuple[GraspTrial, ...] = ()
+    doubt: Doubt | None = None
 
     def as_json(self) -> Json:
         """The keys of `hilt do --json` on what was decided and done."""

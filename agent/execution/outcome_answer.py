@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
 from ...ontology.actions import Precondition
+from .doubt import Doubt
 from .outcome import AnswerContent, Decision, Slot
 
 INTERRUPTED = "interrupted"  # the cause of a failure: somebody asked to stop
@@ -101,6 +102,26 @@ def not_sure_how(action: str, object_name: str, best: Candidate) -> AnswerConten
     slots = {"goal": action, "object": object_name, "part": part}
     return AnswerContent(
         "guess_how" if is_guess(best) else "not_sure_how", slots, "asked", "not_sure"
+    )
+
+
+def doubted(doubt: Doubt, speaker: str) -> AnswerContent:
+    """Return what is said of a part that was told and that experience speaks against."""
+    failures = doubt.counts.failures
+    how = next(iter(failures)) if len(failures) == 1 else "failed"
+    told = tuple("you" if name == speaker else name for name in doubt.teachers)
+    times = {"failed": str(sum(failures.values())), "trials": str(doubt.counts.trials)}
+    return AnswerContent(f"doubt_{how}", {"speakers": told, "part": doubt.part, **times})
+
+
+def ask_about(doubt: Doubt) -> AnswerContent:
+    """Return the question what to do about a doubt."""
+    if doubt.instead is None:
+        return AnswerContent("ask_all_the_same", {}, "asked", "doubted")
+    counts = doubt.counts_instead
+    slots = {"instead": doubt.instead, "held": str(counts.held), "tried": str(counts.trials)}
+    return AnswerContent(
+        "ask_instead" if counts.trials else "ask_to_try", slots, "asked", "doubted"
     )
 
 

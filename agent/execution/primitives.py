@@ -15,6 +15,7 @@ from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
 from ..protocols import ExtraPrimitives, Motion, ReleasingMotion, Vision
 from . import outcome_answer
+from .grasp_log import GraspLog
 from .outcome import AnswerContent, Constraint, WorldOutcome
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
@@ -39,6 +40,7 @@ class PrimitiveTask:
         part: the part to act on.
         constraint: what was concluded at the node.
         found: parameter -> the percept that was found for it.
+        context: the action that it is part of ("pass").
     """
 
     action: str
@@ -47,6 +49,7 @@ class PrimitiveTask:
     part: str | None = None
     constraint: Constraint | None = None
     found: Mapping[str, Percept] = field(default_factory=dict[str, Percept])
+    context: str = ""
 
 
 class PrimitiveExecutor:
@@ -54,6 +57,7 @@ class PrimitiveExecutor:
 
     Attributes:
         world: what happened so far.
+        grasps: what the grasps so far came to.
         holding: the name of the object in the hand, if any.
         sensed: the events that the robot has sensed ("driven").
         goal, tool, patient: the goal, and the object types of the tool and of what it is used on;
@@ -62,6 +66,7 @@ class PrimitiveExecutor:
 
     def __init__(self, motion: Motion, vision: Vision, goal: str = "use") -> None:
         self.world = WorldOutcome()
+        self.grasps = GraspLog()
         self.holding: str | None = None
         self.sensed: set[str] = set()
         self.goal = goal
@@ -96,12 +101,14 @@ class PrimitiveExecutor:
             return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
+        self.grasps.begin(task.percept.object, task.part, task.context, report)
         self.world = WorldOutcome(True, touched=tuple(report.touched), attempts=report.attempts)
         self.holding = task.percept.name if report.ok else None
         return None if report.ok else self._failed(report.reason, task)
 
     def _move_to(self, task: PrimitiveTask) -> AnswerContent | None:
         report = self._motion.lift()
+        self.grasps.follow(report)
         self.world = replace(
             self.world,
             touched=tuple(report.touched),
@@ -113,6 +120,7 @@ class PrimitiveExecutor:
 
     def _hand_over(self, task: PrimitiveTask) -> AnswerContent | None:
         report = self._motion.hand_over()
+        self.grasps.follow(report, is_offered=True)
         self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
 
@@ -165,6 +173,7 @@ class PrimitiveExecutor:
         return seen[0] if seen else name
 
     def _struck(self, report: MotionReport) -> AnswerContent | None:
+        self.grasps.follow(report)
         depth_mm = report.depth_m * MM
         self.world = replace(
             self.world, nail_depth_mm=depth_mm, driven_mm=depth_mm - self._depth_before_mm

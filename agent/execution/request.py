@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ...inference.types import Conclusion, Target
+from ...inference.types import Conclusion, Inference, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.actions import Actions, ArgumentByAffordance
@@ -28,6 +28,7 @@ class Request:
         contexts: what else holds now, with the interval to which it holds.
         assumed: the parameters that nobody mentioned; a default of the tree takes precedence.
         excluded: the names of the objects that were chosen before, when another one is wanted.
+        agreed: kind of object -> the part that was agreed on, when Hilt asked.
     """
 
     action: str
@@ -37,6 +38,11 @@ class Request:
     contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
     assumed: frozenset[str] = frozenset()
     excluded: frozenset[str] = frozenset()
+    agreed: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    def agreed_part(self, found: Inference) -> str | None:
+        """Return the part that was agreed on for the object that was found, if any."""
+        return self.agreed.get(found.best.object) if found.best else None
 
     def confirmed(self, result: GoalResult) -> Request | None:
         """Return this request for the object or part that Hilt asked about, after a "yes"."""

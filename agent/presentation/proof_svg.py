@@ -15,8 +15,20 @@ from ..execution.outcome import Decision
 
 WIDTH, HEIGHT = 2.6, 1.2  # of the place of one box, with the space around it [inch]
 COLUMNS, MOST_LINES = 32, 3  # of the text about a step
-_COLOURS = {"told": "#fdf1d6", "seen": "#dcecf7", "given": "#e3f1de", "unknown": "#eeeeee"}
-_LEGEND = {"told": "taught rule", "seen": "observation", "given": "context", "unknown": "ignorance"}
+_COLOURS = {
+    "told": "#fdf1d6",
+    "seen": "#dcecf7",
+    "given": "#e3f1de",
+    "unknown": "#eeeeee",
+    "experienced": "#eadff2",
+}
+_LEGEND = {
+    "told": "taught rule",
+    "seen": "observation",
+    "given": "context",
+    "unknown": "ignorance",
+    "experienced": "experience",
+}
 
 
 class _Box(NamedTuple):

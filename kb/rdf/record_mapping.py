@@ -13,7 +13,7 @@ from ...ontology.vocabulary import Iri, shortened, split
 from .terms import Term
 
 PropertyValues: TypeAlias = "defaultdict[Iri, list[Term]]"
-_REQUIRED = object()  # the default of a field that is always stored
+REQUIRED = object()  # the default of a field that is always stored
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class FieldProperty:
     kind: type
     encode: Callable[[Any], Term] = lambda value: value
     decode: Callable[[Any], Any] = lambda value: value
-    default: object = _REQUIRED
+    default: object = REQUIRED
 
 
 def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
@@ -76,7 +76,7 @@ def local_name(node: Iri) -> str:
 def _read_field(values: list[Term], field: FieldProperty, what: str) -> object:
     if field.default == ():
         return tuple(sorted(map(field.decode, values)))
-    if not values and field.default is not _REQUIRED:
+    if not values and field.default is not REQUIRED:
         return field.default
     if len(values) != 1 or not isinstance(values[0], field.kind):
         expected = f"expected one {field.kind.__name__}"

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Doubt about the part that was told for a grasp, when experience speaks against it.
+
+Hilt doubts the best part by what was told where experience contradicts that by more than the
+setting `contradiction`, or puts another part first. It is never replaced without a question.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ...inference.affordance import Affordances
+from ...inference.experience import NO_TRIALS, OutcomeCounts
+from ...inference.node_rules import acting_for
+from ...inference.types import Candidate, Inference
+from ...kb.interval import VACUOUS
+
+DIGITS = 9  # of ranks that are compared
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A part that was told for a grasp, and that experience speaks against.
+
+    Attributes:
+        object: the kind of object.
+        context: the action that it is grasped for.
+        part: the part that was told.
+        counts: the outcomes of grasps by that part.
+        teachers: who told it.
+        instead: the part that looks best of the others; None where none looks better.
+        counts_instead: the outcomes of grasps by that one.
+    """
+
+    object: str
+    context: str
+    part: str
+    counts: OutcomeCounts
+    teachers: tuple[str, ...]
+    instead: str | None = None
+    counts_instead: OutcomeCounts = NO_TRIALS
+
+
+def find_doubt(
+    inference: Inference, affordances: Affordances, kind: str, parts: Iterable[str]
+) -> Doubt | None:
+    """Return the doubt about the part to grasp an object by; None where there is none.
+
+    `parts` are the known parts of this kind of object, of which the first are preferred.
+    """
+    settings = affordances.settings
+    rank = settings.operators.rank
+    told = _best_told(inference, affordances)
+    if told is None or told.argument is None or told.experience is None:
+        return None
+    is_changed = inference.best is None or inference.best.argument != told.argument
+    if told.contradiction <= settings.contradiction and not is_changed:
+        return None
+    context = acting_for(inference.node)
+    known = {each.argument.name: each for each in inference.candidates if each.argument}
+
+    def counts(part: str) -> OutcomeCounts:
+        return (
+            affordances.experience.of(kind, part, context) if affordances.experience else NO_TRIALS
+        )
+
+    def merit(part: str) -> tuple[float, float]:
+        said = known[part].told if part in known else VACUOUS
+        return round(rank(counts(part).interval), DIGITS), rank(said)
+
+    denied = {each.argument.name for each in inference.denied if each.argument}
+    name = told.argument.name
+    others = [part for part in dict.fromkeys((*known, *parts)) if part not in denied]
+    best = max(others, key=merit)
+    instead = best if merit(best)[0] > merit(name)[0] else None
+    teachers = tuple(dict.fromkeys(rule.speaker for rule in told.rules if rule.asserts))
+    doubted = (kind, context, name, told.experience, teachers)
+    return Doubt(*doubted, instead, counts(instead) if instead else NO_TRIALS)
+
+
+def _best_told(inference: Inference, affordances: Affordances) -> Candidate | None:
+    """Return the best candidate by what was told; of equals the best by experience."""
+    operators = affordances.settings.operators
+    told = [c for c in inference.candidates if operators.accepts(c.told, inference.threshold)]
+    return max(told, key=lambda each: round(operators.rank(each.told), DIGITS), default=None)

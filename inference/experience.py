@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Experience: how grasps turned out, as evidence beside what was told.
+
+Of n grasps s held. The interval of the probability that the next one holds is the envelope of the
+equal-tailed credible intervals of the Beta posteriors over Walley's near-ignorance priors of
+strength 1, Beta(t, 1 - t) for all t in (0, 1):
+
+    [ B(α/2; s, n - s + 1),  B(1 - α/2; s + 1, n - s) ]
+
+where B is the quantile of the Beta distribution and α = 1 - `CREDIBILITY`. It is [0, 1] for n = 0,
+and equal to the exact interval of Clopper and Pearson (1934). For whole numbers, B(q; s, n - s + 1)
+is the share at which s or more of n grasps hold with probability q.
+
+What was told, [a, b], is discounted by experience [l, u] to [a·u, b]: the mass that supports it is
+unreliable to the degree 1 - u at least, that against it is not touched (contextual discounting,
+Mercier, Quost and Denœux 2008). The two contradict each other by the mass a·(1 - u).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from math import exp, lgamma, log, log1p
+from typing import Protocol
+
+from ..kb.episodes import HELD
+from ..kb.interval import Interval
+from ..kb.knowledge_base import KnowledgeBase
+from ..kb.rdf.record_mapping import local_name
+from ..kb.rdf.terms import Term
+from ..kb.rule import Rule
+from ..kb.sparql.named_queries import named_query
+from ..ontology.vocabulary import Iri
+
+CREDIBILITY = 0.95
+BISECTIONS, PRECISION = 60, 1e-16
+
+Json = dict[str, object]
+
+
+@lru_cache(maxsize=4096)
+def credible_interval(held: int, trials: int) -> Interval:
+    """Return the interval of the probability of success after some successes in some trials."""
+    return Interval(_lower_bound(held, trials), 1 - _lower_bound(trials - held, trials))
+
+
+def _lower_bound(held: int, trials: int) -> float:
+    """Return the share at which so many successes or more are as rare as the tail allows."""
+    tail = (1 - CREDIBILITY) / 2
+    if held == 0:
+        return 0.0
+    if held == trials:
+        return tail ** (1 / trials)
+    low, high = 0.0, held / trials
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _upper_tail(held, trials, middle) < tail else (low, middle)
+    return low
+
+
+def _upper_tail(least: int, trials: int, share: float) -> float:
+    """Return the probability of `least` or more successes in some trials.
+
+    The share is at most `least / trials`, so that each term of the sum is less than the one before.
+    """
+    ways = lgamma(trials + 1) - lgamma(least + 1) - lgamma(trials - least + 1)
+    term = exp(ways + least * log(share) + (trials - least) * log1p(-share))
+    total, odds = 0.0, share / (1 - share)
+    for held in range(least, trials + 1):
+        total += term
+        term *= odds * (trials - held) / (held + 1)
+        if term < total * PRECISION:
+            break
+    return total
+
+
+def contradiction(told: Interval, seen: Interval) -> float:
+    """Return the mass by which experience contradicts what was told, in [0, 1]."""
+    return told.lower * (1 - seen.upper)
+
+
+@dataclass(frozen=True)
+class OutcomeCounts:
+    """How often grasps came to each outcome: pairs of an outcome and a number, sorted."""
+
+    outcomes: tuple[tuple[str, int], ...] = ()
+
+    @classmethod
+    def of(cls, counts: Mapping[str, int]) -> OutcomeCounts:
+        """Return the counts that are not 0."""
+        return cls(tuple(sorted((name, times) for name, times in counts.items() if times)))
+
+    @property
+    def trials(self) -> int:
+        """The number of grasps."""
+        return sum(times for _, times in self.outcomes)
+
+    @property
+    def held(self) -> int:
+        """How many of them held."""
+        return dict(self.outcomes).get(HELD, 0)
+
+    @property
+    def failures(self) -> Mapping[str, int]:
+        """How often each failure occurred."""
+        return {name: times for name, times in self.outcomes if name != HELD}
+
+    @property
+    def interval(self) -> Interval:
+        """The interval of the probability that the next grasp holds."""
+        return credible_interval(self.held, self.trials)
+
+    def __add__(self, other: OutcomeCounts) -> OutcomeCounts:
+        """Return the counts of both."""
+        return OutcomeCounts.of(Counter(dict(self.outcomes)) + Counter(dict(other.outcomes)))
+
+    def since(self, earlier: OutcomeCounts) -> OutcomeCounts:
+        """Return what was added to earlier counts; nothing where some were forgotten since."""
+        return OutcomeCounts.of(Counter(dict(self.outcomes)) - Counter(dict(earlier.outcomes)))
+
+    def as_json(self) -> Json:
+        """Return the counts with the interval that follows from them."""
+        interval = self.interval.rounded()
+        bounds = {"lower": interval.lower, "upper": interval.upper}
+        return {"trials": self.trials, "outcomes": dict(self.outcomes), **bounds}
+
+    def __str__(self) -> str:
+        each = (f"{name.replace('_', ' ')} {times}" for name, times in self.outcomes)
+        return f"{', '.join(each)} of {self.trials}"
+
+
+@dataclass(frozen=True)
+class GraspRecord:
+    """The outcomes of grasping an object by a part, in the context of an action, by a robot."""
+
+    object: str
+    part: str
+    context: str
+    robot: str
+    counts: OutcomeCounts
+
+    def as_json(self) -> Json:
+        """Return the JSON object that `hilt experience --json` prints."""
+        return {name: getattr(self, name) for name in ("object", "part", "context", "robot")} | (
+            self.counts.as_json()
+        )
+
+
+def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:
+    """Return the records of a base; `wanted` are arguments of the named query "experience"."""
+    query = named_query("experience")
+    found: dict[tuple[str, str, str, str], dict[str, int]] = {}
+    for row in base.select(query.text, query.bindings(wanted)):
+        name, part, context, robot, outcome, times = map(_plain, row)
+        found.setdefault((name, part, context, robot), {})[outcome] = int(times)
+    return [GraspRecord(*key, OutcomeCounts.of(counts)) for key, counts in found.items()]
+
+
+def _plain(value: Term | None) -> str:
+    return local_name(value) if isinstance(value, Iri) else str(value)
+
+
+class ExperienceSource(Protocol):
+    """A source of experience, such as `Experience`."""
+
+    def of(self, name: str, part: str, context: str) -> OutcomeCounts:
+        """Return the outcomes of grasping an object by a part for an action."""
+        ...
+
+
+class Experience:
+    """The experience of one robot, read from a base when it is asked for and the base has changed.
+
+    With `before`, it is that of the time before the utterance with this number.
+    """
+
+    def __init__(self, base: KnowledgeBase, robot: str, *, before: int | None = None) -> None:
+        self._base, self._version = base, (-1, -1)
+        self._wanted = {"robot": robot} | ({"before": str(before)} if before else {})
+        self._counts: dict[str, dict[tuple[str, str], OutcomeCounts]] = {}
+
+    def of(self, name: str, part: str, context: str) -> OutcomeCounts:
+        """Return the outcomes of grasping an object by a part for an action."""
+        version = self._base.sequence, self._base.episodes_recorded
+        if version != self._version:
+            self._counts.clear()
+            self._version = version
+        if name not in self._counts:
+            records = read_records(self._base, object=name, **self._wanted)
+            self._counts[name] = {(each.part, each.context): each.counts for each in records}
+        return self._counts[name].get((part, context), NO_TRIALS)
+
+
+NO_TRIALS = OutcomeCounts()
+
+
+@dataclass(frozen=True)
+class TeacherRecord:
+    """What the record says about the rules of a speaker: how the grasps turned out as they say.
+
+    Attributes:
+        speaker: who told the rules.
+        trust: the present trust in the speaker, in [0, 1].
+        counts: the outcomes of grasps by the parts that the rules name.
+    """
+
+    speaker: str
+    trust: float
+    counts: OutcomeCounts
+
+    @property
+    def suggested(self) -> float:
+        """The trust that agrees with the record and is nearest to the present one."""
+        agreeing = self.counts.interval
+        return min(max(self.trust, agreeing.lower), agreeing.upper)
+
+    def as_json(self) -> Json:
+        """Return the JSON object that `hilt trust --suggest --json` prints."""
+        known = {"speaker": self.speaker, "trust": self.trust}
+        return known | self.counts.as_json() | {"suggested": round(self.suggested, 6)}
+
+
+def teacher_records(
+    rules: Iterable[Rule], trust: Mapping[str, Interval], records: Iterable[GraspRecord]
+) -> list[TeacherRecord]:
+    """Return the record of each speaker with a rule about a grasp, by name."""
+    found: dict[str, OutcomeCounts] = {}
+    known = list(records)
+    grasping = [rule for rule in rules if rule.part and rule.asserts]
+    for name in sorted({rule.speaker for rule in grasping}):
+        own = [rule for rule in grasping if rule.speaker == name]
+        followed = [each.counts for each in known if any(_says(rule, each) for rule in own)]
+        found[name] = sum(followed, NO_TRIALS)
+    return [
+        TeacherRecord(name, trust[name].lower if name in trust else 0.0, counts)
+        for name, counts in found.items()
+    ]
+
+
+def _says(rule: Rule, record: GraspRecord) -> bool:
+    """Whether a rule names the part by which an object was grasped."""
+    is_meant = rule.object in {None, record.object} and rule.context in {None, record.context}
+    return is_meant and rule.part == record.part
