@@ -390,16 +390,9 @@ class TreeExecutor:
         decision = replace(self.decision, part=inference) if self.decision else None
         self.decision = decision
         chosen = decision.chosen_part if decision else None
-        best = inference.best
-        if best and outcome_answer.is_guess(best) and not self._part:
-            return None, outcome_answer.not_sure_how(self._request.action, percept.object, best)
-        denied = [each.argument.name for each in inference.denied if each.argument]
-        if chosen in denied and not self._request.part:
-            return None, self._no_part("forbidden_part", percept, part=chosen)
-        self._doubt = self._find_doubt(percept, inference)
-        if self._doubt:
-            self._report_setback(outcome_answer.doubted(self._doubt, self._request.speaker))
-            return None, outcome_answer.ask_about(self._doubt)
+        objection = self._objection(percept, inference, chosen)
+        if objection:
+            return None, objection
         if chosen:
             return self._chosen_part(chosen, percept)
         if decision and inference.denied:
@@ -414,13 +407,24 @@ class TreeExecutor:
         is_tool = self._patient is not None
         return self._context.grips.get(percept.object) if is_tool else None, None
 
-    def _find_doubt(self, percept: Percept, inference: Inference) -> Doubt | None:
-        """Return the doubt about the part that was told; None where the speaker named one."""
+    def _objection(
+        self, percept: Percept, inference: Inference, chosen: str | None
+    ) -> AnswerContent | None:
+        """Return why the part that follows is not taken: a guess, forbidden, or in doubt."""
+        best, context, kind = inference.best, self._context, percept.object
+        if best and outcome_answer.is_guess(best) and not self._part:
+            return outcome_answer.not_sure_how(self._request.action, kind, best)
+        denied = [each.argument.name for each in inference.denied if each.argument]
+        if chosen in denied and not self._request.part:
+            return self._no_part("forbidden_part", percept, part=chosen)
         if self.decision and self.decision.named_part:
             return None
-        context, kind = self._context, percept.object
         parts = [*filter(None, [context.grips.get(kind)]), *sorted(context.parts.get(kind, ()))]
-        return find_doubt(inference, context.affordances, kind, parts)
+        self._doubt = find_doubt(inference, context.affordances, kind, parts)
+        if self._doubt is None:
+            return None
+        self._report_setback(outcome_answer.doubted(self._doubt, self._request.speaker))
+        return outcome_answer.ask_about(self._doubt)
 
     def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, AnswerContent | None]:
         part = self._own_part(name, percept)

@@ -5,11 +5,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hilt.kb.episodes import Episode, EpisodeStep
+import pytest
+
+from hilt.kb.episodes import Episode, EpisodeStep, GraspTrial
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Atom
 from hilt.kb.validation import check_shapes
+from hilt.ontology.errors import NotFoundError
 
 from .conftest import BLADE, CUTTING
 
@@ -22,6 +25,8 @@ FIND = EpisodeStep(
     (CUTTING.id,),
 )
 GRASP = EpisodeStep("pass/graspObject", (), "knife", "blade", Interval(0.9, 1), (BLADE.id,))
+SLIPPED = GraspTrial("knife", "blade", "pass", "slipped", "panda")
+HELD = replace(SLIPPED, outcome="held")
 EPISODE = Episode(
     goal="pass(self,usedFor(something,cutting))",
     text="pass me something used for cutting",
@@ -34,6 +39,7 @@ EPISODE = Episode(
     part="blade",
     rules=tuple(sorted((BLADE.id, CUTTING.id))),
     steps=(FIND, GRASP, EpisodeStep("pass/moveTo")),
+    trials=(SLIPPED, HELD),
     touched=("blade",),
     lifted_m=0.1522,
     handed_over=True,
@@ -51,7 +57,7 @@ def test_episode_comes_back_with_its_steps_in_order(paper: KnowledgeBase):
 
 def test_episode_without_a_choice_is_kept_too(kb: KnowledgeBase):
     """A failure has no object, part or rules."""
-    nothing = replace(EPISODE, object=None, part=None, rules=(), steps=(), touched=())
+    nothing = replace(EPISODE, object=None, part=None, rules=(), steps=(), trials=(), touched=())
     failed = replace(nothing, outcome="failed", lifted_m=None, handed_over=None)
 
     recorded = kb.record_episode(failed)
@@ -98,3 +104,44 @@ def test_what_the_fingers_touched_can_be_asked(paper: KnowledgeBase):
     )
 
     assert [str(row[0]) for row in found] == [f"https://w3id.org/hilt/episode/{slipped.id}"]
+
+
+def counts(base: KnowledgeBase, **wanted: str) -> dict[str, object]:
+    """How often each outcome occurred."""
+    return {str(row[-2]): row[-1] for row in base.answer("experience", **wanted)}
+
+
+def test_trials_are_counted_by_outcome(paper: KnowledgeBase):
+    """The named query tells how often the grasps of an object by a part ended in which way."""
+    for _ in range(2):
+        paper.record_episode(EPISODE)
+    other = replace(SLIPPED, part="handle")
+    paper.record_episode(replace(EPISODE, trials=(other,)))
+
+    assert counts(paper, object="knife", part="blade") == {"slipped": 2, "held": 2}
+    assert counts(paper, part="handle", robot="panda") == {"slipped": 1}
+    assert counts(paper, robot="kuka") == counts(paper, context="pickUp") == {}
+
+
+def test_forgotten_trials_count_no_longer_but_did_before(paper: KnowledgeBase):
+    """Forgetting is an utterance: what was known before it can still be asked."""
+    paper.record_episode(EPISODE)
+
+    number = paper.forget_trials("forget experience knife", "sam", of="knife", part="blade")
+
+    (episode,) = paper.episodes()
+    assert number == 2
+    assert counts(paper) == {}
+    assert counts(paper, before="4") == {"slipped": 1, "held": 1}
+    assert [each.forgotten_by for each in episode.trials] == [4, 4]
+    assert list(check_shapes(paper.store)) == []
+
+
+def test_only_what_there_is_can_be_forgotten(paper: KnowledgeBase):
+    """Without such trials nothing changes, and the error says so."""
+    paper.record_episode(EPISODE)
+
+    with pytest.raises(NotFoundError, match="experience"):
+        paper.forget_trials("forget experience knife handle", "sam", of="knife", part="handle")
+
+    assert paper.sequence == 3

@@ -38,10 +38,13 @@ SAID = """utterance:1 a hilt:Utterance ; hilt:sequence 1 ; hilt:text "Hello." ;
 DONE = """episode:1 a hilt:Episode ; hilt:goal "g" ; hilt:text "t" ; hilt:answer "a" ;
     hilt:outcome "done" ; hilt:seed 7 ; hilt:document "{}" ; hilt:about utterance:1 ;
     hilt:step step:1.0 ; hilt:chosenObject object:knife ; prov:used rule:0123456789abcdef ;
-    hilt:touched part:blade ; hilt:lifted 0.15 ; hilt:handedOver true ;
+    hilt:trial trial:1.0 ; hilt:touched part:blade ; hilt:lifted 0.15 ; hilt:handedOver true ;
     prov:wasAttributedTo speaker:sam ;
     prov:generatedAtTime "2026-11-21T09:00:00Z"^^xsd:dateTime ."""
 STEP = 'step:1.0 a hilt:Step ; hilt:index 0 ; hilt:path "pass" ; hilt:lower 0.9 ; hilt:upper 1.0 .'
+TRIAL = """trial:1.0 a hilt:GraspTrial ; hilt:index 0 ; hilt:chosenObject object:knife ;
+    hilt:part part:blade ; hilt:context action:pass ; hilt:outcome "slipped" ; hilt:robot "panda" ;
+    hilt:forgottenBy utterance:3 ."""
 PART = """part:knife.blade a hilt:Part ; rdfs:label "blade of knife" ; hilt:isA part:blade ;
     hilt:partOf object:knife ; hilt:whole object:knife ; hilt:role role:edge ;
     hilt:property property:sharp ; hilt:mass 0.1 ."""
@@ -65,6 +68,7 @@ EXAMPLES = {
     "Utterance": SAID,
     "Episode": DONE,
     "Step": STEP,
+    "GraspTrial": TRIAL,
     "Part": PART,
     "Node": NODE,
     "Object": OBJECT,
@@ -129,6 +133,7 @@ BREAKS = [
     (DONE, 'hilt:document "{}" ;', "", "one hilt:document"),
     (DONE, "utterance:1", "rule:1", "hilt:about leads to"),
     (DONE, "step:1.0", "node:x", "hilt:step leads to"),
+    (DONE, "trial:1.0", "step:1.0", "hilt:trial leads to"),
     (DONE, "object:knife", "part:knife", "hilt:chosenObject leads to"),
     (DONE, "part:blade", "object:blade", "hilt:touched leads to"),
     (DONE, "hilt:lifted 0.15", 'hilt:lifted "high"', "at most one hilt:lifted"),
@@ -136,6 +141,13 @@ BREAKS = [
     (DONE, "rule:0123456789abcdef", "rule:x", "prov:used leads to"),
     (DONE, "episode:1 a", "step:1 a", "An episode is a node"),
     (DONE, "2026-11-21T09:00:00Z", "x", "An episode has one prov:generatedAtTime"),
+    (TRIAL, "trial:1.0 a", "step:x a", "A trial is a node"),
+    (TRIAL, "hilt:chosenObject object:knife ;", "", "A trial has one hilt:chosenObject"),
+    (TRIAL, "part:blade", "object:blade", "A trial has one hilt:part"),
+    (TRIAL, "action:pass", "node:pass", "A trial has one hilt:context"),
+    (TRIAL, '"slipped"', '"lost"', "A trial has one hilt:outcome"),
+    (TRIAL, '"panda"', "7", "A trial has one hilt:robot"),
+    (TRIAL, "utterance:3", "rule:3", "hilt:forgottenBy leads to"),
     (STEP, "hilt:index 0", "hilt:index -1", "one hilt:index"),
     (STEP, 'hilt:path "pass" ;', "", "one hilt:path"),
     (STEP, "step:1.0 a", "node:x a", "A step is a node"),

@@ -35,6 +35,7 @@ from hilt.ontology.vocabulary import GRAPH_NAMES, Iri, iri
 
 from .. import endpoints
 from ..conftest import BLADE, CUTTING, PAPER, teach, ticking
+from ..test_episodes import EPISODE
 
 S, P = (Iri(f"urn:{name}") for name in "sp")
 G, H = iri("graph", "beliefs"), iri("graph", "history")
@@ -315,6 +316,7 @@ def questioned(store: Store) -> KnowledgeBase:
     child = [Atom("role", "child")]
     kb.believe("No.", "", "anna", [norm("forbidden", "pass", interval=CERTAIN, contexts=child)])
     kb.retract(BLADE.id, "Forget it.", "", "sam")
+    kb.record_episode(EPISODE)
     return kb
 
 
@@ -325,6 +327,8 @@ QUESTIONS: list[tuple[str, dict[str, str]]] = [
     ("contradictions", {}),
     ("contradictions", {"object": "knife"}),
     ("counts", {}),
+    ("experience", {}),
+    ("experience", {"object": "knife", "before": "9"}),
     ("features-of-node", {"node": "findObject.cutting"}),
     ("forbidden", {}),
     ("forbidden", {"action": "pass"}),
