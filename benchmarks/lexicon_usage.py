@@ -349,12 +349,7 @@ class Recorder:
     def _trace_understanding(self) -> None:
         recorder, attempt, markers = self, strategies._Attempt, DiscourseMarkers
         segments, by_segments = attempt._segments, attempt._by_segments
-        end_of, tag, reason, bounds = (
-            markers._end,
-            markers._tag,
-            markers.after_reason,
-            markers.mark_boundaries,
-        )
+        end_of, tag, bounds = markers._end, markers._tag, markers.mark_boundaries
 
         def all_segments(self: Any, *given: Any, **options: Any) -> Any:
             recorder._last = segments(self, *given, **options)
@@ -379,13 +374,6 @@ class Recorder:
                 recorder._removed.append((kind, tokens.words[place:]))
             return place
 
-        def after_reason(self: Any, tokens: Any) -> Any:
-            rest = reason(self, tokens)
-            if rest:
-                said = tokens.words[: len(tokens.words) - len(rest.words)]
-                recorder._removed.append(("reasons", said))
-            return rest
-
         def boundaries(self: Any, tokens: Any) -> Any:
             for pause in tokens.pauses:
                 for length in range(1, pause + 1):
@@ -393,8 +381,7 @@ class Recorder:
             return bounds(self, tokens)
 
         attempt._segments, attempt._by_segments = all_segments, combined
-        markers._end, markers._tag, markers.after_reason = end, tag_of, after_reason
-        markers.mark_boundaries = boundaries
+        markers._end, markers._tag, markers.mark_boundaries = end, tag_of, boundaries
 
 
 def written(path: Path, usage: Usage, least: Least) -> str:
@@ -442,6 +429,8 @@ def _edit_item(
 
 
 def _list_edit(node: Any, items: Sequence[str]) -> tuple[int, int, str]:
+    if not isinstance(node.value, list):
+        return node.start_mark.index, _end_of(node), ", ".join(items)
     if not node.flow_style:
         return node.start_mark.index, _end_of(node), f"[{', '.join(items)}]"
     end = node.end_mark.index

@@ -21,7 +21,14 @@ from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
 from ..grammar.notation_reader import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
-from ..grammar.word_patterns import Steps, match_pattern, read_pattern, read_words, variants
+from ..grammar.word_patterns import (
+    Steps,
+    match_pattern,
+    read_pattern,
+    read_words,
+    spellings,
+    variants,
+)
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
 from .lexicon import Entry, LazyEntry, Lexicon
@@ -316,8 +323,9 @@ class LexiconBuilder:
         if degree not in self._grammar.signature:
             raise field.fail(f'"{degree}" is no degree of confidence.')
         template = self._template_named("qualifier", field)
-        self.qualifiers[degree] = field.texts()
-        for word in field.texts():
+        words = (" ".join(each) for item in field.items() for each in spellings(item))
+        self.qualifiers[degree] = tuple(dict.fromkeys(words))
+        for word in self.qualifiers[degree]:
             self.lexicon.add_all(self._senses(template, word, {"DEG": degree}, "", 0.0))
 
     def _read_word(self, field: YamlNode) -> None:
