@@ -128,7 +128,7 @@ class OutcomeCounts:
 
     def __str__(self) -> str:
         each = (f"{name.replace('_', ' ')} {times}" for name, times in self.outcomes)
-        return f"{', '.join(each)} of {self.trials}"
+        return f"{', '.join(each)} of {self.trials}" if self.outcomes else "none"
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError, HiltError
+from ..presentation.plain_text import counted
 from .common import exit_with, open_base, open_for_reading, print_json, show, spinner, terminal
 from .options import AsJson, Gui, Kb, Record, Speaker, app, example
 
@@ -55,9 +56,9 @@ def forget(
     what: Annotated[
         list[str],
         typer.Argument(
-            metavar="RULE|last|word WORD|phrase PHRASE",
+            metavar="RULE|last|word WORD|phrase PHRASE|experience [OBJECT [PART]]",
             help='A rule by its id or the first digits of it (see "hilt rules"), the last sentence '
-            "that taught something, or a learned word or phrase.",
+            "that taught something, a learned word or phrase, or what grasping an object came to.",
         ),
     ],
     *,
@@ -65,7 +66,7 @@ def forget(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Take back a rule, what was told last, or a learned word or phrase; the history keeps it."""
+    """Take back a rule, what was told last, a word, a phrase or experience; history keeps it."""
     from ...kb.diff import rule_changes
 
     with open_base(kb) as base:
@@ -163,6 +164,24 @@ def episodes(
         terminal().print(console.episodes(shown))
 
 
+@app.command(epilog=example("experience --object screwdriver"))
+def experience(
+    *,
+    name: Annotated[str | None, typer.Option("--object", help="With this object.")] = None,
+    part: Annotated[str | None, typer.Option("--part", help="Grasped by this part.")] = None,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """List how often grasps held, by object, part, action and robot, and what follows from it."""
+    from ...inference.experience import read_records
+    from ..presentation import console
+
+    given = {"object": name, "part": part}
+    with open_for_reading(kb) as base:
+        found = read_records(base, **{key: value for key, value in given.items() if value})
+    show(found, console.experience, as_json=as_json)
+
+
 @app.command(epilog=example("replay last --record again.gif"))
 def replay(
     which: Annotated[
@@ -215,13 +234,17 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
         case ["phrase", *words]:
             phrase = base.forget_phrase(" ".join(words), said, speaker)
             return f'Forgot the phrase "{phrase.pattern}".'
+        case ["experience", *names] if len(names) <= 2:
+            name, part = (*names, None, None)[:2]
+            number = base.forget_trials(said, speaker, of=name, part=part)
+            return f"Forgot what {counted(number, 'grasp')} came to."
         case ["last"]:
             gone = last_taught_rules(base.reader, speaker)
         case [name]:
             gone = [find_rule(base.reader, name)]
         case _:
             raise typer.BadParameter(
-                'Expected RULE, "last", "word" and a word, or "phrase" and a phrase.'
+                'Expected RULE, "last", "word" and a word, "phrase" and a phrase, or "experience".'
             )
     over = [rule for rule in gone if rule.status != "active"]
     if over:

@@ -60,12 +60,21 @@ def trust(
     degree: Annotated[
         float | None, typer.Argument(min=0.0, max=1.0, help="The trust, in [0, 1].")
     ] = None,
+    *,
+    suggest: Annotated[
+        bool, typer.Option("--suggest", help="Show what experience says; nothing is changed.")
+    ] = False,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
     """Set the trust in a speaker, 0 for none; or show the trust in each speaker."""
     from ...ontology.errors import NotFoundError
 
+    if suggest:
+        if degree is not None:
+            raise typer.BadParameter("--suggest changes no trust; leave out DEGREE.")
+        _suggest_trust(speaker, kb, as_json=as_json)
+        return
     if degree is None:
         with open_for_reading(kb) as base:
             known = base.trust_by_speaker()
@@ -82,6 +91,18 @@ def trust(
         return
     for name, interval in shown.items():
         typer.echo(f"{name} is trusted to {interval.lower:g}.", err=degree is not None)
+
+
+def _suggest_trust(speaker: str | None, kb: str | None, *, as_json: bool) -> None:
+    """Show how the grasps turned out as each speaker told, and the trust that agrees with it."""
+    from ...inference.experience import read_records, teacher_records
+    from ..presentation import console
+
+    with open_for_reading(kb) as base:
+        name = speaker and base.match_speaker(speaker)
+        found = teacher_records(base.rules(), base.trust_by_speaker(), read_records(base))
+    shown = [one for one in found if name in {None, one.speaker}]
+    show(shown, console.teachers, as_json=as_json)
 
 
 @app.command(epilog=example("graph knife.svg --object knife"))

@@ -21,6 +21,7 @@ from rich.tree import Tree
 
 from ...inference.abduction import Hypothesis
 from ...inference.conflicts import Conflict
+from ...inference.experience import GraspRecord, TeacherRecord
 from ...inference.explanation import Counterfactual
 from ...inference.induction import InducedRule
 from ...inference.types import Candidate
@@ -328,6 +329,30 @@ def episodes(found: Sequence[Episode]) -> Table:
         for one in found
     )
     return _table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
+
+
+def experience(found: Sequence[GraspRecord]) -> Table:
+    """Return a table of what grasps came to, a row for each object, part, action and robot."""
+    rows = (
+        (one.object, one.part, one.context, one.robot, str(one.counts), str(one.counts.interval))
+        for one in found
+    )
+    return _table(("object", "part", "to", "robot", "outcomes", "holds"), rows, "record")
+
+
+def teachers(found: Sequence[TeacherRecord]) -> Table:
+    """Return a table of what the record says about each speaker."""
+    rows = (
+        (
+            one.speaker,
+            f"{one.trust:g}",
+            str(one.counts),
+            str(one.counts.interval),
+            f"{one.suggested:.2f}",
+        )
+        for one in found
+    )
+    return _table(("who", "trust", "grasps as told", "holds", "suggested"), rows, "teacher")
 
 
 def replay_result(found: ReplayResult, quote: Quote) -> RenderableType:

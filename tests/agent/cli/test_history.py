@@ -11,6 +11,7 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
+from hilt.kb.episodes import Episode, GraspTrial
 
 Run = Callable[..., tuple[int, str, str]]
 CUT, PASS = "A knife is used for cutting", "To pass a knife grab the knife by the blade"
@@ -280,3 +281,61 @@ def test_graph_that_cannot_be_drawn_is_an_error(run: Run, file: str, said: str):
     code, _, error = run("graph", file)
 
     assert (code, said in error) == (2, True)
+
+
+# --- Experience ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def tried(run: Run, tmp_path: Path) -> Run:
+    """The same after grasps: 4 of 5 slipped by the blade, and 5 of 5 held by the handle."""
+    trials = [GraspTrial("knife", "blade", "pass", "held", "panda")]
+    trials += [GraspTrial("knife", "blade", "pass", "slipped", "panda")] * 4
+    trials += [GraspTrial("knife", "handle", "pass", "held", "panda")] * 5
+    done = Episode(
+        goal="pass(self,knife)", text="pass me the knife", speaker="sam", outcome="done",
+        said="Here is the knife.", seed=0, document="{}", trials=tuple(trials),
+    )  # fmt: skip
+    with Agent.open(str(tmp_path / "kb"), AgentConfig(simulate=False)) as agent:
+        agent.base.record_episode(done)
+    return run
+
+
+def test_experience_is_listed_with_its_interval(tried: Run):
+    """A row for each part, with counts and what follows from them; also for one part alone."""
+    blade, handle = document(tried("experience", "--json"))
+    assert document(tried("experience", "--json", "--part", "blade")) == [blade]
+
+    assert blade == {
+        "object": "knife", "part": "blade", "context": "pass", "robot": "panda", "trials": 5,
+        "outcomes": {"held": 1, "slipped": 4}, "lower": 0.005051, "upper": 0.716418,
+    }  # fmt: skip
+    assert (handle["part"], handle["lower"], handle["upper"]) == ("handle", 0.478176, 1.0)
+    assert "held 1, slipped 4 of 5" in tried("experience")[1]
+
+
+def test_trust_is_suggested_and_not_changed(tried: Run):
+    """What the record says about a teacher is shown, and nothing else happens."""
+    (sam,) = document(tried("trust", "--suggest", "--json"))
+
+    assert (sam["speaker"], sam["trust"], sam["suggested"]) == ("sam", 1.0, 0.716418)
+    assert "0.72" in tried("trust", "sam", "--suggest")[1]
+    assert document(tried("trust", "--json"))["sam"] == {"lower": 1.0, "upper": 1.0}
+    assert tried("trust", "sam", "0.5", "--suggest")[0] == 2
+
+
+def test_experience_is_kept_and_can_be_forgotten(tried: Run):
+    """It makes Hilt ask, in each later process, until it is forgotten."""
+    command = ("do", "pass me the knife", "--no-sim", "--scene", "objects:knife", "--json")
+
+    asked = json.loads(tried(*command)[1])
+    code, said, _ = tried("forget", "experience", "knife", "blade")
+
+    assert asked["outcome"] == "asked"
+    assert asked["said"] == (
+        "You told me the blade, but it slipped 4 times of 5. By the handle it held 5 of 5. "
+        "Shall I take the handle?"
+    )
+    assert (code, said) == (0, "Forgot what 5 grasps came to.\n")
+    assert document(tried(*command))["outcome"] == "done"
+    assert tried("forget", "experience", "mug")[0] == 1
