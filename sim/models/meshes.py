@@ -12,7 +12,7 @@ and are shrunk by the margin beforehand: every face moves inwards by it, exactly
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, radians
+from math import radians
 from typing import Any
 
 import numpy as np
@@ -26,25 +26,23 @@ from ..poses import Array
 
 Faces = NDArray[np.int64]
 
-CREASE = cos(radians(40))  # faces that meet at a sharper angle keep an edge between them
+CREASE = radians(40)  # faces that meet at a sharper angle keep an edge between them
 _TINY_AREA = 5e-14  # [m^2]
 MARGIN = 0.001  # [m], what PyBullet adds round a convex mesh from a file
 MIN_SHARE = 0.1  # of its inner radius, which a piece thinner than the margin keeps
 
 
-def loft(rings: Sequence[Array], *, convex_ends: bool = True) -> Trimesh:
+def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
     """Return the closed surface through rings of k points each, every one (k, 3), faces outwards.
 
     Args:
         rings: at least two; a ring may shrink to a point.
-        convex_ends: whether the end rings are convex, so that their caps can be plain fans.
+        caps: triangles that close the end rings; fans when None, for convex rings.
     """
     count = len(rings[0])
     faces = np.vstack([_band(i * count, count) for i in range(len(rings) - 1)])
-    ends = [(rings[0], 0), (rings[-1], (len(rings) - 1) * count)]
-    first, last = (
-        start + (_fan(count) if convex_ends else triangulate(flatten(ring))) for ring, start in ends
-    )
+    first = _fan(count) if caps is None else caps
+    last = first + (len(rings) - 1) * count
     mesh = Trimesh(np.vstack(rings), np.vstack([faces, first[:, ::-1], last]), process=False)
     mesh.merge_vertices(digits_vertex=8)
     mesh.update_faces(mesh.area_faces > _TINY_AREA)
@@ -63,17 +61,6 @@ def _band(start: int, count: int) -> Faces:
 def _fan(count: int) -> Faces:
     rest = np.arange(1, count - 1)
     return np.stack([np.zeros_like(rest), rest, rest + 1], 1)
-
-
-def flatten(ring: Array) -> Array:
-    """Return a ring (k, 3) in coordinates of its own plane (k, 2), counter-clockwise."""
-    centred = ring - ring.mean(axis=0)
-    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
-    axis = np.eye(3)[np.argmin(np.abs(normal))]
-    first = np.cross(axis, normal)
-    second = np.cross(normal, first)
-    basis = np.stack([first / np.linalg.norm(first), second / np.linalg.norm(second)], 1)
-    return centred @ basis
 
 
 def triangulate(outline: Array) -> Faces:
@@ -102,43 +89,15 @@ def _turn(a: Array, b: Array, points: Array) -> Array:
     return ahead[0] * aside[..., 1] - ahead[1] * aside[..., 0]
 
 
-def corner_normals(mesh: Trimesh) -> Array:
-    """Return unit normals for shading, one for each corner of each face (m, 3, 3).
-
-    A corner takes the mean of the faces round it, weighted by area, without those beyond a crease.
-    """
-    unit = mesh.face_normals
-    weighted = unit * mesh.area_faces[:, None]
-    around = mesh.vertex_faces[mesh.faces]  # (m, 3 corners, k faces), -1 where there are fewer
-    alike = (around >= 0) & (np.einsum("mckd,md->mck", unit[around], unit) > CREASE)
-    normals = np.einsum("mck,mckd->mcd", alike, weighted[around])
-    return normals / np.linalg.norm(normals, axis=2, keepdims=True)
-
-
 def shaded_obj(mesh: Trimesh) -> str:
-    """Return the mesh as OBJ text with normals for shading."""
-    normals = corner_normals(mesh).reshape(-1, 3)
-    unique, index = np.unique(np.round(normals, 4), axis=0, return_inverse=True)
-    corners = index.reshape(-1, 3) + 1
-    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in mesh.vertices]
-    lines += [f"vn {x:.4f} {y:.4f} {z:.4f}" for x, y, z in unique]
-    lines += [
-        f"f {a}//{i} {b}//{j} {c}//{k}"
-        for (a, b, c), (i, j, k) in zip(mesh.faces + 1, corners, strict=True)
-    ]
-    return "\n".join(lines) + "\n"
+    """Return the mesh as OBJ text with normals for shading: no faces beyond a crease share one."""
+    smooth = trimesh.graph.smooth_shade(mesh, angle=CREASE, facet_minarea=None)
+    return str(smooth.export(file_type="obj", include_normals=True, digits=6, header=None))
 
 
 def grouped_obj(meshes: Sequence[Trimesh]) -> str:
     """Return several meshes as OBJ text, each a group of its own."""
-    lines: list[str] = []
-    start = 1
-    for number, mesh in enumerate(meshes):
-        lines.append(f"o piece_{number}")
-        lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in mesh.vertices]
-        lines += [f"f {a} {b} {c}" for a, b, c in mesh.faces + start]
-        start += len(mesh.vertices)
-    return "\n".join(lines) + "\n"
+    return str(trimesh.Scene(list(meshes)).export(file_type="obj", digits=7, header=None))
 
 
 # --- convex pieces -----------------------------------------------------------------------------

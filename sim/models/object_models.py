@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from ..poses import Array
 from . import urdf
 
 if TYPE_CHECKING:
+    from trimesh import Trimesh
+
     from .solids import SolidGeometry
 
 _NUMBERS_FILE = "numbers.npz"
@@ -145,22 +147,23 @@ def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folde
 def _write_numbers(
     kind: ObjectType, built: Mapping[str, Sequence[SolidGeometry]], folder: Path
 ) -> None:
-    world_from_object = poses.rotation_from_rpy(*kind.rests[0].turn)
-    visuals = [each.visual for solids in built.values() for each in solids]
-    triangles = [mesh.triangles @ world_from_object.T for mesh in visuals if mesh is not None]
+    visuals = [each.visual for solids in built.values() for each in solids if each.visual]
     numbers = {
         f"part{i}": np.vstack([piece for each in solids for piece in each.collision])
         for i, solids in enumerate(built.values())
     }
-    numbers["silhouette"] = np.array(_mean_silhouette(triangles))
+    turn = poses.rotation_from_rpy(*kind.rests[0].turn)
+    numbers["silhouette"] = np.array(_mean_silhouette(visuals, turn) if visuals else 0.0)
     np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
-def _mean_silhouette(surfaces: Sequence[Array]) -> float:
-    """Return the area that triangles (n, 3, 3) show, averaged over directions from above [m^2]."""
-    if not surfaces:
-        return 0.0
-    points = _spread_points(np.vstack(surfaces))
+def _mean_silhouette(surfaces: Sequence[Trimesh], world_from_object: Array) -> float:
+    """Return the area that surfaces show, averaged over directions from above [m^2]."""
+    from trimesh import sample, util
+
+    surface: Any = util.concatenate(surfaces)
+    count = min(int(10 * surface.area / _CELL**2), _MAX_POINTS)  # about ten for each cell
+    points = sample.sample_surface(surface, count, seed=0)[0] @ world_from_object.T
     areas: list[float] = []
     for azimuth in np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS:
         ahead = poses.rotation_from_rpy(0, _ELEVATION - np.pi / 2, azimuth)
@@ -168,18 +171,5 @@ def _mean_silhouette(surfaces: Sequence[Array]) -> float:
         cells -= cells.min(axis=0)
         shown = np.zeros(cells.max(axis=0) + 1, dtype=bool)
         shown[tuple(cells.T)] = True
-        areas.append(int(shown.sum()) * _CELL**2)
+        areas.append(np.count_nonzero(shown) * _CELL**2)
     return float(np.mean(areas))
-
-
-def _spread_points(triangles: Array) -> Array:
-    """Return points (n, 3) all over triangles, about ten for each cell that they cover."""
-    sides = triangles[:, 1:] - triangles[:, :1]
-    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
-    count = min(int(10 * areas.sum() / _CELL**2), _MAX_POINTS)
-    rng = np.random.default_rng(0)  # any points on the surface will do
-    chosen = rng.choice(len(triangles), count, p=areas / areas.sum())
-    shares = rng.random((count, 2))
-    beyond = shares.sum(axis=1) > 1
-    shares[beyond] = 1 - shares[beyond]
-    return triangles[chosen, 0] + np.einsum("ns,nsc->nc", shares, sides[chosen])

@@ -76,7 +76,8 @@ def _surface(form: Form) -> trimesh.Trimesh:
         case Lathe():
             return loft(_lathe_rings(form, form.sides or VISUAL_SIDES, VISUAL_STEPS))
         case Extrusion():
-            return loft(_plate_rings(form, VISUAL_STEPS), convex_ends=False)
+            rings = _plate_rings(form, VISUAL_STEPS)
+            return loft(rings, caps=triangulate(rings[0][:, :2]))
         case Sweep():
             return loft(_sweep_rings(form, VISUAL_SECTION, VISUAL_STEPS))
         case MeshFile():
