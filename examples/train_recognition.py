@@ -3,6 +3,8 @@
 
     python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--objects MY] [--out OUT]
 
+It needs scikit-learn: `pip install scikit-learn`.
+
 Scene number i has the seed SEED + i. A fifth of the scenes is held out for calibration and for the
 accuracy that is printed. The simulator's mask gives the labels.
 With objects of your own, use the result by `hilt do --objects MY --vision learned:OUT`.
@@ -10,7 +12,7 @@ With objects of your own, use the result by `hilt do --objects MY --vision learn
 
 import argparse
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -23,8 +25,9 @@ from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point_inputs
 from hilt.sim.vision.mask_detector import MaskDetector
-from hilt.sim.vision.neural_classifier import NoveltyDetector, train_classifier
+from hilt.sim.vision.neural_classifier import Classifier, NoveltyDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
+from hilt.sim.vision.point_cloud_operations import farthest_points
 from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
 
 UNUSUAL = 0.3  # share of objects that lie in any stable pose, usual or not
@@ -34,6 +37,14 @@ EXAMPLES = 100  # of each type, for novelty detection
 NOISY = 0.3  # share of scenes with depth noise
 MIN_SCENES = 40  # so that some of every type are held out
 MAX_OBJECTS = 8  # on the table, besides a nail
+
+DECAY, RATE, BATCH = 0.02, 0.003, 256  # of the training by Adam (Kingma & Ba 2015)
+MIN_DEVIATION = 1e-3  # so that inputs that hardly vary in training do not dominate later
+TEMPERATURES = np.geomspace(0.25, 10.0, 200)
+LIMIT_QUANTILE = 0.99  # of held-out inputs that are within the limit
+MIN_LIMIT = 0.1  # hardly any two inputs are nearer
+MAX_LIMIT_RATIO = 1.25  # of a limit to the median of all limits
+
 Rows = list[
     tuple[np.ndarray, int, np.ndarray, np.ndarray]
 ]  # descriptor, type, point inputs, their parts
@@ -145,7 +156,7 @@ def main() -> None:
             print(f"  {i + 1} scenes rendered", flush=True)
     held = given.scenes // 5
     rng = np.random.default_rng(given.seed)
-    _train(source, scenes[held:], scenes[:held], rng).save(given.out)
+    _save(_train(source, scenes[held:], scenes[:held], rng), given.out)
     print(f"{given.out}: {given.out.stat().st_size / 1000:.0f} kB")
 
 
@@ -155,12 +166,16 @@ def _train(
     """Train both classifiers and the novelty detector, calibrated on the held-out scenes."""
     segments, kinds, points, parts = _stacked(scenes)
     held_segments, held_kinds, held_points, held_parts = _stacked(held)
-    objects = train_classifier(
-        segments, kinds, count=len(source.kinds), units=48, epochs=60, rng=rng
-    ).calibrated(held_segments, held_kinds)
-    part_classifier = train_classifier(
-        points, parts, count=len(source.parts), units=64, epochs=20, rng=rng
-    ).calibrated(held_points, held_parts)
+    objects = calibrated(
+        train_classifier(segments, kinds, count=len(source.kinds), units=48, epochs=60, rng=rng),
+        held_segments,
+        held_kinds,
+    )
+    part_classifier = calibrated(
+        train_classifier(points, parts, count=len(source.parts), units=64, epochs=20, rng=rng),
+        held_points,
+        held_parts,
+    )
     for what, classifier, inputs, classes in (
         ("objects", objects, held_segments, held_kinds),
         ("points", part_classifier, held_points, held_parts),
@@ -169,8 +184,75 @@ def _train(
         print(
             f"{what}: {right:.4f} of {len(inputs)} right, temperature {classifier.temperature:.2f}"
         )
-    novelty = NoveltyDetector.fit(segments, kinds, held_segments, held_kinds, count=EXAMPLES)
+    novelty = fit_novelty(segments, kinds, held_segments, held_kinds, count=EXAMPLES)
     return Recogniser(source.kinds, source.parts, objects, part_classifier, novelty)
+
+
+def train_classifier(
+    inputs: np.ndarray,
+    classes: np.ndarray,
+    *,
+    count: int,
+    units: int,
+    epochs: int,
+    rng: np.random.Generator,
+) -> Classifier:
+    """Train a network with `units` in its hidden layer on inputs (n, d) of `count` classes (n,)."""
+    from sklearn.neural_network import MLPClassifier
+
+    plain = Classifier(inputs.mean(axis=0), inputs.std(axis=0) + MIN_DEVIATION, *[np.zeros(0)] * 4)
+    network = MLPClassifier(
+        (units,),
+        activation="tanh",
+        alpha=DECAY,
+        batch_size=BATCH,
+        learning_rate_init=RATE,
+        random_state=int(rng.integers(2**31)),
+    )
+    standardised = plain.standardised(inputs)
+    for _ in range(epochs):  # also of classes that are missing from the data
+        network.partial_fit(standardised, classes, classes=np.arange(count))
+    (hidden, output), (hidden_bias, output_bias) = network.coefs_, network.intercepts_
+    return replace(
+        plain, hidden=hidden, hidden_bias=hidden_bias, output=output, output_bias=output_bias
+    )
+
+
+def calibrated(classifier: Classifier, inputs: np.ndarray, classes: np.ndarray) -> Classifier:
+    """The same network at the temperature that makes these classes (n,) most probable."""
+    rows = np.arange(len(classes))
+    tried = [replace(classifier, temperature=temperature) for temperature in TEMPERATURES]
+    losses = [-np.log(each.probabilities(inputs)[rows, classes] + 1e-8).mean() for each in tried]
+    return tried[int(np.argmin(losses))]
+
+
+def fit_novelty(
+    inputs: np.ndarray,
+    classes: np.ndarray,
+    held_inputs: np.ndarray,
+    held_classes: np.ndarray,
+    *,
+    count: int,
+) -> NoveltyDetector:
+    """Choose `count` examples of each class among inputs (n, d), and limits from held-out ones.
+
+    The examples of a class lie far from each other (farthest point sampling).
+    """
+    kinds = range(int(classes.max()) + 1)
+    centres = np.array([inputs[classes == kind].mean(axis=0) for kind in kinds])
+    deviation = (inputs - centres[classes]).std(axis=0) + MIN_DEVIATION
+    members = [np.flatnonzero(classes == kind) for kind in kinds]
+    index = np.concatenate(
+        [each[farthest_points(inputs[each] / deviation, count, first=0)] for each in members]
+    )
+    unlimited = NoveltyDetector(deviation, inputs[index], classes[index], np.ones(len(members)))
+    pairs = zip(held_inputs, held_classes, strict=True)
+    novelty = np.array([unlimited.novelty(row, kind) for row, kind in pairs])
+    held = [novelty[held_classes == kind] for kind in kinds]
+    limits = [np.quantile(each, LIMIT_QUANTILE) if len(each) else np.nan for each in held]
+    # Few inputs of some classes are held out; one outlier must not accept everything.
+    limit = np.fmin(limits, MAX_LIMIT_RATIO * np.nanmedian(limits))
+    return replace(unlimited, limit=np.maximum(limit, MIN_LIMIT))
 
 
 def _stacked(scenes: list[Rows]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -180,6 +262,23 @@ def _stacked(scenes: list[Rows]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np
         np.array([row[1] for row in rows]),
         np.vstack([row[2] for row in rows]),
         np.concatenate([row[3] for row in rows]),
+    )
+
+
+def _save(recogniser: Recogniser, path: Path) -> None:
+    """Write a recogniser to a file, as `Recogniser.load` reads it."""
+    arrays = {
+        f"{prefix}_{name}": np.asarray(value, dtype=np.float32)
+        for prefix, part in (
+            ("things", recogniser.objects),
+            ("points", recogniser.points),
+            ("usual", recogniser.novelty),
+        )
+        for name, value in vars(part).items()
+    }
+    parts = np.array(["/".join(pair) for pair in recogniser.parts])
+    np.savez_compressed(
+        path, allow_pickle=False, kinds=np.array(recogniser.kinds), parts=parts, **arrays
     )
 
 

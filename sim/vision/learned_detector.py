@@ -23,7 +23,7 @@ from ..physics.engine import PhysicsEngine
 from ..poses import Array
 from .camera import Camera, CameraImage, cameras_round_table
 from .mask_detector import OBSTACLE_SPACING, with_camera_noise
-from .neural_classifier import Classifier, NoveltyDetector
+from .neural_classifier import Classifier, NoveltyDetector, read_arrays
 from .percept import PartPercept, Percept, visible_features
 from .perception_noise import NoiseLevels
 from .point_cloud_operations import voxel_downsample, voxel_keys
@@ -59,9 +59,9 @@ class Recogniser:
                 return cls(
                     tuple(str(kind) for kind in arrays["kinds"]),
                     tuple(_pair(str(text)) for text in arrays["parts"]),
-                    Classifier.from_arrays(arrays, "things"),
-                    Classifier.from_arrays(arrays, "points"),
-                    NoveltyDetector.from_arrays(arrays, "usual"),
+                    read_arrays(Classifier, arrays, "things"),
+                    read_arrays(Classifier, arrays, "points"),
+                    read_arrays(NoveltyDetector, arrays, "usual"),
                 )
         except (OSError, ValueError, KeyError) as error:
             raise DataError(f"cannot be read: {error}.", source=str(path)) from error
@@ -72,24 +72,12 @@ class Recogniser:
         """The recogniser of Hilt's own objects."""
         return Recogniser.load(CLASSIFIERS_FILE)
 
-    def save(self, path: Path) -> None:
-        """Write the recogniser to a file."""
-        np.savez_compressed(
-            path,
-            allow_pickle=False,
-            kinds=np.array(self.kinds),
-            parts=np.array(["/".join(pair) for pair in self.parts]),
-            **self.objects.as_arrays("things"),
-            **self.points.as_arrays("points"),
-            **self.novelty.as_arrays("usual"),
-        )
-
     def recognise(self, segment: Segment) -> tuple[str, float]:
         """Return the type of a segment, and the confidence in it, in [0, 1]."""
-        described = describe_segment(segment)[None]
-        probabilities = self.objects.probabilities(described)[0]
+        described = describe_segment(segment)
+        probabilities = self.objects.probabilities(described[None])[0]
         best = int(np.argmax(probabilities))
-        known = self.novelty.confidence(described, np.array([best]))[0]
+        known = self.novelty.confidence(described, best)
         return self.kinds[best], float(probabilities[best] * known)
 
     def assign_parts(

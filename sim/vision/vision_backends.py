@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The vision sensors that `--vision mask|learned` chooses from, behind one protocol.
+"""The vision sensors that `--vision mask|learned` chooses from, used alike.
 
 `mask` uses the simulator's segmentation mask, as a perfect detector; `learned` uses only colours
 and depths. Both use the same cameras with the same depth noise, and name objects as the world does.
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ...ontology.errors import UnknownNameError
 from ..poses import Array
 from ..scene.world import FLOOR, TABLE, World
 from .camera import CameraImage
+from .learned_detector import LearnedDetector, Recogniser
 from .mask_detector import MaskDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
@@ -26,24 +27,7 @@ SOURCES = ("mask", "learned")
 SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
 
 
-class VisionSensor(Protocol):
-    """Cameras with a detector: `MaskDetector` or `LearnedDetector`."""
-
-    def capture(self) -> tuple[CameraImage, ...]:
-        """Take one image with each camera."""
-        ...
-
-    def search(
-        self, features: Sequence[str], *, images: Sequence[CameraImage] | None = None
-    ) -> tuple[Percept, ...]:
-        """Return the visible objects that have one of the features, most confident first."""
-        ...
-
-    def obstacles(
-        self, exclude: str | None, *, images: Sequence[CameraImage] | None = None
-    ) -> Array:
-        """Return points (n, 3) on all visible objects but `exclude`, in the world [m]."""
-        ...
+VisionSensor: TypeAlias = MaskDetector | LearnedDetector
 
 
 class CachedVision:
@@ -92,8 +76,6 @@ def open_vision(
     if source == "mask":
         room = (FLOOR, TABLE)  # below everything else: they cannot hide anything
         return MaskDetector(world.engine, world.kinds, world.models, noise=noise, room=room)
-    from .learned_detector import LearnedDetector, Recogniser  # scipy only where it is needed
-
     file = source.partition(":")[2]
     recogniser = Recogniser.load(Path(file)) if file else Recogniser.default()
     return LearnedDetector(
