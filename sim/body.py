@@ -9,7 +9,7 @@ can help, and what cannot be done is reported without trying it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from hashlib import sha256
 from pathlib import Path
@@ -17,11 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ontology.errors import MotionInterruptedError
 from ..ontology.objects import ObjectType
-from .manipulation.hand_motions import HandMotion
-from .manipulation.motion_report import MotionReport
-from .manipulation.pick_and_place import LIFT_HEIGHT, PickAndPlace
 from .manipulation.striking import Striking
 from .robot.interruption import Interruption
 from .robot.models import find_robot
@@ -36,12 +32,9 @@ if TYPE_CHECKING:
     from .media.recording import WorldRecorder
 
 HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lower"}
-TABLE_HEIGHT = 0.0  # [m]
-RECEIVER = (1.15, 0.0, 0.40)  # [m], the person who receives objects sits across the table
-MEETING = (0.58, 0.0, 0.40)  # [m], where objects are handed over
 
 
-class Body(AbstractContextManager["Body"]):
+class Body(Striking, AbstractContextManager["Body"]):
     """A robot at a table with the objects of a scene.
 
     Use it in a `with` block, or `close` it.
@@ -56,13 +49,6 @@ class Body(AbstractContextManager["Body"]):
         noise: of the cameras' depths; none when None.
         interruption: pauses or ends motions from another thread; a motion that is ended reports
             "interrupted".
-
-    Attributes:
-        world: the table, the objects, and time.
-        vision: where percepts come from.
-        robot: the arm and its hand.
-        pick_and_place: grasps objects and hands them over.
-        striking: drives nails with the held object.
     """
 
     def __init__(
@@ -78,18 +64,11 @@ class Body(AbstractContextManager["Body"]):
         interruption: Interruption | None = None,
     ) -> None:
         kind = find_robot(robot)
-        self.world = World.build(scene, objects, gui=gui)
-        self.vision = open_vision(self.world, source=vision, noise=noise)
-        sleeping = SleepManager(self.world)
-        self.interruption = interruption or Interruption()
-        self.robot = Robot(
-            self.world.engine, kind, step=sleeping.step, interruption=self.interruption
-        )
-        receiver, meeting = np.array(RECEIVER), np.array(MEETING)
-        motion = HandMotion(self.robot, table=TABLE_HEIGHT, receiver=receiver, meeting=meeting)
-        self._vision = CachedVision(self.world, self.vision)
-        self.pick_and_place = PickAndPlace(self.world, motion, self._vision, sleeping, seed=seed)
-        self.striking = Striking(self.world, self.pick_and_place)
+        world = World.build(scene, objects, gui=gui)
+        seen = CachedVision(world, open_vision(world, source=vision, noise=noise))
+        sleeping = SleepManager(world)
+        arm = Robot(world.engine, kind, step=sleeping.step, interruption=interruption)
+        super().__init__(world, arm, seen, sleeping, seed=seed)
 
     def close(self) -> None:
         """Stop the simulator."""
@@ -104,27 +83,12 @@ class Body(AbstractContextManager["Body"]):
         hand = HAND_ABILITIES if self.robot.kind.gripper else set[str]()
         return frozenset({"findObject", "pointAt", *hand})
 
-    @property
-    def holding(self) -> str | None:
-        """The name of the object in the hand; None when it is empty."""
-        held = self.pick_and_place.held
-        return held.name if held else None
-
-    @property
-    def held(self) -> Percept | None:
-        """The object in the hand, as it was seen before it was grasped; None when it is empty."""
-        held = self.pick_and_place.held
-        return held.context.percept if held else None
-
-    # --- seeing -------------------------------------------------------------------------------
-
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
         """Return the objects in view that have one of the features ("object:knife"), surest first.
 
         An object in the hand is known as it was seen before, also where vision misses it now.
         """
-        found = self._vision.search(features)
-        held = self.pick_and_place.held
+        found, held = self._vision.search(features), self.in_hand
         if held is None:
             return found
         is_missed = all(percept.name != held.name for percept in found)
@@ -152,58 +116,3 @@ class Body(AbstractContextManager["Body"]):
         numbers = [self.world.pose(name) for name in self.world.kinds]
         numbers += [self.robot.joints, np.array(self.world.engine.steps)]
         return sha256(b"".join(each.tobytes() for each in numbers)).hexdigest()[:16]
-
-    # --- taking and giving --------------------------------------------------------------------
-
-    def grasp(self, percept: Percept, part: str | None) -> MotionReport:
-        """Close the hand on an object, by this part only; None leaves the choice to the hand."""
-        return self._moved("grasp", lambda: self.pick_and_place.grasp(percept, part))
-
-    def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
-        """Lift the held object from the table and hold it for a second."""
-        return self._moved("lift", lambda: self.pick_and_place.lift(height_m))
-
-    def hold(self, seconds: float) -> MotionReport:
-        """Stand still with the held object."""
-        return self._moved("hold", lambda: self.pick_and_place.hold(seconds))
-
-    def hand_over(self) -> MotionReport:
-        """Bring the held object to the receiver, its free part first, and hold it there."""
-        return self._moved("hand_over", self.pick_and_place.hand_over)
-
-    def put_back(self) -> MotionReport:
-        """Put the held object back where it was taken up, and let it go."""
-        return self._moved("put_back", self.pick_and_place.put_back)
-
-    def put_down(self) -> MotionReport:
-        """Put the held object on the nearest free place of the table, and let it go."""
-        return self._moved("put_down", self.pick_and_place.put_down)
-
-    def release(self) -> MotionReport:
-        """Open the hand where it is, and go back to the waiting posture."""
-        return self._moved("release", self.pick_and_place.release)
-
-    def _moved(self, action: str, move: Callable[[], MotionReport]) -> MotionReport:
-        """The report of a motion, also of one that is ended while it runs."""
-        try:
-            return move()
-        except MotionInterruptedError:
-            return self.pick_and_place.interrupted(action)
-
-    # --- pointing and striking ----------------------------------------------------------------
-
-    def point_at(self, percept: Percept) -> MotionReport:
-        """Point at an object without touching it."""
-        return self._moved("point_at", lambda: self.pick_and_place.point_at(percept))
-
-    def move_above(self, percept: Percept) -> MotionReport:
-        """Bring the held object above one that is to be driven in, a face of it downwards."""
-        return self._moved("move_above", lambda: self.striking.move_above(percept))
-
-    def raise_(self) -> MotionReport:
-        """Bring the held object back above what it strikes, ready for a blow."""
-        return self._moved("raise", self.striking.raise_)
-
-    def lower(self) -> MotionReport:
-        """Strike once; the report says how deep the target is in."""
-        return self._moved("lower", self.striking.lower)

@@ -51,11 +51,11 @@ class Film:
     def __enter__(self) -> Film:
         self._recorder.__enter__()
         self._goals.watchers.append(self._at)
-        self._body.pick_and_place.on_plan = self._planned
+        self._body.on_plan = self._planned
         return self
 
     def __exit__(self, *raised: Any) -> None:
-        self._body.pick_and_place.on_plan = None
+        self._body.on_plan = None
         self._goals.watchers.remove(self._at)
         self._recorder.__exit__(*raised)
 

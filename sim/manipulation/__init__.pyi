@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-from .hand_motions import FingerContacts, HandMotion, HeldObject
+from .hand_motions import HandMotion, HeldObject
 from .motion_report import REASONS, MotionReport
 from .pick_and_place import PickAndPlace
 from .striking import StrikePose, StrikeTarget, Striking, find_strike_poses
 
 __all__ = [
     "REASONS",
-    "FingerContacts",
     "HandMotion",
     "HeldObject",
     "MotionReport",

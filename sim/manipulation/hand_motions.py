@@ -20,7 +20,7 @@ from ..poses import Array
 from ..robot.collision import hand_spheres
 from ..robot.grasp_poses import DOWN
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner
-from ..robot.robot import Robot
+from ..robot.robot import FingerContacts, Robot
 from ..vision.point_cloud_operations import voxel_downsample
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
@@ -40,31 +40,12 @@ RELEASE_TIME = 0.4  # [s]
 RETREAT = 0.08  # [m] the open hand goes back
 POINTING_GAP = 0.05  # [m] between the finger tips and the object pointed at
 POINTING_TILTS_DEG = (30.0, 45.0, 15.0, 0.0)
+MEETING = (0.58, 0.0, 0.40)  # [m], where objects are handed over
+AHEAD = (1.0, 0.0, 0.0)  # from there to the person who receives them, across the table
 MIN_FREE_LENGTH = 0.01  # [m] from the grip to the free part, else it has no direction
 HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
 OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the receiver
-
-
-@dataclass(frozen=True)
-class FingerContacts:
-    """What the one and the other finger touch, as (body, link)."""
-
-    first: frozenset[tuple[str, str]]
-    second: frozenset[tuple[str, str]]
-
-    @property
-    def both(self) -> frozenset[tuple[str, str]]:
-        """Everything that either finger touches."""
-        return self.first | self.second
-
-    def holds(self, body: str) -> bool:
-        """Whether both fingers touch this body."""
-        return all(any(name == body for name, _ in side) for side in (self.first, self.second))
-
-    def parts(self, body: str) -> tuple[str, ...]:
-        """The links of this body that are touched."""
-        return tuple(sorted({link for name, link in self.both if name == body}))
 
 
 @dataclass(frozen=True)
@@ -95,19 +76,15 @@ class HeldObject:
         return self.context.percept.name
 
 
+@dataclass(frozen=True)
 class HandMotion:
-    """Moves a robot with a gripper among objects on a table of height `table` [m].
+    """Moves a robot with a gripper among objects on a table."""
 
-    Objects are handed over at `meeting` (3,) [m] to a person at `receiver` (3,) [m].
-    """
-
-    def __init__(self, robot: Robot, *, table: float, receiver: Array, meeting: Array) -> None:
-        self.robot, self.table = robot, table
-        self.receiver, self.meeting = receiver, meeting
+    robot: Robot
 
     def path_planner(self, context: GraspContext) -> PathPlanner:
         """A planner of paths among the objects that were seen."""
-        return PathPlanner(self.robot, self.table, context.scene, context.obstacles)
+        return PathPlanner(self.robot, context.scene, context.obstacles)
 
     # --- grasping and releasing ---------------------------------------------------------------
 
@@ -117,15 +94,7 @@ class HandMotion:
         self.robot.follow(path.transit, pace=TRANSIT_PACE)
         self.robot.follow(path.approach, pace=APPROACH_PACE)
         self.robot.close()
-        return self.finger_contacts()
-
-    def finger_contacts(self) -> FingerContacts:
-        """What both fingers touch now."""
-        first, second = (
-            frozenset((contact.other, contact.other_link) for contact in side)
-            for side in self.robot.finger_contacts()
-        )
-        return FingerContacts(first, second)
+        return self.robot.finger_contacts()
 
     def held_object(self, context: GraspContext, path: GraspPath, before: Array) -> HeldObject:
         """Describe an object on which the gripper has closed; `before` was its pose then (4, 4)."""
@@ -204,7 +173,7 @@ class HandMotion:
             nonlocal step, missing
             step += 1
             if step % CHECK_INTERVAL == 0:
-                missing = 0 if self.finger_contacts().holds(name) else missing + 1
+                missing = 0 if self.robot.finger_contacts().holds(name) else missing + 1
             return missing >= LOST_CHECKS
 
         return is_lost
@@ -277,8 +246,7 @@ class HandMotion:
     def _hand_over_postures(self, held: HeldObject, planner: PathPlanner) -> Iterator[Array]:
         """Postures for handing over, the free part towards the receiver, then the nearest."""
         turns = poses.rotation_about((0, 0, 1), np.arange(HEADINGS) * 2 * np.pi / HEADINGS)
-        towards = (self.receiver - self.meeting) * (1, 1, 0)
-        towards /= np.linalg.norm(towards)
+        towards = np.array(AHEAD)
         rotations = turns @ self.robot.world_from_grip[:3, :3]
         free = rotations @ held.free * (1, 1, 0)
         length = np.linalg.norm(free, axis=1, keepdims=True)
@@ -288,7 +256,7 @@ class HandMotion:
         for offset in OFFSETS:
             for level in np.unique(worse):
                 chosen = rotations[worse == level]
-                goals = poses.pose(chosen, self.meeting + offset * towards)
+                goals = poses.pose(chosen, MEETING + offset * towards)
                 answer = planner.inverse_kinematics(goals)
                 reached = answer.joints[answer.found]
                 yield from reached[np.argsort(planner.travel_time(reached), kind="stable")]

@@ -21,10 +21,11 @@ from ..grasping.selection import GraspAttempts, select_grasp
 from ..poses import Array
 from ..robot.grasp_poses import Grasp
 from ..robot.path_planner import GraspPath, PathPlanner
+from ..robot.robot import FingerContacts, Robot
 from ..scene.world import SleepManager, World
 from ..vision.percept import Percept
 from ..vision.vision_backends import CachedVision
-from .hand_motions import FingerContacts, HandMotion, HeldObject
+from .hand_motions import HandMotion, HeldObject
 from .motion_report import MotionReport
 
 LIFT_HEIGHT = 0.15  # [m]
@@ -44,8 +45,9 @@ class PickAndPlace:
     The seed is that of the choice of grasps.
 
     Attributes:
-        motion: moves the robot.
-        held: the object in the hand; None when it is empty.
+        world: the table, the objects, and time.
+        robot: the arm and its hand.
+        in_hand: the object in the hand, with its grasp; None when it is empty.
         on_plan: called, if not None, before each closing of the gripper, with the name of the
             object, the part to grasp it by, the last grasp plan, and the selected grasp.
     """
@@ -53,127 +55,104 @@ class PickAndPlace:
     def __init__(
         self,
         world: World,
-        motion: HandMotion,
+        robot: Robot,
         vision: CachedVision,
         sleeping: SleepManager,
         *,
         seed: int,
     ) -> None:
-        self.motion = motion
-        self.held: HeldObject | None = None
+        self.world, self.robot = world, robot
+        self.in_hand: HeldObject | None = None
         self.on_plan: PlanListener | None = None
-        self._world, self._vision, self._sleeping = world, vision, sleeping
+        self._motion, self._vision, self._sleeping = HandMotion(robot), vision, sleeping
         self._rng = np.random.default_rng(seed)
         self._task = GraspAttempts("", None)
         self._before: dict[str, Array] = {}  # poses of all objects before the task
         self._is_interrupted = False  # since the last motion, which left the arm where it was
 
+    @property
+    def holding(self) -> str | None:
+        """The name of the object in the hand; None when it is empty."""
+        return self.in_hand.name if self.in_hand else None
+
+    @property
+    def held(self) -> Percept | None:
+        """The object in the hand, as it was seen before it was grasped; None when it is empty."""
+        return self.in_hand.context.percept if self.in_hand else None
+
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
-        """Close the gripper on an object, by this part; None leaves the choice to the robot."""
-        if self.motion.robot.kind.gripper is None:
-            return MotionReport("grasp", ok=False, reason="no_gripper")
-        if self._resumes(percept, part):
-            return self.report("grasp", "")
-        self.clear_hand()
-        self._task = GraspAttempts(percept.name, part)
-        self._before = {name: self._world.pose(name) for name in self._world.kinds}
-        self._sleeping.sleep_again(but=percept.name)
-        return self._grasp()
+        """Close the hand on an object, by this part only; None leaves the choice to the hand."""
+        return self._moved("grasp", lambda: self._take(percept, part))
 
     def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
         """Lift the held object and hold it for a second; grasp it again when it slips.
 
         Grasps are planned for `LIFT_HEIGHT`; a larger height may be out of reach.
         """
-        return self._retry(lambda: self._lift(height_m), self._grasp)
+        return self._act("lift", lambda held: self._lift(held, height_m))
 
     def hold(self, seconds: float) -> MotionReport:
         """Stand still with the held object."""
-        if self.held is None:
-            return MotionReport("hold", ok=False, reason="nothing_held")
-        held_s = self.motion.hold_still(self.held, seconds)
-        return self.report("hold", "" if held_s >= seconds else "dropped", held_s=held_s)
+        return self._act("hold", lambda held: self._hold(held, "hold", seconds))
 
     def hand_over(self) -> MotionReport:
         """Bring the held object to the receiver, its free part first, and hold it there.
 
         An object that is lost on the way is grasped and lifted again.
         """
-        return self._retry(self._hand_over, self._grasp_and_lift)
+        return self._act(
+            "hand_over", lambda held: self._retry(held, self._hand_over, self._grasp_and_lift)
+        )
 
     def put_back(self) -> MotionReport:
-        """Put the held object back where it was taken up, and release it."""
-        if self.held is None:
-            return MotionReport("put_back", ok=False, reason="nothing_held")
-        reason = self.motion.put_back(self.held, self.motion.path_planner(self.held.context))
-        if not reason:
-            self.held = None
-        return self.report("put_back", reason)
+        """Put the held object back where it was taken up, and let it go."""
+        return self._act("put_back", lambda held: self._put(held, "put_back"))
 
     def put_down(self) -> MotionReport:
-        """Put the held object on the nearest free place of the table, and release it."""
-        if self.held is None:
-            return MotionReport("put_down", ok=False, reason="nothing_held")
-        reason = self.motion.put_down(self.held, self.motion.path_planner(self.held.context))
-        if not reason:
-            self.held = None
-        return self.report("put_down", reason)
+        """Put the held object on the nearest free place of the table, and let it go."""
+        return self._act("put_down", lambda held: self._put(held, "put_down"))
 
     def release(self) -> MotionReport:
-        """Open the gripper where it is, and go home."""
-        if self.held is None:
-            return MotionReport("release", ok=False, reason="nothing_held")
-        self.drop()
-        return self.report("release", "")
-
-    def clear_hand(self) -> None:
-        """Empty the hand: put what it holds back, or down; leave where it was interrupted."""
-        if self.held and not self.put_back().ok and not self.put_down().ok:
-            self.drop()
-        if self._is_interrupted:
-            points = self._vision.obstacles("")
-            motion = self.motion
-            motion.release(PathPlanner(motion.robot, motion.table, points, points))
-        self._is_interrupted = False
-
-    def interrupted(self, action: str) -> MotionReport:
-        """Report on a motion that was ended while it ran."""
-        held = self.held
-        if held and not self.motion.finger_contacts().holds(held.name):
-            self.held = None
-        self._is_interrupted = True
-        return self.report(action, "interrupted")
+        """Open the hand where it is, and go back to the waiting posture."""
+        return self._act("release", self._release)
 
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at an object without touching it; a held one is put back before."""
-        self.clear_hand()
-        context = self._observe(percept.name, None)
-        if context is None:
-            return MotionReport("point_at", ok=False, reason="nothing_seen")
-        planner = self.motion.path_planner(context)
-        reason = self.motion.point_at(context.percept.cloud, planner)
-        return MotionReport("point_at", ok=not reason, reason=reason)
+        return self._moved("point_at", lambda: self._point_at(percept))
 
-    def drop(self) -> None:
-        """Release the held object, or what is left of the grip on it, and go home."""
-        if self.held:
-            self.motion.release(self.motion.path_planner(self.held.context))
-        self.held = None
+    # --- actions ------------------------------------------------------------------------------
 
-    def report(
+    def _act(self, action: str, act: Callable[[HeldObject], MotionReport]) -> MotionReport:
+        """The report of an action with the held object."""
+        held = self.in_hand
+        if held is None:
+            return MotionReport(action, ok=False, reason="nothing_held")
+        return self._moved(action, lambda: act(held))
+
+    def _moved(self, action: str, move: Callable[[], MotionReport]) -> MotionReport:
+        """The report of a motion, also of one that is ended while it runs."""
+        try:
+            return move()
+        except MotionInterruptedError:
+            if self.in_hand and not self.robot.finger_contacts().holds(self.in_hand.name):
+                self.in_hand = None
+            self._is_interrupted = True
+            return self._report(action, "interrupted")
+
+    def _report(
         self, action: str, reason: str, *, held_s: float = 0.0, touched: tuple[str, ...] = ()
     ) -> MotionReport:
         """Report on an action in the present state; it succeeded when `reason` is empty."""
-        held = self.held
-        slip_m, slip_rad = self.motion.slip(held) if held else (0.0, 0.0)
+        held = self.in_hand
+        slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
         return MotionReport(
             action,
             ok=not reason,
             reason=reason,
-            touched=touched or (self.motion.finger_contacts().parts(held.name) if held else ()),
-            lifted_m=self.motion.height_gained(held) if held else 0.0,
+            touched=touched or (self.robot.finger_contacts().parts(held.name) if held else ()),
+            lifted_m=self._motion.height_gained(held) if held else 0.0,
             held_s=held_s,
-            attempts=self._task.attempts,
+            attempts=len(self._task.tried),
             failures=self._task.failures,
             score=held.path.grasp.score if held else 0.0,
             slip_m=slip_m,
@@ -181,9 +160,55 @@ class PickAndPlace:
             bumped=self._bumped(),
         )
 
+    def _take(self, percept: Percept, part: str | None) -> MotionReport:
+        if self.robot.kind.gripper is None:
+            return MotionReport("grasp", ok=False, reason="no_gripper")
+        if self._resumes(percept, part):
+            return self._report("grasp", "")
+        self._clear_hand()
+        self._task = GraspAttempts(percept.name, part)
+        self._before = {name: self.world.pose(name) for name in self.world.kinds}
+        self._sleeping.sleep_again(but=percept.name)
+        return self._grasp()
+
+    def _put(self, held: HeldObject, action: str) -> MotionReport:
+        put = self._motion.put_back if action == "put_back" else self._motion.put_down
+        reason = put(held, self._motion.path_planner(held.context))
+        if not reason:
+            self.in_hand = None
+        return self._report(action, reason)
+
+    def _clear_hand(self) -> None:
+        """Empty the hand: put what it holds back, or down; leave where it was interrupted."""
+        held = self.in_hand
+        if held and not self._put(held, "put_back").ok and not self._put(held, "put_down").ok:
+            self._drop(held)
+        if self._is_interrupted:
+            points = self._vision.obstacles("")
+            self._motion.release(PathPlanner(self.robot, points, points))
+        self._is_interrupted = False
+
+    def _point_at(self, percept: Percept) -> MotionReport:
+        self._clear_hand()
+        context = self._observe(percept.name, None)
+        if context is None:
+            return MotionReport("point_at", ok=False, reason="nothing_seen")
+        planner = self._motion.path_planner(context)
+        reason = self._motion.point_at(context.percept.cloud, planner)
+        return MotionReport("point_at", ok=not reason, reason=reason)
+
+    def _release(self, held: HeldObject) -> MotionReport:
+        self._drop(held)
+        return self._report("release", "")
+
+    def _drop(self, held: HeldObject) -> None:
+        """Release the held object, or what is left of the grip on it, and go home."""
+        self._motion.release(self._motion.path_planner(held.context))
+        self.in_hand = None
+
     def _resumes(self, percept: Percept, part: str | None) -> bool:
         """Whether the hand still holds an object as wanted, after an interruption."""
-        held = self.held
+        held = self.in_hand
         if not self._is_interrupted or held is None or held.name != percept.name:
             return False
         self._is_interrupted = False
@@ -196,7 +221,7 @@ class PickAndPlace:
         percept = self._vision.find(name)
         if percept is None:
             return None
-        return GraspContext(percept, self._world.kinds[name], part, self._vision.obstacles(name))
+        return GraspContext(percept, self.world.kinds[name], part, self._vision.obstacles(name))
 
     def _grasp(self) -> MotionReport:
         """Observe, plan and close the gripper until it holds the part or the task is given up."""
@@ -210,26 +235,19 @@ class PickAndPlace:
                 break
             reason, contacts = self._close_on(path, context)
             if not reason:
-                return self.report("grasp", "", touched=contacts.parts(self._task.name))
+                return self._report("grasp", "", touched=contacts.parts(self._task.name))
             self._task = self._task.with_failure(reason)
-            self.motion.release(self.motion.path_planner(context))
-            self.held = None
-        return MotionReport(
-            "grasp",
-            ok=False,
-            reason=reason,
-            attempts=self._task.attempts,
-            failures=self._task.failures,
-            bumped=self._bumped(),
-        )
+            self._motion.release(self._motion.path_planner(context))
+            self.in_hand = None
+        return self._report("grasp", reason)
 
     def _select(self, context: GraspContext) -> tuple[str, GraspPath | None]:
         """The path to the selected grasp, or the reason why there is none."""
         selection = select_grasp(
             self._task,
             context,
-            self.motion.path_planner(context),
-            self.motion.robot.gripper,
+            self._motion.path_planner(context),
+            self.robot.gripper,
             lift=LIFT_HEIGHT,
             rng=self._rng,
         )
@@ -241,75 +259,76 @@ class PickAndPlace:
     def _close_on(self, path: GraspPath, context: GraspContext) -> tuple[str, FingerContacts]:
         """Close the gripper once; the reason of failure, and what the fingers touch."""
         name = self._task.name
-        before = self._world.pose(name)
+        before = self.world.pose(name)
         try:
-            contacts = self.motion.grasp(path)
+            contacts = self._motion.grasp(path)
         except MotionInterruptedError:
-            if self.motion.finger_contacts().holds(name):
-                self.held = self.motion.held_object(context, path, before)
+            if self.robot.finger_contacts().holds(name):
+                self.in_hand = self._motion.held_object(context, path, before)
             raise
-        self._task = self._task.with_attempt(path.grasp)
+        self._task = replace(self._task, tried=(*self._task.tried, path.grasp))
         allowed = {(name, part) for part in context.allowed_parts}
         if contacts.both - allowed:
             return "wrong_part", contacts
         if not contacts.holds(name):
             return "missed", contacts
-        self.held = self.motion.held_object(context, path, before)
+        self.in_hand = self._motion.held_object(context, path, before)
         return "", contacts
 
     def _retry(
-        self, act: Callable[[], MotionReport], recover: Callable[[], MotionReport]
+        self,
+        held: HeldObject,
+        act: Callable[[HeldObject], MotionReport],
+        recover: Callable[[], MotionReport],
     ) -> MotionReport:
         """Act with the held object; when it is lost, recover it and act again."""
-        report = act()
+        report = act(held)
         while report.reason in LOST:
             self._task = self._task.with_failure(report.reason)
-            self.drop()
+            self._drop(self.in_hand or held)
             report = replace(report, failures=self._task.failures)
             if self._task.is_given_up:
                 break
             recovered = recover()
-            if not recovered.ok:
+            if not recovered.ok or self.in_hand is None:
                 return replace(report, attempts=recovered.attempts, failures=recovered.failures)
-            report = act()
+            report = act(self.in_hand)
         return report
 
-    def _lift(self, height_m: float) -> MotionReport:
-        held = self.held
-        if held is None:
-            return MotionReport("lift", ok=False, reason="nothing_held")
-        gained = self.motion.height_gained(held)
+    def _lift(self, held: HeldObject, height_m: float = LIFT_HEIGHT) -> MotionReport:
+        return self._retry(held, lambda held: self._lift_once(held, height_m), self._grasp)
+
+    def _lift_once(self, held: HeldObject, height_m: float) -> MotionReport:
+        gained = self._motion.height_gained(held)
         rest = height_m if gained < RAISED else max(0.0, height_m - gained)
-        if rest and not self.motion.lift(held, rest, self.motion.path_planner(held.context)):
-            return self.report("lift", "slipped")
-        held_s = self.motion.hold_still(held, HOLD_TIME)
-        if held_s < HOLD_TIME:
-            return self.report("lift", "dropped", held_s=held_s)
-        lifted = self.motion.height_gained(held) >= min(MIN_LIFT, height_m)
-        return self.report("lift", "" if lifted else "slipped", held_s=held_s)
+        if rest and not self._motion.lift(held, rest, self._motion.path_planner(held.context)):
+            return self._report("lift", "slipped")
+        report = self._hold(held, "lift", HOLD_TIME)
+        if report.ok and self._motion.height_gained(held) < min(MIN_LIFT, height_m):
+            return replace(report, ok=False, reason="slipped")
+        return report
+
+    def _hold(self, held: HeldObject, action: str, seconds: float) -> MotionReport:
+        held_s = self._motion.hold_still(held, seconds)
+        return self._report(action, "" if held_s >= seconds else "dropped", held_s=held_s)
 
     def _grasp_and_lift(self) -> MotionReport:
         grasped = self._grasp()
-        return self.lift() if grasped.ok else grasped
+        return self._lift(self.in_hand) if self.in_hand else grasped
 
-    def _hand_over(self) -> MotionReport:
-        held = self.held
-        if held is None:
-            return MotionReport("hand_over", ok=False, reason="nothing_held")
-        reason = self.motion.hand_over(held, self.motion.path_planner(held.context))
+    def _hand_over(self, held: HeldObject) -> MotionReport:
+        reason = self._motion.hand_over(held, self._motion.path_planner(held.context))
         if reason:
-            return self.report("hand_over", reason)
-        held_s = self.motion.hold_still(held, OFFER_TIME)
-        if held_s < OFFER_TIME:
-            return self.report("hand_over", "dropped", held_s=held_s)
-        grip = self.motion.robot.world_from_grip
+            return self._report("hand_over", reason)
+        report = self._hold(held, "hand_over", OFFER_TIME)
+        grip = self.robot.world_from_grip
         at = (*grip[:3, 3].tolist(), *poses.quaternion(grip[:3, :3]))
-        return replace(self.report("hand_over", "", held_s=held_s), at=at)
+        return replace(report, at=at) if report.ok else report
 
     def _bumped(self) -> tuple[str, ...]:
         """The neighbours that have moved since the task was set."""
         moved = {
-            name: float(np.linalg.norm(self._world.pose(name)[:3, 3] - before[:3, 3]))
+            name: float(np.linalg.norm(self.world.pose(name)[:3, 3] - before[:3, 3]))
             for name, before in self._before.items()
             if name != self._task.name
         }

@@ -91,60 +91,62 @@ class StrikeTarget:
         return mount is not None and self.depth > mount.deepest - DRIVEN
 
 
-class Striking:
-    """Strikes with the object that a robot's hand holds."""
+class Striking(PickAndPlace):
+    """Also strikes with the object in the hand."""
 
-    def __init__(self, world: World, hand: PickAndPlace) -> None:
-        self._world, self._hand, self._motion = world, hand, hand.motion
-        self._robot = hand.motion.robot
-        self._target: StrikeTarget | None = None
+    _target: StrikeTarget | None = None
 
     def move_above(self, percept: Percept) -> MotionReport:
         """Bring the held object above one that is to be driven in, a face of it downwards."""
-        held = self._hand.held
-        if held is None:
-            return MotionReport("move_above", ok=False, reason="nothing_held")
-        if self._world.support(percept.name) is None:
-            return self._hand.report("move_above", "nothing_to_strike")
-        self._target = StrikeTarget(self._world, percept.name, percept.cloud)
-        start, planner = self._target.start, self._motion.path_planner(held.context)
-        for strike in self._strike_poses(held):
-            path = self._plan_carry(held, strike.world_from_grip(start), planner)
-            if path is not None:
-                reason = "" if self._motion.carry(held, path) else "dropped"
-                return self._report("move_above", reason)
-        return self._report("move_above", "unreachable")
+        return self._act("move_above", lambda held: self._move_above(held, percept))
 
     def raise_(self) -> MotionReport:
-        """Bring the held object back above the target, ready for a blow."""
-        held, target = self._hand.held, self._target
-        if held is None or target is None:
-            return MotionReport("raise", ok=False, reason="nothing_held")
-        return self._report("raise", self._raise(held, target.start))
+        """Bring the held object back above what it strikes, ready for a blow."""
+        return self._act("raise", lambda held: self._struck("raise", held, self._raise))
 
     def lower(self) -> MotionReport:
-        """Strike once. Driving the target in completely is a success even if the grip is lost."""
-        held, target = self._hand.held, self._target
-        if held is None or target is None:
-            return MotionReport("lower", ok=False, reason="nothing_held")
-        reason = self._blow(held)
-        self._robot.wait(AFTER_BLOW)
-        report = self._report("lower", reason)
-        if reason not in LOST:
+        """Strike once; the report says how deep the target is in.
+
+        Driving the target in completely is a success even if the grip is lost.
+        """
+        return self._act("lower", self._lower)
+
+    def _move_above(self, held: HeldObject, percept: Percept) -> MotionReport:
+        if self.world.support(percept.name) is None:
+            return self._report("move_above", "nothing_to_strike")
+        self._target = StrikeTarget(self.world, percept.name, percept.cloud)
+        return self._struck("move_above", held, self._carry_above)
+
+    def _lower(self, held: HeldObject) -> MotionReport:
+        report = self._struck("lower", held, self._blow)
+        if report.reason not in LOST:
             return report
-        self._hand.drop()
+        self._drop(held)
         return replace(report, ok=True, reason="") if report.driven else report
 
-    def _report(self, action: str, reason: str) -> MotionReport:
-        report, target = self._hand.report(action, reason), self._target
+    def _struck(
+        self, action: str, held: HeldObject, act: Callable[[HeldObject, StrikeTarget], str]
+    ) -> MotionReport:
+        """The report of an action on the target; `act` returns the reason of failure, or ""."""
+        target = self._target
         if target is None:
-            return report
+            return MotionReport(action, ok=False, reason="nothing_held")
+        report = self._report(action, act(held, target))
         return replace(report, depth_m=target.depth, driven=target.is_driven)
 
-    def _raise(self, held: HeldObject, start: Array) -> str:
+    def _carry_above(self, held: HeldObject, target: StrikeTarget) -> str:
+        """Bring a face level above the target; return the reason of failure, or ""."""
+        start, planner = target.start, self._motion.path_planner(held.context)
+        for strike in self._strike_poses(held):
+            path = self._plan_strike(held, strike.world_from_grip(start), planner)
+            if path is not None:
+                return "" if self._motion.carry(held, path) else "dropped"
+        return "unreachable"
+
+    def _raise(self, held: HeldObject, target: StrikeTarget) -> str:
         """Bring the face that struck level above the target; return the reason of failure."""
-        planner = self._motion.path_planner(held.context)
-        now = self._robot.world_from_grip[:3, :3]
+        start, planner = target.start, self._motion.path_planner(held.context)
+        now = self.robot.world_from_grip[:3, :3]
         same_face = [
             strike
             for strike in self._strike_poses(held)
@@ -155,17 +157,17 @@ class Striking:
         straight = [(goal, path) for goal, path in paths if path is not None]
         best = (path for goal, path in straight if self._can_strike(path[-1], goal, planner))
         # Where joint limits bar the straight path, a detour through free space is taken.
-        detours = (self._plan_carry(held, goal, planner) for goal in goals[:MAX_DETOURS])
+        detours = (self._plan_strike(held, goal, planner) for goal in goals[:MAX_DETOURS])
         for path in chain(best, detours, (path for _, path in straight)):
             if path is not None:
                 is_lost = self._motion.loss_check(held.name)
-                held_on = self._robot.follow(path, pace=RAISE_PACE, stop=is_lost)
+                held_on = self.robot.follow(path, pace=RAISE_PACE, stop=is_lost)
                 return "" if held_on else "dropped"
         return "unreachable"
 
-    def _blow(self, held: HeldObject) -> str:
+    def _blow(self, held: HeldObject, _: StrikeTarget) -> str:
         """Strike down on what is below the face; return the reason of failure, or ""."""
-        planner, grip = self._motion.path_planner(held.context), self._robot.world_from_grip
+        planner, grip = self._motion.path_planner(held.context), self.robot.world_from_grip
         paths = (
             planner.plan_straight(poses.translation(0, 0, -START_HEIGHT - through) @ grip)
             for through in THROUGH
@@ -173,33 +175,35 @@ class Striking:
         path = next((path for path in paths if path is not None), None)
         if path is None:
             return "unreachable"
-        self._robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
-        return "" if self._motion.finger_contacts().holds(held.name) else "dropped"
+        self.robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
+        reason = "" if self.robot.finger_contacts().holds(held.name) else "dropped"
+        self.robot.wait(AFTER_BLOW)
+        return reason
 
     def _strike_poses(self, held: HeldObject) -> list[StrikePose]:
         hand = hand_points(
-            self._robot.body_spheres(self._robot.opening),
-            self._robot.chain,
-            self._robot.gripper.hand_from_grip,
+            self.robot.body_spheres(self.robot.opening),
+            self.robot.chain,
+            self.robot.gripper.hand_from_grip,
         )
         return find_strike_poses(self._points_in_grip(held), hand)
 
     def _present_pose(self, held: HeldObject) -> StrikePose:
         """The pose that strikes with the lowest point of the object as it is held now."""
-        rotation = self._robot.world_from_grip[:3, :3]
+        rotation = self.robot.world_from_grip[:3, :3]
         points = self._points_in_grip(held)
         return StrikePose(rotation, points[np.argmin((points @ rotation.T)[:, 2])], 0.0)
 
     def _points_in_grip(self, held: HeldObject) -> Array:
         """The points (n, 3) of the object as it was seen, in the grip frame now [m]."""
-        grip_from_hand = poses.inverse(self._robot.gripper.hand_from_grip)
+        grip_from_hand = poses.inverse(self.robot.gripper.hand_from_grip)
         object_from_seen = poses.inverse(held.world_from_start)
         hand_from_object = self._motion.hand_from_object(held.name)
         return poses.transform(
             grip_from_hand @ hand_from_object @ object_from_seen, held.context.percept.cloud
         )
 
-    def _plan_carry(self, held: HeldObject, goal: Array, planner: PathPlanner) -> Array | None:
+    def _plan_strike(self, held: HeldObject, goal: Array, planner: PathPlanner) -> Array | None:
         """A path to a grip pose from which a blow is possible; None without one."""
         answer = planner.inverse_kinematics(goal[None])
         if not answer.found[0] or not self._can_strike(answer.joints[0], goal, planner):
@@ -217,7 +221,7 @@ class Striking:
 
         def is_done() -> bool:
             nonlocal after
-            contacts = self._robot.engine.contacts.find(name)
+            contacts = self.robot.engine.contacts.find(name)
             hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
             after += bool(after) or hit
             return after > FOLLOW_STEPS

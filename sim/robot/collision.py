@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import poses
 from ..poses import Array
 from .kinematics import KinematicChain
 from .models import Gripper
@@ -75,16 +74,15 @@ def clearance(
     spheres: CollisionSpheres,
     joints: Array,
     *,
-    world_from_base: Array,
     points: Array,
     table: float,
 ) -> float:
     """The smallest gap [m] between spheres and obstacles, over all postures `joints` (n, k) [rad].
 
-    Obstacles are the points (p, 3) and the height `table` in the world [m]; gaps to points are at
-    most `MAX_GAP`.
+    Obstacles are the points (p, 3) and the height `table` in the frame of the base [m]; gaps to
+    points are at most `MAX_GAP`.
     """
-    centres = poses.transform(world_from_base, spheres.placed(chain.frames(joints)).reshape(-1, 3))
+    centres = spheres.placed(chain.frames(joints)).reshape(-1, 3)
     radius = np.tile(spheres.radius, len(joints))
     gap = float(np.min(centres[:, 2] - radius)) - table
     return min(gap, _gap_to_points(centres, radius, points)) if len(points) else gap

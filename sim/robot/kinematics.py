@@ -9,7 +9,6 @@ singular postures. Every solution is checked against its target and the joint li
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -205,10 +204,8 @@ def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
     return np.concatenate([shift, poses.rotation_vector(turn)], axis=1)
 
 
-def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> KinematicChain:
+def read_chain(path: Path, tip: str) -> KinematicChain:
     """Read the chain of a URDF file from its root link to the link `tip`.
-
-    Joints whose names are in `fixed` are fixed at zero.
 
     Raises:
         DataError: the file is not a URDF, or has no joint to `tip`.
@@ -226,7 +223,7 @@ def read_chain(path: Path, tip: str, *, fixed: Sequence[str] = ()) -> KinematicC
         tip = _attribute(above[tip], "parent", "link")
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
-    return KinematicChain(tuple(_read_joint(each, fixed) for each in elements), tuple(links))
+    return KinematicChain(tuple(map(_read_joint, elements)), tuple(links))
 
 
 def _damped_step(jacobian: Array, error: Array) -> Array:
@@ -245,9 +242,9 @@ def _is_small(error: Array) -> np.ndarray:
     )
 
 
-def _read_joint(element: ElementTree.Element, fixed: Sequence[str]) -> ChainJoint:
+def _read_joint(element: ElementTree.Element) -> ChainJoint:
     name, kind = element.get("name", ""), element.get("type", "fixed")
-    kind = "fixed" if name in fixed else {"continuous": "revolute"}.get(kind, kind)
+    kind = {"continuous": "revolute"}.get(kind, kind)
     limit, safety = element.find("limit"), element.find("safety_controller")
     low = _number(safety, "soft_lower_limit", _number(limit, "lower", -np.pi))
     high = _number(safety, "soft_upper_limit", _number(limit, "upper", np.pi))

@@ -58,15 +58,15 @@ class PathPlanner:
 
     Attributes:
         robot: the robot.
-        table: height of the table [m].
         scene: points (n, 3) on everything on the table, in the world [m].
         obstacles: points (n, 3) of the scene without the object that is to be grasped [m].
+        table: height of the table [m].
     """
 
     robot: Robot
-    table: float
     scene: Array
     obstacles: Array
+    table: float = 0.0
 
     def grasp_paths(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[GraspPath]:
         """Paths to those grasps that can be reached and lifted by `lift` [m], in order."""
@@ -184,12 +184,11 @@ class PathPlanner:
     def _raised(self, joints: Array) -> Array:
         """The posture with the hand raised to `VIA_HEIGHT` above the table, where possible."""
         chain = self.robot.chain
-        world_from_hand = self.robot.world_from_base @ chain.forward(joints[None])
+        base_from_hand = chain.forward(joints[None])
         grip = self.robot.hand_from_grip[2, 3]
-        lack = self.table + VIA_HEIGHT + grip - world_from_hand[0, 2, 3]
-        world_from_hand[0, 2, 3] += max(0.0, lack)
-        target = poses.inverse(self.robot.world_from_base) @ world_from_hand
-        answer = chain.solve(target, joints[None])
+        lack = self.table + VIA_HEIGHT + grip - base_from_hand[0, 2, 3]
+        base_from_hand[0, 2, 3] += max(0.0, lack)
+        answer = chain.solve(base_from_hand, joints[None])
         return answer.joints[0] if answer.found[0] else joints
 
     def _gap(
@@ -199,7 +198,7 @@ class PathPlanner:
         points: Array,
         held: CollisionSpheres | None = None,
     ) -> float:
-        chain, base = self.robot.chain, self.robot.world_from_base
+        chain = self.robot.chain
         body = spheres if held is None else spheres.joined(held)
-        gap = clearance(chain, body, path, world_from_base=base, points=points, table=self.table)
+        gap = clearance(chain, body, path, points=points, table=self.table)
         return gap if held is None else min(gap, self_clearance(chain, held, spheres, path))

@@ -9,12 +9,12 @@ holds by friction alone; a gear couples its fingers, as in the real hand.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...ontology.errors import SimulationError
 from .. import poses
-from ..physics.contacts import Contact
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
 from .collision import CollisionSpheres, arm_spheres, finger_spheres
@@ -39,12 +39,33 @@ MIN_DURATION = 0.12  # [s], of a path
 ROUNDING = 0.1  # [s] over which corners are rounded
 
 
+@dataclass(frozen=True)
+class FingerContacts:
+    """What the one and the other finger touch, as (body, link)."""
+
+    first: frozenset[tuple[str, str]]
+    second: frozenset[tuple[str, str]]
+
+    @property
+    def both(self) -> frozenset[tuple[str, str]]:
+        """Everything that either finger touches."""
+        return self.first | self.second
+
+    def holds(self, body: str) -> bool:
+        """Whether both fingers touch this body."""
+        return all(any(name == body for name, _ in side) for side in (self.first, self.second))
+
+    def parts(self, body: str) -> tuple[str, ...]:
+        """The links of this body that are touched."""
+        return tuple(sorted({link for name, link in self.both if name == body}))
+
+
 class Robot:
     """A robot of one `kind` in a physics engine.
 
-    It stands at `world_from_base`, by default the origin. `step` advances time by a number of
-    steps, by default with the engine's own method. Motions end with a `MotionInterruptedError`
-    when another thread asks the `interruption` to stop.
+    It stands at the origin. `step` advances time by a number of steps, by default with the engine's
+    own method. Motions end with a `MotionInterruptedError` when another thread asks the
+    `interruption` to stop.
     """
 
     def __init__(
@@ -52,20 +73,18 @@ class Robot:
         engine: PhysicsEngine,
         kind: RobotType,
         *,
-        world_from_base: Array | None = None,
         step: Callable[[int], None] | None = None,
         interruption: Interruption | None = None,
     ) -> None:
         self.engine, self.kind = engine, kind
         self.interruption = interruption or Interruption()
         self._step = step or engine.step
-        self.world_from_base = np.eye(4) if world_from_base is None else world_from_base
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = [joint.name for joint in self.chain.moving]
         # Robot files have inertias that no link of that mass can have (0.1 kg m^2 of each finger of
         # the Panda): the wrist's motors could not follow, and the arm would be off by 0.3 rad.
-        engine.bodies.load(NAME, kind.file, self.world_from_base, fixed=True, inertia_of_shape=True)
+        engine.bodies.load(NAME, kind.file, fixed=True, inertia_of_shape=True)
         facts = {joint.name: joint for joint in engine.bodies.joints(NAME)}
         self._efforts = [facts[name].effort for name in self._joints]
         engine.joints.reset(NAME, self._joints, kind.home)
@@ -116,8 +135,7 @@ class Robot:
 
     def base_from_hand(self, world_from_grip: Array) -> Array:
         """`base_from_hand` for grip poses (..., 4, 4), as targets of inverse kinematics."""
-        base_from_world = poses.inverse(self.world_from_base)
-        return base_from_world @ world_from_grip @ poses.inverse(self.hand_from_grip)
+        return world_from_grip @ poses.inverse(self.hand_from_grip)
 
     def body_spheres(self, opening: float) -> CollisionSpheres:
         """The spheres of arm and hand when the gripper is open by `opening` [m]."""
@@ -191,19 +209,18 @@ class Robot:
         for joint in self.gripper.joints:
             self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
 
-    def finger_contacts(self) -> tuple[tuple[Contact, ...], tuple[Contact, ...]]:
-        """The contacts of the first and of the second finger."""
-        first, second = (self._contacts(link) for link in self.gripper.links)
-        return first, second
+    def finger_contacts(self) -> FingerContacts:
+        """What both fingers touch now."""
+        return FingerContacts(*map(self._touched, self.gripper.links))
 
     def is_touching(self) -> bool:
         """Whether the fingers, or the hand without gripper, touch anything."""
         links = self.gripper.links if self.kind.gripper else (self.kind.hand,)
-        return any(self._contacts(link) for link in links)
+        return any(self._touched(link) for link in links)
 
-    def _contacts(self, link: str) -> tuple[Contact, ...]:
-        contacts = self.engine.contacts.find(NAME, link)
-        return tuple(c for c in contacts if c.force > MIN_FORCE and c.other != NAME)
+    def _touched(self, link: str) -> frozenset[tuple[str, str]]:
+        found = (c for c in self.engine.contacts.find(NAME, link) if c.force > MIN_FORCE)
+        return frozenset((c.other, c.other_link) for c in found if c.other != NAME)
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
         self.engine.joints.drive_to(

@@ -12,7 +12,8 @@ import pytest
 from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
 from hilt.sim import poses
-from hilt.sim.body import MEETING, Body
+from hilt.sim.body import Body
+from hilt.sim.manipulation.hand_motions import MEETING
 from hilt.sim.manipulation.motion_report import REASONS
 from hilt.sim.robot.models import find_robot
 from hilt.sim.scene.scene import Placement, Scene, parse_scene

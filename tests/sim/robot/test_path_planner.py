@@ -37,7 +37,7 @@ def pole(robot: Robot, share: float) -> np.ndarray:
 def test_thin_pole_bars_the_path(robot: Robot, share: float):
     """No path leads through a pole that is thinner than the distance between two postures."""
     seen = pole(robot, share)
-    planner = PathPlanner(robot, -0.3, seen, seen)
+    planner = PathPlanner(robot, seen, seen, table=-0.3)
 
     path = planner.plan_transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), seen)
 
@@ -46,7 +46,7 @@ def test_thin_pole_bars_the_path(robot: Robot, share: float):
 
 def test_path_through_nothing_is_the_shortest(robot: Robot):
     """Where nothing is in the way, the joints go straight."""
-    planner = PathPlanner(robot, -0.3, NOTHING, NOTHING)
+    planner = PathPlanner(robot, NOTHING, NOTHING, table=-0.3)
 
     path = planner.plan_transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), NOTHING)
 
