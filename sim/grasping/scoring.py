@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import poses
+from ..physics.engine import GRAVITY
 from ..poses import Array
 from ..robot.models import Gripper
 from .context import LabelledPointCloud, PointLabel
@@ -30,7 +31,6 @@ SPARE_TIGHT = 0.0045  # [m], the same where a neighbour is close
 SPARE_ABOVE = 0.004  # [m], the same for what is between the fingers above the pads
 BEYOND = 0.006  # [m] below the tips in which the part must not widen
 OUTWARD = 0.003  # [m], more is a slope: 27 degrees
-GRAVITY = 9.81  # [m/s^2]
 TABLE_CLEARANCE = 0.0008  # [m] from the hand to the table
 ROUNDING = 1e-6  # [m], more than the error of single precision
 REJECTION_PENALTY = 10.0  # taken from the score of a rejected pose

@@ -37,18 +37,9 @@ class GraspAttempts:
     failures: tuple[str, ...] = ()
 
     @property
-    def attempts(self) -> int:
-        """How often the gripper has closed."""
-        return len(self.tried)
-
-    @property
     def is_given_up(self) -> bool:
         """Whether no attempt is left."""
-        return self.attempts >= MAX_ATTEMPTS
-
-    def with_attempt(self, grasp: Grasp) -> GraspAttempts:
-        """The task after the gripper has closed on a grasp."""
-        return replace(self, tried=(*self.tried, grasp))
+        return len(self.tried) >= MAX_ATTEMPTS
 
     def with_failure(self, reason: str) -> GraspAttempts:
         """The task after an attempt has failed."""

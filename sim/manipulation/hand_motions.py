@@ -14,8 +14,7 @@ import numpy as np
 
 from .. import poses
 from ..grasping.context import GraspContext
-from ..grasping.scoring import GRAVITY
-from ..physics.engine import TIME_STEP
+from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array
 from ..robot.collision import hand_spheres
 from ..robot.grasp_poses import DOWN

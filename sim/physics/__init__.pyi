@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-from .bodies import JointInfo
 from .contacts import Contact
 from .engine import PhysicsEngine
 from .rendering import Image, Lighting
@@ -7,7 +6,6 @@ from .rendering import Image, Lighting
 __all__ = [
     "Contact",
     "Image",
-    "JointInfo",
     "Lighting",
     "PhysicsEngine",
 ]

@@ -18,32 +18,6 @@ from ..poses import Array
 from .pybullet_client import PhysicsClient, quiet
 
 BASE = -1  # PyBullet's index of a body's first link
-_JOINT_KINDS = {0: "revolute", 1: "prismatic", 4: "fixed"}
-
-
-@dataclass(frozen=True)
-class JointInfo:
-    """A joint of a body, as its URDF describes it.
-
-    Attributes:
-        name: name of the joint.
-        link: name of the link that the joint moves.
-        parent: name of the link that carries the joint.
-        kind: "revolute", "prismatic", "fixed" or "other".
-        limits: lowest and highest position [rad] or [m].
-        speed: highest speed [rad/s] or [m/s].
-        effort: highest torque [N m] or force [N].
-        axis: axis in the frame of the joint (3,).
-    """
-
-    name: str
-    link: str
-    parent: str
-    kind: str
-    limits: tuple[float, float]
-    speed: float
-    effort: float
-    axis: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -51,7 +25,6 @@ class _BodyRecord:
     number: int
     links: dict[str, int]
     joints: dict[str, int]
-    infos: tuple[JointInfo, ...]
     com_from_base: Array  # (4, 4), its frame seen from its centre of mass
 
 
@@ -94,18 +67,12 @@ class Bodies:
     def _read_record(self, number: int) -> _BodyRecord:
         base = self._client.call("getBodyInfo", number)[0].decode()
         inertial = self._client.call("getDynamicsInfo", number, BASE)
-        links, names, joints = {base: BASE}, {BASE: base}, dict[str, int]()
-        infos: list[JointInfo] = []
+        links, joints = {base: BASE}, dict[str, int]()
         for index in range(self._client.call("getNumJoints", number)):
             info = self._client.call("getJointInfo", number, index)
-            joint, link = info[1].decode(), info[12].decode()
-            names[index], links[link], joints[joint] = link, index, index
-            kind, limits = _JOINT_KINDS.get(info[2], "other"), (info[8], info[9])
-            infos.append(
-                JointInfo(joint, link, names[info[16]], kind, limits, info[11], info[10], info[13])
-            )
+            joints[info[1].decode()] = links[info[12].decode()] = index
         base_from_com = poses.from_quaternion(inertial[3], inertial[4])
-        return _BodyRecord(number, links, joints, tuple(infos), poses.inverse(base_from_com))
+        return _BodyRecord(number, links, joints, poses.inverse(base_from_com))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -115,10 +82,6 @@ class Bodies:
     def links(self, body: str) -> tuple[str, ...]:
         """The names of a body's links, the base first."""
         return tuple(self._record(body).links)
-
-    def joints(self, body: str) -> tuple[JointInfo, ...]:
-        """A body's joints, fixed ones included, in the order of its URDF."""
-        return self._record(body).infos
 
     def pose(self, body: str, link: str | None = None) -> Array:
         """`world_from_link` of a link's URDF frame; of the base when `link` is None."""

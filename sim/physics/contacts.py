@@ -19,9 +19,6 @@ class Contact:
         link: link of that body.
         other: the other body.
         other_link: link of the other body.
-        position: x, y, z in the world [m].
-        normal: unit vector from the other link towards this one.
-        gap: distance of the surfaces; negative where they overlap [m].
         force: force along the normal [N].
     """
 
@@ -29,9 +26,6 @@ class Contact:
     link: str
     other: str
     other_link: str
-    position: tuple[float, float, float]
-    normal: tuple[float, float, float]
-    gap: float
     force: float
 
 
@@ -41,18 +35,14 @@ class Contacts:
     def __init__(self, client: PhysicsClient, bodies: Bodies) -> None:
         self._client, self._bodies = client, bodies
 
-    def find(
-        self, body: str, link: str | None = None, *, other: str | None = None
-    ) -> tuple[Contact, ...]:
-        """A body's contacts in the last step: of one link, or with one other body, if given."""
+    def find(self, body: str, link: str | None = None) -> tuple[Contact, ...]:
+        """A body's contacts in the last step: of one link, if it is given."""
         options = {"bodyA": self._bodies.number(body)}
         if link is not None:
             options["linkIndexA"] = self._bodies.link_id(body, link)[1]
-        if other is not None:
-            options["bodyB"] = self._bodies.number(other)
         name = self._bodies.link_name
         return tuple(
-            Contact(*name(raw[1], raw[3]), *name(raw[2], raw[4]), raw[5], raw[7], raw[8], raw[9])
+            Contact(*name(raw[1], raw[3]), *name(raw[2], raw[4]), raw[9])
             for raw in self._client.call("getContactPoints", **options)
         )
 

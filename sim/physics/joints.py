@@ -31,6 +31,11 @@ class Joints:
         states = self._client.call("getJointStates", *self._bodies.joint_ids(body, joints))
         return np.array([state[column] for state in states])
 
+    def efforts(self, body: str, joints: Sequence[str]) -> Array:
+        """Highest torques [N m] or forces [N] of joints, as the URDF has them (len(joints),)."""
+        number, indices = self._bodies.joint_ids(body, joints)
+        return np.array([self._client.call("getJointInfo", number, i)[10] for i in indices])
+
     def reset(self, body: str, joints: Sequence[str], positions: Sequence[float] | Array) -> None:
         """Set joint positions at once, at rest, without physics."""
         number, indices = self._bodies.joint_ids(body, joints)
@@ -93,7 +98,6 @@ class Joints:
             stiffness: share of the difference that is corrected in one step, in [0, 1].
         """
         number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
-        (axis,) = (info.axis for info in self._bodies.joints(body) if info.name == joint)
         gear = self._client.call(
             "createConstraint",
             number,
@@ -101,7 +105,7 @@ class Joints:
             number,
             other_index,
             jointType=self._client.constant("JOINT_GEAR"),
-            jointAxis=axis,
+            jointAxis=self._client.call("getJointInfo", number, index)[13],
             parentFramePosition=(0, 0, 0),
             childFramePosition=(0, 0, 0),
         )

@@ -85,8 +85,7 @@ class Robot:
         # Robot files have inertias that no link of that mass can have (0.1 kg m^2 of each finger of
         # the Panda): the wrist's motors could not follow, and the arm would be off by 0.3 rad.
         engine.bodies.load(NAME, kind.file, fixed=True, inertia_of_shape=True)
-        facts = {joint.name: joint for joint in engine.bodies.joints(NAME)}
-        self._efforts = [facts[name].effort for name in self._joints]
+        self._efforts = engine.joints.efforts(NAME, self._joints)
         engine.joints.reset(NAME, self._joints, kind.home)
         self._hold_arm(kind.home)
         if kind.gripper:

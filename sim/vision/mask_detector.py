@@ -162,15 +162,17 @@ def _fit_planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> tuple[Ar
 
     Returns its depth (n,) at that pixel, and the root mean square distance from it (n,) [m].
     """
+    from scipy.ndimage import uniform_filter  # here: images without noise save its import
+
     y, x = rows - rows.min(), columns - columns.min()
     shape = (int(y.max()) + 1, int(x.max()) + 1)
-    middle = depth.mean()
+    middle, size = depth.mean(), 2 * SMOOTHING_HALF + 1
 
     def near(values: Array) -> Array:
         """The sum of values (n,) over the window round each pixel."""
         image = np.zeros(shape)
         image[y, x] = values
-        return _box_sum(image)[y, x]
+        return size**2 * uniform_filter(image, size, mode="constant")[y, x]
 
     z = depth - middle
     n, sx, sy, sz = (near(each) for each in (np.ones(len(x)), x, y, z))
@@ -185,13 +187,3 @@ def _fit_planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> tuple[Ar
     spread = near(z * z) - sz * sz / n - along_x * xz - along_y * yz
     error = np.sqrt(np.maximum(spread, 0.0) / n)
     return middle + sz / n + along_x * (x - sx / n) + along_y * (y - sy / n), error
-
-
-def _box_sum(image: Array) -> Array:
-    """The sum over the square of 2 `SMOOTHING_HALF` + 1 pixels round each pixel."""
-    size = 2 * SMOOTHING_HALF + 1
-    for _ in range(2):
-        padded = np.pad(image, ((SMOOTHING_HALF + 1, SMOOTHING_HALF), (0, 0)))
-        total = np.cumsum(padded, axis=0)
-        image = (total[size:] - total[:-size]).T
-    return image

@@ -176,12 +176,10 @@ def test_moved_object_wakes_and_touches_sleeping_ones(knife_and_mug: World):
     touched: set[str] = set()
     for _ in range(10):
         sleeping.step(CHECK_INTERVAL)
-        touched |= {
-            contact.other for contact in knife_and_mug.engine.contacts.find("knife", other="mug")
-        }
+        touched |= {contact.other for contact in knife_and_mug.engine.contacts.find("knife")}
 
     assert "knife" not in sleeping.asleep
-    assert touched == {"mug"}
+    assert "mug" in touched
 
 
 def test_settled_object_sleeps_again(knife_and_mug: World):
