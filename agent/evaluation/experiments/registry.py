@@ -18,6 +18,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "all-scenarios": ".all_scenarios:AllScenariosExperiment",
     "random": ".all_scenarios:RandomScenariosExperiment",
     "noise": ".noise_robustness:NoiseExperiment",
+    "experience": ".experience:ExperienceExperiment",
     "custom": ".custom:CustomExperiment",
 }
 

@@ -22,7 +22,6 @@ from .summary import EvaluationReport
 
 TEMPLATE = Path(__file__).with_name("page.html")
 COUNTS = ("runs", "right", "unique", "ties", "none", "executed", "succeeded", "grasps")
-COLUMNS = ("x", "accuracy", "lower", "upper", "decisions", "right", "wrong", "declined")
 
 
 @dataclass(frozen=True)
@@ -89,13 +88,16 @@ def _curves(curves: Sequence[Json]) -> Iterator[Json]:
     """Yield the name, label, plot and values of each curve."""
     for curve in curves:
         label, lines = str(curve["label"]), cast("dict[str, list[Json]]", curve["lines"])
+        measure = str(curve.get("measure", "accuracy"))
+        columns = list(next(iter(lines.values()))[0])
         yield {
             "name": curve["curve"],
             "label": label,
-            "svg": plot_curve(label, lines),
-            "head": ("line", *COLUMNS),
+            "measure": measure,
+            "svg": plot_curve(label, lines, measure),
+            "head": ("line", *columns),
             "rows": [
-                (line, *(point[column] for column in COLUMNS))
+                (line, *(point[column] for column in columns))
                 for line, points in lines.items()
                 for point in points
             ],

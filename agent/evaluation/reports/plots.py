@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plots of accuracy curves with confidence bands, as SVG for embedding in HTML."""
+"""Plots of curves with confidence bands, as SVG for embedding in HTML."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 DASHES = ("-", "--", ":", "-.")  # for lines that coincide
 
 
-def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
-    """Return the SVG element of a plot of accuracy against the quantity of the label.
+def plot_curve(label: str, lines: Mapping[str, Sequence[Json]], measure: str = "accuracy") -> str:
+    """Return the SVG element of a plot of a measure against the quantity of the label.
 
-    A line is a list of points, each with `x`, `accuracy`, `lower` and `upper`.
+    A line is a list of points, each with `x`, the measure, `lower` and `upper`.
 
     Raises:
         MissingExtraError: matplotlib is not installed.
@@ -33,16 +33,19 @@ def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
         figure = Figure(figsize=SIZE, layout="constrained")
         axes = figure.add_subplot()
         for i, (name, points) in enumerate(lines.items()):
-            x, accuracy, lower, upper = (
+            x, mean, lower, upper = (
                 [float(str(point[key])) for point in points]
-                for key in ("x", "accuracy", "lower", "upper")
+                for key in ("x", measure, "lower", "upper")
             )
             colour, dash = COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)]
-            axes.plot(x, accuracy, dash, color=colour, label=name, marker="o", markersize=4)
+            axes.plot(x, mean, dash, color=colour, label=name, marker="o", markersize=4)
             axes.fill_between(x, lower, upper, color=colour, alpha=0.13, linewidth=0)
         axes.set_xlabel(label)
-        axes.set_ylim(-0.02, 1.02)
-        axes.yaxis.set_major_formatter(PercentFormatter(1))
+        if measure == "accuracy":
+            axes.set_ylim(-0.02, 1.02)
+            axes.yaxis.set_major_formatter(PercentFormatter(1))
+        else:
+            axes.set_ylabel(measure)
         axes.grid(axis="y", color="#e3e7ed")
         axes.spines[["top", "right", "left"]].set_visible(False)
         axes.tick_params(length=0, colors="#3d4755")

@@ -102,11 +102,13 @@ class EvaluationReport:
     def _points(self, curves: Sequence[Json]) -> Table:
         from rich.table import Table
 
-        table = Table("curve", "line", "at", "right", "95 % interval", "decisions")
+        table = Table("curve", "line", "at", "mean", "95 % interval", "decisions")
         for curve in curves:
+            measure = str(curve.get("measure", "accuracy"))
+            form = ".1%" if measure == "accuracy" else ".2f"
             for line, points in cast("dict[str, list[dict[str, float]]]", curve["lines"]).items():
                 for at in points:
-                    band = f"{at['lower']:.1%} to {at['upper']:.1%}"
-                    shown = (f"{at['x']:g}", f"{at['accuracy']:.1%}", band, str(at["decisions"]))
+                    band = f"{at['lower']:{form}} to {at['upper']:{form}}"
+                    shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, str(at["decisions"]))
                     table.add_row(str(curve["curve"]), line, *shown)
         return table
