@@ -102,8 +102,6 @@ def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str
 
 
 def _apart(used: Mapping[str, tuple[Mention, ...]]) -> bool:
-    """Whether no two slots are filled by the same words."""
-    spans = [{(each.start, each.end) for each in mentions} for mentions in used.values()]
-    return len(set().union(*spans)) >= len(spans) and all(
-        not one <= other or one is other for one in spans for other in spans
-    )
+    """Whether each slot can be filled by words of its own."""
+    spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
+    return any(len(set(chosen)) == len(spans) for chosen in product(*spans))

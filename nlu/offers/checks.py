@@ -53,6 +53,7 @@ _WORD_LISTS = (
         "unfinished",
         "recipient",
         "doer",
+        "hearer",
         "asked",
         "at_end",
         "gripping",
@@ -64,6 +65,7 @@ _WORD_LISTS = (
         "because",
     ),
 )
+_HEARER = frozenset({"addressee"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
@@ -108,12 +110,21 @@ class OfferChecks:
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
         """Whether doer, source, time and modality allow a meaning."""
         features = self.clause_features(mentions, asides)
-        if isinstance(meaning, (Command, ToolCommand)) and "tense" in features.main:
+        if isinstance(meaning, (Command, ToolCommand)) and (
+            "tense" in features.main or self._is_done_by_others(meaning, mentions)
+        ):
             return False
         words, new = mentions.tokens.words, tuple(_new_words(mentions))
         named = dict(features_of_names(self.reader, words, meaning, new))
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
+
+    def _is_done_by_others(self, meaning: Command | ToolCommand, mentions: Mentions) -> bool:
+        """Whether somebody but the hearer is the subject of what a command asks for."""
+        words = mentions.tokens.words
+        acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
+        subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]
+        return any(each.get("agent", _HEARER) != _HEARER for each in subjects)
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""
@@ -229,7 +240,7 @@ class OfferChecks:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
             return False
         if isinstance(meaning, (Command, ToolCommand)):
-            return not self.spoken("condition", mentions)
+            return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
         names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(
@@ -238,6 +249,14 @@ class OfferChecks:
             for start, end in mentions.pieces
             if start <= place < end
         )
+
+    def _asks(self, meaning: Command | ToolCommand, place: int, mentions: Mentions) -> bool:
+        """Whether a condition is what is asked for: "it would be nice if you passed me the mug"."""
+        acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
+        between = range(place + 1, min(acts, default=0))
+        is_one_clause = set(between).isdisjoint(mentions.tokens.pauses)
+        words = [mentions.tokens.words[each] for each in between]
+        return is_one_clause and self._has("hearer", words)
 
     def _keeps_grip(self, meaning: Meaning, mentions: Mentions) -> bool:
         """Whether a holding rule was said with a word for holding, or for the place of a part."""

@@ -8,7 +8,7 @@ utterance also refers to the object mentioned last, and a correction to the last
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -44,6 +44,7 @@ _NEW_ROLES = {
 LEAST_ASIDE = 4
 """The least length of what is said aside, from pause to pause [words]."""
 
+_ON = frozenset({"on", "off", "onto", "under"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
 
@@ -171,11 +172,12 @@ def find_mentions(
     discourse: Discourse,
 ) -> Mentions:
     """Return what an utterance names; `degrees` has the words for degrees of confidence."""
-    found = dict.fromkeys((*_known(tokens, known.lexicon), *_new(tokens, known)))
+    found = dict.fromkeys((*_known(tokens.words, known.lexicon), *_new(tokens, known)))
+    found |= dict.fromkeys(_as_acts(found, known.lexicon))
     it = discourse.object.name.replace("_", " ").rstrip() if discourse.object else None
     return Mentions(
         tokens,
-        tuple(sorted(_without_parts(found), key=lambda each: (each.start, each.end))),
+        tuple(sorted(_without_places(_without_parts(found), tokens.words), key=_span)),
         tuple(_degrees(tokens.words, degrees)),
         it,
         discourse.rule,
@@ -201,9 +203,33 @@ def _is_required(names: Mapping[str, str]) -> bool:
     )
 
 
-def _known(tokens: Tokens, lexicon: Lexicon) -> Iterator[Mention]:
-    for start in range(len(tokens.words)):
-        for end, node in lexicon.nodes(tokens.words, start):
+def _span(mention: Mention) -> Span:
+    return mention.start, mention.end
+
+
+def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
+    """The acts that known names of uses also are in some form: "held", as "hold"."""
+    for each in found:
+        if each.role == "affordance" and not each.is_new:
+            for other in _known((each.name,), lexicon):
+                if other.role == "act" and other.name in GOALS:
+                    yield replace(each, role="act", name=other.name)
+
+
+def _without_places(found: Iterable[Mention], words: tuple[str, ...]) -> Iterator[Mention]:
+    """The mentions without the objects on which others stand: "the cup on that shelf"."""
+    mentions = list(found)
+    things = [each for each in mentions if each.role == "object"]
+    places = {
+        each for each in things if _ON.intersection(words[max(0, each.start - 2) : each.start])
+    }
+    is_only = len(places) == len(things)
+    yield from (each for each in mentions if is_only or each not in places)
+
+
+def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
+    for start in range(len(words)):
+        for end, node in lexicon.nodes(words, start):
             for role, name in dict.fromkeys(map(_role_and_name, node.entries)):
                 if role and name:
                     yield Mention(role, name, start, end)

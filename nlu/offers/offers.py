@@ -186,7 +186,7 @@ class OfferFinder:
     ) -> str:
         """Return why a candidate is not offered, empty if it is."""
         left = left_over(candidate, mentions)
-        if not left.get("new", frozenset()).isdisjoint(_beside(candidate)):
+        if not left.get("new", frozenset()).isdisjoint(_beside(candidate, mentions)):
             return "new words"
         meaning, asides = meaning_from_json(candidate.meaning), candidate.asides(mentions)
         lost = self.checks.lost(meaning, mentions, asides)
@@ -274,10 +274,12 @@ def _is_word(word: str) -> bool:
     return word.isalpha() or word in {BREAK, "'s"}
 
 
-def _beside(candidate: CandidateMeaning) -> set[int]:
-    """The places just before and after the names that a candidate uses."""
+def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
+    """The places just before and after the names that a candidate uses, with no pause between."""
+    pauses = mentions.tokens.pauses
     used = [each for mentions in candidate.used.values() for each in mentions]
-    return {place for each in used for place in (each.start - 1, each.end)}
+    before = {each.start - 1 for each in used if each.start not in pauses}
+    return before | {each.end for each in used if each.end not in pauses}
 
 
 def _content(meaning: Meaning) -> Meaning:

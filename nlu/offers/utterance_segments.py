@@ -60,7 +60,9 @@ _CHANGING = frozenset(
 )
 """By these what follows it does."""
 
-_OUTWEIGHED = frozenset({"source=other", "implied_negation", "doubtful", "condition"})
+_OUTWEIGHED = frozenset(
+    {"source=other", "implied_negation", "doubtful", "condition", "modality=weak"}
+)
 """What speakers say themselves in spite of these."""
 
 _UNCLEAR = frozenset({INSIDE, WEAK, ASKING})

@@ -87,11 +87,27 @@ def test_a_denial_is_said_aloud(language: Language) -> None:
         "unless a shoe, pounding never",
         "we used to pass a knife by the blade back home",
         "when my boss is looking, a mug gets picked up by the handle",
+        "round here we grabbed the glass by the bowl",
+        "a spoon is used for stirring, apart from the silver ones",
     ],
 )
 def test_nothing_is_offered_that_loses_a_word_that_matters(language: Language, text: str) -> None:
     """A doer, a source, an exception, another verb, half a sentence."""
     assert not getattr(language.understand(text).meaning, "choices", ())
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("The head is what one often held when passing hammers.", "hammer"),
+        ("From all these things on the shelf, please pick up the mug, good lad.", "mug"),
+        ("It'd be wonderful for us if the thing you passed me was the mug.", "mug"),
+        ("Gather round, all: cutting, that is the knife's thing.", "knife"),
+    ],
+)
+def test_what_is_named_decides_what_is_offered(language: Language, text: str, meant: str) -> None:
+    """A verb of holding in any form, a place, a wish and a word behind a pause are in no way."""
+    assert meant in language.generate(offered(language, text)[0])  # pyright: ignore
 
 
 @pytest.mark.parametrize(
