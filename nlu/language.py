@@ -38,7 +38,7 @@ from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OPERATORS, OfferChecks, load_check_words
 from .offers.choice_answers import load_choice_words
-from .offers.courtesies import Courtesy, CourtesyPhrases, load_courtesies
+from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, load_model
 from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
@@ -210,15 +210,48 @@ class Language:
         control = self.control(text)
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
+        introduction = self.introduction(text)
+        if introduction and not introduction.rest:
+            greeting = Acknowledgement("greeting", introduction.name)
+            return Understanding(text, speaker, addressee, greeting, discourse=context.discourse)
+        said = introduction.rest if introduction else text
+        return replace(self._understand(said, context, accepted), text=text)
+
+    def _understand(
+        self, text: str, context: UtteranceContext, accepted: Collection[str]
+    ) -> Understanding:
+        """What a text means that is no control, without its courtesies where it needs that."""
         found = self.utterance_parser.understand(text, context, accepted)
-        aside = self._aside(text) if _is_not_understood(found.meaning, text) else None
-        if aside:
-            return replace(found, meaning=aside, discourse=context.discourse)
         if _is_not_understood(found.meaning, text):
+            aside = self._aside(text)
+            if aside:
+                return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
+        if found.kind in {"error", "ask_back"}:
+            found = self._without_courtesies(found, context) or found
         if not isinstance(found.meaning, AskBack):
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
+
+    def _without_courtesies(
+        self, failed: Understanding, context: UtteranceContext
+    ) -> Understanding | None:
+        """An utterance understood without its courtesies; None where that does not help."""
+        courtesy = self._courtesies.find(self._tokens(failed.text), self.offers.known)
+        if courtesy is None or courtesy.rest in {"", failed.text.strip()}:
+            return None
+        rest = self._understand(courtesy.rest, context, ())
+        control = self.control(courtesy.rest)
+        if control:
+            rest = replace(rest, meaning=control, discourse=context.discourse)
+        is_harmless = rest.kind in {"question", "acknowledgement", "control"}
+        is_understood = rest.kind not in {"error", "ask_back"}
+        if is_harmless or (is_understood and courtesy.is_formal):
+            return replace(rest, text=failed.text)
+        if courtesy.kind and isinstance(failed.meaning, Misunderstanding):
+            said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
+            return replace(failed, meaning=replace(failed.meaning, message=said))
+        return None
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
         """An utterance that is not understood, with the question which meaning it has."""
@@ -306,11 +339,9 @@ class Language:
         found = self.controls.match(tokens.words, named)
         return Control(*found) if found else None
 
-    def courtesy(self, text: str) -> Courtesy | None:
-        """Return what a text that is not understood says by the way, None for nothing."""
-        tokens = tokenize(text, self.builder.contractions)
-        known = self.utterance_parser.known_words
-        return self._courtesies.find(tokens, known)
+    def introduction(self, text: str) -> Courtesy | None:
+        """Return who a speaker claims to be in a text and what else it says, None for nobody."""
+        return self._courtesies.introduction(self._tokens(text), self.utterance_parser.known_words)
 
     @property
     def _courtesies(self) -> CourtesyPhrases:
@@ -322,7 +353,7 @@ class Language:
 
     def _only_courtesy(self, text: str) -> Acknowledgement | None:
         """The greeting, thanks and so on that a text is as a whole."""
-        courtesy = self.courtesy(text)
+        courtesy = self._courtesies.find(self._tokens(text), self.utterance_parser.known_words)
         is_whole = courtesy and courtesy.kind and not courtesy.rest
         return Acknowledgement(courtesy.kind) if courtesy and is_whole else None
 

@@ -34,6 +34,7 @@ class AnswerSources:
         prohibition: the utterance because of which the last command was not carried out, if any.
         unanswered: the answer to the last question if nobody has told what it asks, else empty.
         retracted: the rules that were just retracted; none once others were mentioned.
+        called: the name that the one who asks goes by.
     """
 
     base: KnowledgeBase
@@ -48,6 +49,12 @@ class AnswerSources:
     retracted: tuple[Rule, ...] = ()
     prohibition: Understanding | None = None
     unanswered: str = ""
+    called: str = ""
+
+    def person(self, name: str) -> str:
+        """The speaker whom a name means; the one who asks by the name he or she goes by."""
+        speaker = self.base.match_speaker(name)
+        return self.called if speaker == self.listener and self.called else speaker
 
     @property
     def decision(self) -> Decision | None:

@@ -119,16 +119,16 @@ class ClarificationDialogue:
 
     def _with_referent(self, turn: UnderstoodTurn, named: meaning.Answer) -> Reply | None:
         """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""
-        name = named.name
+        conversation, name, text = self._conversation, named.name, turn.understood.text
         if name in {None, meaning.ANY_OBJECT}:
             return None
-        self._conversation.refer_to(str(name))
-        self._conversation.restore_references()
-        text = turn.understood.text
-        again = self._conversation.understand(text, turn.speaker, heard=turn.heard)
-        if again.kind in {"ask_back", "error"}:
-            return self._conversation.answered(turn, "say_again", "asked", object=str(name))
-        return self._hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
+        before = conversation.discourse
+        for referring in (before.with_person(str(name)), before.about(str(name))):
+            conversation.discourse = replace(referring, has_failed=False)
+            again = conversation.understand(text, turn.speaker, heard=turn.heard)
+            if again.kind not in {"ask_back", "error"}:
+                return self._hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
+        return conversation.answered(turn, "say_again", "asked", object=str(name))
 
     def learn_answer(
         self, turn: UnderstoodTurn, asked: meaning.Question, named: meaning.Answer

@@ -16,22 +16,15 @@ from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.coreference import Discourse
-from ...nlu.semantics.meaning import Meaning, Misunderstanding
+from ...nlu.semantics.meaning import Meaning
 from .. import protocols
 from ..execution.outcome import AnswerContent, Ending, Slot
+from .acquaintances import Acquaintances
 from .answer_sources import AnswerSources
 from .open_question import OpenQuestion
 from .reply import Reply
 from .teaching import phrase_to_keep
 from .translation import meaning_from_rule
-
-_REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
-"""The answers to acknowledgements that are not called like them."""
-
-
-def answer_to(acknowledgement: str) -> AnswerContent:
-    """Return the answer to an acknowledgement of this kind."""
-    return AnswerContent(_REPLIES.get(acknowledgement, acknowledgement), {}, "done")
 
 
 @dataclass(frozen=True)
@@ -77,6 +70,7 @@ class Conversation:
         last_done: the reply to the last command.
         control_done: what a control did since the last command, if anything.
         prohibition: the utterance because of which the last command was not carried out, if any.
+        people: who the speakers say they are.
     """
 
     def __init__(
@@ -100,6 +94,7 @@ class Conversation:
         self.last_done: Reply | None = None
         self.control_done: AnswerContent | None = None
         self.prohibition: Understanding | None = None
+        self.people = Acquaintances(base)
         self._base, self._seed, self._other = base, seed, other
         self._visible, self._holding = visible, holding
 
@@ -116,29 +111,9 @@ class Conversation:
         said = self._other.understand(text, speaker=speaker) if self._other else None
         if said is not None:
             return Understanding(text, speaker, "self", said, discourse=self.discourse)
-        understood = self.language.understand(
+        return self.language.understand(
             text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
         )
-        if understood.kind not in {"error", "ask_back"}:
-            return understood
-        return self._understand_courtesy(understood, heard) or understood
-
-    def _understand_courtesy(self, failed: Understanding, heard: float) -> Understanding | None:
-        """Understand an utterance without its courtesies; None where that does not help."""
-        courtesy = self.language.courtesy(failed.text)
-        if courtesy is None or courtesy.rest in {"", failed.text.strip()}:
-            return None
-        rest = self.language.understand(
-            courtesy.rest, speaker=failed.speaker, discourse=self.discourse, heard=heard
-        )
-        is_harmless = rest.kind in {"question", "acknowledgement", "control"}
-        is_understood = rest.kind not in {"error", "ask_back"}
-        if is_harmless or (is_understood and courtesy.is_formal):
-            return replace(rest, text=failed.text)
-        if courtesy.kind and isinstance(failed.meaning, Misunderstanding):
-            said = f"{self.say(answer_to(courtesy.kind))} {failed.meaning.message}"
-            return replace(failed, meaning=replace(failed.meaning, message=said))
-        return None
 
     def knowledge(self, turn: UnderstoodTurn) -> AnswerSources:
         """Return what a question of this turn is answered from."""
@@ -155,12 +130,12 @@ class Conversation:
             self.retracted,
             self.prohibition,
             self.unanswered,
+            self.people.called(turn.speaker),
         )
 
     def trusts(self, speaker: str) -> bool:
         """Return whether what a speaker says counts at all."""
-        trust = self._base.trust(speaker)
-        return trust is not None and trust.upper > 0
+        return self.people.trusts(speaker)
 
     # --- What changes ------------------------------------------------------------------------
 

@@ -19,6 +19,7 @@ from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom
 from ...nlu.language import Language
+from ...nlu.offers.courtesies import answer_to
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
@@ -29,7 +30,7 @@ from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
-from .conversation import Conversation, UnderstoodTurn, answer_to
+from .conversation import Conversation, UnderstoodTurn
 from .open_question import OpenQuestion
 from .part_agreements import PartAgreements
 from .questions import answer
@@ -135,11 +136,18 @@ class DialogueManager:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        speaker = self._base.match_speaker(speaker)
+        speaker = self._conversation.people.speaker(self._base.match_speaker(speaker))
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
             self._conversation.last_said = reply.said
             return reply
+        introduction = self.language.introduction(text)
+        if introduction and introduction.rest:
+            hello = self._conversation.people.meet(speaker, introduction.name)
+            said = partial(self.hear, introduction.rest, only=only, heard=heard, keep=keep)
+            speaker = self._conversation.people.speaker(speaker)
+            reply = said(speaker=speaker, accepted=accepted)
+            return replace(reply, said=f"{self._conversation.say(hello)} {reply.said}")
         self._accepted |= {*accepted}
         understood = self._conversation.understand(
             text, speaker, heard=heard, accepted=self._accepted
@@ -370,4 +378,6 @@ class DialogueManager:
             return pending.no()
         if said.ack == "no" and pending is None:
             return conversation.answered(turn, "dismissed", "done")
-        return conversation.spoken(turn, answer_to(said.ack))
+        if said.name:
+            return conversation.spoken(turn, conversation.people.meet(turn.speaker, said.name))
+        return conversation.answered(turn, answer_to(said.ack), "done")

@@ -190,7 +190,7 @@ def _see(question: Question, known: AnswerSources) -> Answered:
 def _trust(question: Question, known: AnswerSources) -> Answered:
     if question.speaker is None:
         return spoken("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
-    speaker = known.base.match_speaker(question.speaker)
+    speaker = known.person(question.speaker)
     trust = known.base.trust(speaker)
     if speaker not in known.base.trust_by_speaker():
         key = "knows_nobody"

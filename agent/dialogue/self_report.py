@@ -32,8 +32,8 @@ def _identity(question: Question, known: AnswerSources) -> Answered:
     """Who Hilt is, or who somebody is, of whom it knows what they told and whether to trust it."""
     if question.speaker is None:
         return spoken("identity", done=True), ()
-    speaker = known.base.match_speaker(question.speaker)
-    if speaker == known.listener:
+    speaker = known.person(question.speaker)
+    if speaker in {known.listener, known.called}:
         return spoken("identity_of", done=True, speaker=speaker), ()
     return _told(question, known)
 
@@ -107,7 +107,8 @@ def _told_at_an_end(question: Question, known: AnswerSources, *, newest_first: b
         return spoken("told_nothing", done=True, speaker=speaker), ()
     asserted = map(known.base.rule, found.asserts)
     rules = tuple(r for r in asserted if r.status == "active" and r.speaker == speaker)
-    key = "source" if rules else "told_but_retracted"
+    is_held = any(rule.status == "active" for rule in map(known.base.rule, found.asserts))
+    key = "source" if is_held else "told_but_retracted"
     return spoken(key, done=True, speaker=speaker, texts=found.text), rules
 
 

@@ -29,7 +29,18 @@ _VALUED = _JUDGING | {"thanks"}
 _LONGEST_ADDRESS = 3  # words of "my little helper"
 _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
+_PEOPLE = ("RN", "HN")
+_PATTERNS = ("chatter", "openers", "introducing")
 _LISTS = ("before", "denying", "stating", "verbs", "pronouns")
+
+
+_REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
+"""The answers to acknowledgements that are not called like them."""
+
+
+def answer_to(acknowledgement: str) -> str:
+    """Return the key of the answer to an acknowledgement of this kind."""
+    return _REPLIES.get(acknowledgement, acknowledgement)
 
 
 @dataclass(frozen=True)
@@ -40,11 +51,13 @@ class Courtesy:
         kind: `farewell`, `greeting`, `thanks`, `apology`, `blame` or `praise`; empty for chatter.
         rest: the text of all else, from the first to the last part of it; empty when there is none.
         is_formal: whether only greetings, thanks and goodbyes are said by the way.
+        name: how its speaker introduces himself or herself, empty when nobody does.
     """
 
     kind: str
     rest: str
     is_formal: bool
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,7 @@ class CourtesyPhrases:
         kinds: the phrases of each kind, in the order in which they count.
         chatter: the beginnings of parts that are only said by the way.
         openers: what praise or blame begins with: "you are clever", but not "the sky is lovely".
+        introducing: what precedes the name of the speaker: "my name is".
         lists: single words by key: those that may precede any phrase ("oh, good morning"), that
             deny or set a condition, that state something, other verbs, and pronouns for things.
     """
@@ -62,15 +76,22 @@ class CourtesyPhrases:
     kinds: Mapping[str, tuple[Steps, ...]]
     chatter: tuple[Steps, ...]
     openers: tuple[Steps, ...]
+    introducing: tuple[Steps, ...]
     lists: Mapping[str, frozenset[str]]
 
     def find(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
         """Return the courtesy in an utterance; None where there is none."""
         found: set[str] = set()
         kept: list[tuple[int, int]] = []
+        name, introduced = "", (0, 0)
         for start, end in parts(tokens):
             part = tokens.part(start, end)
-            kind = None if part.asks or self.has_content(part, known) else self._kind(part, known)
+            has_content = part.asks or self.has_content(part, known)
+            kind = None if has_content else self._kind(part, known)
+            if not has_content and not name and (name := self._introduced(part, known)):
+                kind, introduced = "greeting", (start, end)
+            elif not has_content and start == introduced[1] > 0:  # "I'm Kim, your new neighbour"
+                kind, introduced = "greeting", (introduced[0], end)
             if kind is None:
                 kept.append((start, end))
             else:
@@ -79,7 +100,32 @@ class CourtesyPhrases:
             return None
         kind = next((each for each in self.kinds if each in found), "")
         rest = _text(tokens, kept[0][0], kept[-1][1]) if kept else ""
-        return Courtesy(kind, rest, found <= _FORMAL)
+        is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
+        return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
+
+    def introduction(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
+        """Return the courtesy in which a speaker introduces himself or herself, None without."""
+        if not any(self._introduced(tokens.part(*span), known) for span in parts(tokens)):
+            return None
+        found = self.find(tokens, known)
+        return found if found and found.name else None
+
+    def _introduced(self, part: Tokens, known: KnownWords) -> str:
+        """The name by which its speaker is introduced in a part, empty when there is none."""
+        words = part.words
+        for start in range(min(len(words), _LONGEST_ADDRESS)):
+            ends = [e for steps in self.introducing for _, e in match_pattern(steps, words, start)]
+            token = part.items[max(ends)] if ends and max(ends) < len(words) else None
+            if token is None or not token.capital or not self._ends_with(words, max(ends) + 1):
+                continue
+            if known.lexicon.is_name(token.word, _PEOPLE) or not known.has(token.word):
+                return token.word
+        return ""
+
+    def _ends_with(self, words: Phrase, start: int) -> bool:
+        """Whether what follows a place is no clause."""
+        verbs = self.lists["stating"] | self.lists["verbs"]
+        return len(words) - start <= _LONGEST_COMPLEMENT and verbs.isdisjoint(words[start:])
 
     def _kind(self, part: Tokens, known: KnownWords) -> str | None:
         """The kind of a part: empty for chatter, None where it is neither."""
@@ -108,10 +154,8 @@ class CourtesyPhrases:
         if not ends:
             return False
         led = self.openers if kind in _JUDGING else ()
-        before, after = words[:start], words[max(ends) :]
-        is_led = self.lists["before"].issuperset(before) or _occurs(led, words, 0)
-        verbs = self.lists["stating"] | self.lists["verbs"]
-        return is_led and len(after) <= _LONGEST_COMPLEMENT and verbs.isdisjoint(after)
+        is_led = self.lists["before"].issuperset(words[:start]) or _occurs(led, words, 0)
+        return is_led and self._ends_with(words, max(ends))
 
     def has_content(self, part: Tokens, known: KnownWords) -> bool:
         """Whether a part names something that a rule or a command is about."""
@@ -135,15 +179,14 @@ def _text(tokens: Tokens, start: int, end: int) -> str:
 @lru_cache(maxsize=4)
 def load_courtesies(path: Path) -> CourtesyPhrases:
     """Return the courtesies of a language; `DataError` says where the file is not as expected."""
-    parts = read_yaml(path).entries(
-        required=("courtesies", "chatter", "openers", *_LISTS), optional=()
-    )
+    parts = read_yaml(path).entries(required=("courtesies", *_PATTERNS, *_LISTS), optional=())
     lists = {
         key: frozenset(word for item in parts[key].items() for (word,) in spellings(item))
         for key in _LISTS
     }
     kinds = {kind: _patterns(each) for kind, each in parts["courtesies"].entries().items()}
-    return CourtesyPhrases(kinds, _patterns(parts["chatter"]), _patterns(parts["openers"]), lists)
+    chatter, openers, introducing = (_patterns(parts[key]) for key in _PATTERNS)
+    return CourtesyPhrases(kinds, chatter, openers, introducing, lists)
 
 
 def _patterns(field: YamlNode) -> tuple[Steps, ...]:

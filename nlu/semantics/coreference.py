@@ -75,6 +75,10 @@ class Discourse:
         """Return this state after an object of this name was mentioned."""
         return self.naming(PredicateForm(name.replace(" ", "_")))
 
+    def with_person(self, name: str) -> Discourse:
+        """Return this state after a person of this name was mentioned."""
+        return replace(self, person=PredicateForm(name.replace(" ", "_")), has_failed=False)
+
     def naming(self, *named: PredicateForm, last: PredicateForm | None = None) -> Discourse:
         """Return this state after a turn that named these objects; `last` is that of "it"."""
         pair = self.pair

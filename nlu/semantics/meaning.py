@@ -274,10 +274,12 @@ class Acknowledgement(_Record):
 
     Attributes:
         ack: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology` or `blame`.
+        name: how the speaker of a greeting is introduced, None when not.
     """
 
     kind: ClassVar[str] = "acknowledgement"
     ack: str
+    name: str | None = None
 
 
 @dataclass(frozen=True)

@@ -41,3 +41,30 @@ def test_a_part_that_begins_with_a_polite_phrase_is_polite(
 def test_polite_words_in_other_clauses_are_none(language: Language, text: str) -> None:
     """What is said, written or told of somebody greets and thanks nobody."""
     assert not isinstance(language.understand(text).meaning, Acknowledgement)
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "rest"),
+    [
+        ("I'm Ottokar", "ottokar", ""),
+        ("Good evening, my name is Ottokar, from the flat upstairs.", "ottokar", ""),
+        ("Call me Ottokar. Pass me the mug.", "ottokar", "Pass me the mug."),
+    ],
+)
+def test_introduction_names_the_speaker(
+    language: Language, text: str, name: str, rest: str
+) -> None:
+    """What is said of the speaker by the way adds nothing, and the rest is understood."""
+    found = language.introduction(text)
+
+    assert found is not None
+    assert (found.name, found.rest) == (name, rest)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["I am tired", "I'm Ottokar and I want the mug", "Is my name Ottokar?", "I am the owner"],
+)
+def test_other_words_introduce_nobody(language: Language, text: str) -> None:
+    """A word in lower case, a clause that goes on, a question."""
+    assert language.introduction(text) is None

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Acquaintances: who the speakers of a conversation say they are.
+
+"I'm Anna" makes Anna the speaker if she is known. A name that nobody knows changes no trust: what
+is said then counts as the word of the speaker who was heard before. Nobody who is not trusted
+becomes somebody who is by saying so.
+"""
+
+from __future__ import annotations
+
+from ...kb.knowledge_base import KnowledgeBase
+from ..execution.outcome import AnswerContent
+
+
+class Acquaintances:
+    """Who speaks, by the name under which they are heard.
+
+    Args:
+        base: knows whom to trust.
+    """
+
+    def __init__(self, base: KnowledgeBase) -> None:
+        self._base = base
+        self._speakers: dict[str, str] = {}
+        self._called: dict[str, str] = {}
+
+    def speaker(self, heard: str) -> str:
+        """Return the known person who is heard under a name."""
+        return self._speakers.get(heard, heard)
+
+    def called(self, speaker: str) -> str:
+        """Return the name that a speaker goes by."""
+        return self._called.get(speaker, speaker)
+
+    def trusts(self, speaker: str) -> bool:
+        """Return whether what a speaker says counts at all."""
+        trust = self._base.trust(speaker)
+        return trust is not None and trust.upper > 0
+
+    def meet(self, speaker: str, name: str) -> AnswerContent:
+        """Note the name by which a speaker is introduced, and return the greeting."""
+        person = self._base.match_speaker(name)
+        is_known = person in self._base.trust_by_speaker()
+        if is_known and (self.trusts(speaker) or not self.trusts(person)):
+            heard = [each for each, known in self._speakers.items() if known == speaker]
+            self._speakers |= dict.fromkeys(heard or [speaker], person)
+            self._called.pop(person, None)
+            return AnswerContent("hello", {"speaker": person}, "done")
+        if not self.trusts(speaker):
+            return AnswerContent("hello_stranger", {"speaker": person}, "done")
+        self._called[speaker] = person
+        return AnswerContent("hello_guest", {"speaker": person, "host": speaker}, "done")
