@@ -65,6 +65,7 @@ _WORD_LISTS = (
         "because",
     ),
 )
+_QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
 _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
@@ -102,6 +103,7 @@ class OfferChecks:
             "condition": lambda: self._keeps_condition(meaning, mentions),
             "grip": lambda: self._keeps_grip(meaning, mentions),
             "recipient": lambda: self._keeps_recipient(meaning, mentions),
+            "quotation": lambda: not _QUOTES.intersection(mentions.tokens.text),
             "question": lambda: not mentions.tokens.asks or not isinstance(meaning, Statement),
             "licence": lambda: self._is_licensed(meaning, mentions, asides),
         }
