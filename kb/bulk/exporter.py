@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import BinaryIO
 
@@ -14,15 +14,7 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import XSD, Quad, as_sparql
 from ..stores.base import Store
-from .statement_scan import (
-    PAIRS,
-    Progress,
-    ProgressCounter,
-    RowStore,
-    TakeRows,
-    is_large,
-    scan_graph,
-)
+from .statement_scan import PAIRS, Progress, ProgressCounter, RowStore, is_large, scan_graph
 
 TEXT_FORMATS = frozenset({"nquads", "ntriples", "trig", "turtle"})
 
@@ -51,25 +43,20 @@ def write_statements(
         OSError: the stream cannot be written to.
         StoreError: the store cannot be read.
     """
-    counter = ProgressCounter(progress)
-    writer = (
-        _TurtleWriter(stream, form) if form in {"turtle", "trig"} else _LineWriter(stream, form)
-    )
+    counter, is_turtle = ProgressCounter(progress), form in {"turtle", "trig"}
     with store.writing():  # so that all of it is of one moment
         in_order = is_large(store)
         sources = {as_sparql(one) for one in _sources(store)} if rules_only else set[str]()
+        for prefix, namespace in PREFIXES.items() if is_turtle else ():
+            stream.write(f"@prefix {prefix}: <{namespace}> .\n".encode())
         for graph in _graphs(store, rules_only=rules_only):
-            take, is_part = writer.begin(graph), rules_only and graph == HISTORY
-
-            def counted(
-                rows: Sequence[str], take: TakeRows = take, *, is_part: bool = is_part
-            ) -> None:
-                some = [r for r in rows if r.split("\t", 1)[0] in sources] if is_part else rows
-                take(some)
-                counter.add(len(some))
-
-            scan_graph(store, graph, counted, in_order=in_order)
-            writer.end()
+            batches = scan_graph(store, graph, in_order=in_order)
+            if rules_only and graph == HISTORY:
+                batches = ([r for r in some if r.split("\t", 1)[0] in sources] for some in batches)
+            name = as_sparql(graph) if form in {"nquads", "trig"} else ""
+            write = _turtle if is_turtle else _lines
+            for text in write(counter.counted(batches, len), name):
+                stream.write(text.encode())
     return counter.total
 
 
@@ -106,77 +93,47 @@ def _order(quad: Quad) -> tuple[str, bool, str, str]:
     return str(subject), predicate != rule_mapping.TYPE, str(predicate), as_sparql(value)
 
 
-# Text
+def _lines(batches: Iterable[list[str]], graph: str) -> Iterator[str]:
+    """N-Quads, or N-Triples where there is no graph: one statement a line."""
+    end = f" {graph} .\n" if graph else " .\n"
+    middles = {
+        code: f" {as_sparql(key)} " + (as_sparql(value) + end if value else "")
+        for code, (key, value) in PAIRS.items()
+    }
+    for rows in batches:
+        lines: list[str] = []
+        for row in rows:
+            node, code, other, value = row.split("\t")
+            if not value:
+                lines.append(node + middles[code])
+                continue
+            written = value if value[0] in '<"_' else _quoted(value)
+            lines.append(f"{node}{f' {other} ' if other else middles[code]}{written}{end}")
+        yield "".join(lines)
 
 
-class _LineWriter:
-    """Writes N-Quads and N-Triples: one statement a line."""
-
-    def __init__(self, stream: BinaryIO, form: str) -> None:
-        self._stream, self._has_graphs = stream, form == "nquads"
-
-    def begin(self, graph: Iri) -> TakeRows:
-        """Begin a graph; what is returned takes its rows."""
-        end = f" {as_sparql(graph)} .\n" if self._has_graphs else " .\n"
-        middles = {
-            code: f" {as_sparql(key)} " + (as_sparql(value) + end if value else "")
-            for code, (key, value) in PAIRS.items()
-        }
-
-        def take(rows: Sequence[str]) -> None:
-            lines: list[str] = []
-            for row in rows:
-                node, code, other, value = row.split("\t")
-                if not value:
-                    lines.append(node + middles[code])
-                    continue
-                written = value if value[0] in '<"_' else _quoted(value)
-                lines.append(f"{node}{f' {other} ' if other else middles[code]}{written}{end}")
-            self._stream.write("".join(lines).encode())
-
-        return take
-
-    def end(self) -> None:
-        """End a graph."""
-
-
-class _TurtleWriter:
-    """Writes Turtle and TriG: with prefixes, and each subject once."""
-
-    def __init__(self, stream: BinaryIO, form: str) -> None:
-        self._stream, self._has_graphs, self._node = stream, form == "trig", ""
-        self._middles = {
-            code: ("a " if key == rule_mapping.TYPE else f"{_short(as_sparql(key))} ")
-            + (_short(as_sparql(value)) if value else "")
-            for code, (key, value) in PAIRS.items()
-        }
-        for prefix, namespace in PREFIXES.items():
-            stream.write(f"@prefix {prefix}: <{namespace}> .\n".encode())
-
-    def begin(self, graph: Iri) -> TakeRows:
-        """Begin a graph; what is returned takes its rows."""
-        self._node = ""
-        if self._has_graphs:
-            self._stream.write(f"{_short(as_sparql(graph))} {{\n".encode())
-        return self._take
-
-    def _take(self, rows: Sequence[str]) -> None:
+def _turtle(batches: Iterable[list[str]], graph: str) -> Iterator[str]:
+    """TriG, or Turtle where there is no graph: with prefixes, and each subject once."""
+    middles = {
+        code: ("a " if key == rule_mapping.TYPE else f"{_short(as_sparql(key))} ")
+        + (_short(as_sparql(value)) if value else "")
+        for code, (key, value) in PAIRS.items()
+    }
+    yield f"{_short(graph)} {{\n" if graph else ""
+    subject = ""
+    for rows in batches:
         text: list[str] = []
         for row in rows:
             node, code, other, value = row.split("\t")
-            if node == self._node:
+            if node == subject:
                 text.append(" ;\n\t")
             else:
-                text.append(f"{' .' if self._node else ''}\n{_name(node)} ")
-                self._node = node
-            text.append(f"{_short(other)} " if other else self._middles[code])
+                text.append(f"{' .' if subject else ''}\n{_name(node)} ")
+                subject = node
+            text.append(f"{_short(other)} " if other else middles[code])
             text.append(_value(value))
-        self._stream.write("".join(text).encode())
-
-    def end(self) -> None:
-        """End a graph."""
-        last = " .\n" if self._node else ""
-        self._stream.write(f"{last}{'}' if self._has_graphs else ''}\n".encode())
+        yield "".join(text)
+    yield f"{' .' if subject else ''}\n{'}' if graph else ''}\n"
 
 
 def _value(value: str) -> str:

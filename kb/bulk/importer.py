@@ -11,27 +11,27 @@ The statements of one rule must stand together, as they do in every export.
 
 from __future__ import annotations
 
+import io
 import re
-import tempfile
 from array import array
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, islice
-from typing import BinaryIO, Protocol, TypeVar, cast, get_args, runtime_checkable
+from itertools import chain
+from typing import Protocol, runtime_checkable
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
 from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
-from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance
+from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import BELIEFS, LABEL, RULE, STATUS, TYPE
+from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT, LABEL, RULE, STATUS, TYPE
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
-from ..rule import Rule, Status
-from ..stores.base import Store
+from ..rule import Rule
+from ..stores.base import Store, batched
 from ..validation import (
     ValidationFinding,
     check_graph,
@@ -41,7 +41,7 @@ from ..validation import (
     stage,
 )
 from ..writer import to_milliseconds
-from .nquads_reader import RuleBlock, StatementGroup
+from .nquads_reader import RuleBlock, StatementGroup, Statements
 from .reconciliation import (
     AncillaryWrites,
     BelievedRules,
@@ -61,13 +61,8 @@ _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
 _DERIVED = frozenset((TYPE, LABEL, RULE, term("usedFor"), term("graspedBy"), term("affords")))
 _LABELLED = frozenset((*ATOM_KINDS, "node", "functor"))
 
-_STATUSES = tuple(rule_mapping.status_iri(cast(Status, one)) for one in get_args(Status))
 _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
-
-T = TypeVar("T")
-# What an RDF text is read into.
-Statements = StatementGroup | RuleBlock | ReifyingTriple
 
 
 @runtime_checkable
@@ -110,20 +105,6 @@ class _Progress:
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
-
-
-class _Held:
-    """A sink of lines that gives them back."""
-
-    def __init__(self) -> None:
-        self._chunks = deque[bytes]()
-
-    def write(self, chunk: bytes) -> None:
-        self._chunks.append(chunk)
-
-    def taken(self) -> Iterator[bytes]:
-        while self._chunks:
-            yield self._chunks.popleft()
 
 
 def import_statements(
@@ -262,11 +243,10 @@ def _lines(
     check: Callable[[Store], Iterable[ValidationFinding]],
 ) -> Iterator[bytes]:
     """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
-    held = _Held()
-    writer, before = NQuadsWriter(held), plan.last
+    writer, before = NQuadsWriter(), plan.last
     for rule in _new_rules(base, rules, progress):
         writer.write_rule(rule)
-        yield from held.taken()
+        yield from writer.taken()
     staging = stage(progress.rest, source=source)
     progress.rest.clear()
     try:
@@ -276,13 +256,12 @@ def _lines(
         plan_history(plan, base, _utterances(other, progress))
         plan_rest(plan, base, other)
         for _ in _write_sources(base, plan, progress, writer, source):
-            yield from held.taken()
+            yield from writer.taken()
         progress.utterances_added = len({each for each in plan.numbers.values() if each > before})
         progress.trusted = {*base.speakers(), *other.speakers()}
     finally:
         staging.close()
-    writer.flush()
-    yield from held.taken()
+    yield from writer.taken(0)
 
 
 def _new_rules(
@@ -290,7 +269,7 @@ def _new_rules(
 ) -> Iterator[SerializedRule]:
     """The rules that the base does not have; what has to be known of them is kept."""
     believed, observer = BelievedRules(base), progress.observer
-    there = _statuses(base.store) if base.sequence else dict[int, Iri]()
+    there = _statuses(base.store) if base.sequence else dict[int, Term]()
     for rule in rules:
         number, utterance, time, *_ = rule
         if number in there:
@@ -340,16 +319,17 @@ def _write_sources(
         plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
         plan.add(import_utterance(source, plan.last, time, some=which))
         writer.write_assertions(plan.last, numbers)
-        writer.write_sources(numbers, plan.last)
+        writer.write_property(numbers, DERIVED_FROM, utterance_iri(plan.last))
         yield
     for utterance, ids in plan.assertions:
         writer.write_assertions(utterance, map(_number, ids))
         yield
     for number, utterance in zip(progress.ids, progress.utterances, strict=True):
         if utterance in plan.numbers:
-            writer.write_sources([number], plan.numbers[utterance])
-    for numbers in _batched(progress.timeless, PER_UTTERANCE):
-        writer.write_times(numbers, time)
+            source_iri = utterance_iri(plan.numbers[utterance])
+            writer.write_property([number], DERIVED_FROM, source_iri)
+    for numbers in batched(progress.timeless, PER_UTTERANCE):
+        writer.write_property(numbers, GENERATED_AT, time)
         yield
     if plan.last:
         plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
@@ -366,7 +346,7 @@ def _without_utterance(
         if utterance not in plan.numbers
     ]
     start = 1
-    for some in _batched(numbers, PER_UTTERANCE):
+    for some in batched(numbers, PER_UTTERANCE):
         which = f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
         yield some, which
         start += len(some)
@@ -387,28 +367,18 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
             # The old sequence number never counts beside the new one, which is higher.
             store.apply(delete={*plan.delete, *before} - {*plan.insert})
             return
-        if size > _MAX_APPLIED:
-            break
-    with tempfile.SpooledTemporaryFile(_MAX_APPLIED, prefix="hilt-") as spool:
-        spool.writelines(chain(first, lines))
-        spool.seek(0)
-        delete = {*plan.delete, *before} - {*plan.insert}
-        store.apply(insert=_read_spool(cast(BinaryIO, spool), source), delete=delete)
-
-
-def _read_spool(spool: BinaryIO, source: str) -> Iterator[Quad]:
     from ..stores.rdf_text import read_rdf
 
-    for one in read_rdf(spool, format="nquads", source=source, default=BELIEFS):
-        if isinstance(one, Quad):
-            yield one
+    read = read_rdf(io.BytesIO(b"".join(first)), format="nquads", source=source, default=BELIEFS)
+    insert = [one for one in read if isinstance(one, Quad)]
+    store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
 
 
-def _statuses(store: Store) -> dict[int, Iri]:
+def _statuses(store: Store) -> dict[int, Term]:
     """The status of every rule of a store, by the number of the rule."""
-    known = {str(one): one for one in _STATUSES}  # one object for all rules
+    known: dict[Term, Term] = {}  # one object for all rules
     return {
-        int(split(quad.subject)[1], 16): known[str(quad.object)]
+        int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
         for quad in store.quads(None, STATUS, None, BELIEFS)
     }
 
@@ -419,9 +389,3 @@ def _number(rule_id: str) -> int:
 
 def _id(number: int) -> str:
     return f"rule/{number:016x}"
-
-
-def _batched(things: Iterable[T], size: int) -> Iterator[list[T]]:
-    rest = iter(things)
-    while some := list(islice(rest, size)):
-        yield some

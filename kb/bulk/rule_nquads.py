@@ -13,10 +13,10 @@ rule stands as Hilt writes it. A rule that stands there in another form, or brea
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from decimal import Decimal
-from typing import Any, NamedTuple, Protocol, TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 from ...ontology.errors import HiltError, IntervalError, ValidationError
 from ...ontology.vocabulary import PREFIXES, Iri, split
@@ -26,17 +26,16 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, RULE, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status, atoms_text, id_from_content
-from .nquads_reader import RuleBlock
+from .nquads_reader import RuleBlock, make_room, remember
 
 Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
 
-MAX_KNOWN = 100_000  # values of each kind that are remembered
-_MAX_HELD = 2**20  # characters that are written at once
+_MAX_HELD = 2**20  # characters that are passed on at once
 _MAX_REPEATED = 4  # characters of a bound that is likely to come again: 0.95
 _RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
 _END, _HISTORY_END = (f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY))
-_LOWER, _UPPER, _TIME, _RULE, _SOURCE, _ASSERTS = (
-    f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, RULE, DERIVED_FROM, ASSERTS)
+_LOWER, _UPPER, _TIME, _RULE, _ASSERTS = (
+    f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, RULE, ASSERTS)
 )
 _BOUND_END = f'"^^<{DECIMAL}>{_END}'
 _BOUND = re.compile(
@@ -113,11 +112,6 @@ class SerializedRule(NamedTuple):
     lines: str
     template: RuleTemplate
     features: FeatureLines
-
-    @property
-    def id(self) -> str:
-        """The id of the rule."""
-        return f"rule/{self.number:016x}"
 
     @property
     def speaker(self) -> str:
@@ -260,13 +254,13 @@ class FastRuleReader:
             if len(bound[2]) > _MAX_REPEATED:
                 return found
         else:
-            found = _own_or_shared(*block.pair(tail))
+            found = _own_or_shared(block.quad(tail))
         return remember(self._known, tail, found)
 
     def _template(self, tails: tuple[str, ...], block: RuleBlock) -> RuleTemplate:
         known = self._templates.get(tails)
         if known is None:
-            pairs = [block.pair(tail)[0] for tail in tails]
+            pairs = [block.quad(tail)[1:3] for tail in tails]
             own = ((FEATURE, rule_mapping.atom_iri(_ANY)), (LOWER, Decimal(1)), (UPPER, Decimal(1)))
             rule = rule_mapping.read_rule([*pairs, *own])
             written = [q for q in rule_mapping.property_quads(rule) if q.predicate not in _OWN]
@@ -277,7 +271,7 @@ class FastRuleReader:
     def _feature_lines(self, tails: tuple[str, ...], block: RuleBlock) -> FeatureLines:
         known = self._features.get(tails)
         if known is None:
-            pairs = [block.pair(tail)[0] for tail in tails]
+            pairs = [block.quad(tail)[1:3] for tail in tails]
             atoms = {
                 rule_mapping.atom_from_iri(value) for _, value in pairs if isinstance(value, Iri)
             }
@@ -288,19 +282,10 @@ class FastRuleReader:
         return known
 
 
-class LineSink(Protocol):
-    """What takes lines."""
-
-    def write(self, chunk: bytes, /) -> object:
-        """Take some whole lines."""
-        ...
-
-
 class NQuadsWriter:
     """Writes rules and other statements as N-Quads; edges and labels come at least once."""
 
-    def __init__(self, stream: LineSink) -> None:
-        self._stream = stream
+    def __init__(self) -> None:
         self._edges: set[tuple[str, str]] = set()
         self._labelled: set[str] = set()
         self._names: dict[Iri, str] = {}
@@ -315,25 +300,20 @@ class NQuadsWriter:
             if rule.asserts and template.edge and self._is_first(features.spelled, template.edge):
                 lines += "".join([node + template.edge for node in features.nodes])
         if features.labels not in self._labelled or template.labels not in self._labelled:
-            _make_room(self._labelled)
+            make_room(self._labelled)
             self._labelled.update((features.labels, template.labels))
             lines += features.labels + template.labels
         self._write(lines)
 
-    def write_sources(self, numbers: Iterable[int], utterance: int) -> None:
-        """Write the utterance that rules come from, given the numbers of the rules."""
-        end = f">{_SOURCE}<{_UTTERANCES}{utterance}>{_END}"
+    def write_property(self, numbers: Iterable[int], key: Iri, value: Term) -> None:
+        """Write a property that rules have in common, given the numbers of the rules."""
+        end = f"> {as_sparql(key)} {as_sparql(value)}{_END}"
         self._write("".join([f"<{_RULES}{number:016x}{end}" for number in numbers]))
 
     def write_assertions(self, utterance: int, numbers: Iterable[int]) -> None:
         """Write which rules an utterance asserts."""
         start = f"<{_UTTERANCES}{utterance}>{_ASSERTS}<{_RULES}"
         self._write("".join([f"{start}{number:016x}>{_HISTORY_END}" for number in numbers]))
-
-    def write_times(self, numbers: Iterable[int], time: datetime) -> None:
-        """Write when rules were first believed."""
-        end = f">{_TIME}{as_sparql(time)}{_END}"
-        self._write("".join([f"<{_RULES}{number:016x}{end}" for number in numbers]))
 
     def write_quads(self, quads: Iterable[Quad]) -> None:
         """Write other statements."""
@@ -343,16 +323,17 @@ class NQuadsWriter:
                 f"{self._name(subject)} {self._name(key)} {end} {self._name(graph or BELIEFS)} .\n"
             )
 
-    def flush(self) -> None:
-        """Pass on what is held."""
-        self._stream.write("".join(self._held).encode())
-        self._held.clear()
-        self._size = 0
+    def taken(self, least: int = _MAX_HELD) -> Iterator[bytes]:
+        """Give what was written since the last time, when it has at least so many characters."""
+        if self._size >= least:
+            yield "".join(self._held).encode()
+            self._held.clear()
+            self._size = 0
 
     def _is_first(self, features: str, edge: str) -> bool:
         if (features, edge) in self._edges:
             return False
-        _make_room(self._edges)
+        make_room(self._edges)
         self._edges.add((features, edge))
         return True
 
@@ -363,20 +344,6 @@ class NQuadsWriter:
     def _write(self, text: str) -> None:
         self._held.append(text)
         self._size += len(text)
-        if self._size > _MAX_HELD:
-            self.flush()
-
-
-def remember(known: dict[Any, Any], key: object, value: Any) -> Any:
-    """Put a value into a dictionary of bounded size, and return it."""
-    _make_room(known)
-    known[key] = value
-    return value
-
-
-def _make_room(known: dict[Any, Any] | set[Any]) -> None:
-    if len(known) >= MAX_KNOWN:
-        known.clear()
 
 
 def _template(rule: Rule) -> RuleTemplate:
@@ -412,15 +379,15 @@ def _lines(quads: Iterable[Quad]) -> str:
     return "".join([as_sparql(quad.subject) + _end(quad) for quad in quads])
 
 
-def _own_or_shared(pair: Pair, graph: Iri) -> tuple[str, Term]:
+def _own_or_shared(quad: Quad) -> tuple[str, Term]:
     """The predicate of a statement where it is a rule's own, and its object."""
-    key, value = pair
+    _, key, value, graph = quad
     if graph != BELIEFS or key in {LOWER, UPPER}:  # a bound, and not as Hilt writes it
-        raise ValueError(pair)
+        raise ValueError(quad)
     if key == DERIVED_FROM:
         return DERIVED_FROM, _utterance(value)
     if key == GENERATED_AT and not isinstance(value, datetime):
-        raise ValueError(pair)
+        raise ValueError(quad)
     return next((own for own in _OWN if own == key), _SHARED), value
 
 

@@ -12,27 +12,22 @@ bounded memory. The rows of any other store are sorted first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from typing import BinaryIO, NamedTuple, Protocol, TypeAlias, cast, get_args, runtime_checkable
+from collections.abc import Callable, Collection, Iterable, Iterator
+from itertools import chain
+from typing import NamedTuple, Protocol, TypeAlias, TypeVar, cast, get_args, runtime_checkable
 
-from ...ontology.errors import StoreError
 from ...ontology.vocabulary import Iri, term
 from ..history import ASSERTS
 from ..rdf import rule_mapping
 from ..rdf.terms import DECIMAL, XSD, Quad, Term, as_sparql, literal
 from ..rule import GRASP_OBJECT, USED_FOR, Status
 from ..stores.base import Store
-from .nquads_reader import complete_lines
 
-# Takes some rows, each of one statement: subject, code, predicate and object, with tabs between.
-# The predicate is empty where the code stands for it, the object where the code includes it.
-# Terms are written as in Turtle, numbers and booleans without quotes.
-TakeRows: TypeAlias = Callable[[Sequence[str]], object]
+Thing = TypeVar("Thing")
 Progress: TypeAlias = Callable[[int], None]  # is called with how many are done so far
 
 MAX_SORTED = 200_000  # statements; a scan of more has the order of the store
 
-_BUFFER = 2**18  # bytes that are split into rows at once
 _STEP = 10_000  # rows or rules between two calls of the progress
 _OTHER, _FIRST_CODE = 99, 10  # of two digits, so that they are sorted as text
 
@@ -79,35 +74,34 @@ class RowStore(Protocol):
         """Whether the statements of a graph come subject by subject."""
         ...
 
-    def dump_rows(self, query: str, stream: BinaryIO) -> None:
-        """Write the rows of a SELECT query as tab-separated values."""
+    def rows(self, query: str) -> Iterator[list[str]]:
+        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
         ...
 
 
 def scan_graph(
-    store: Store, graph: Iri, take: TakeRows, *, in_order: bool, predicates: Collection[Iri] = ()
-) -> None:
-    """Pass the statements of a graph to `take`, those about a subject together.
+    store: Store, graph: Iri, *, in_order: bool, predicates: Collection[Iri] = ()
+) -> Iterator[list[str]]:
+    """Iterate over the statements of a graph as rows, many at a time, subject by subject.
+
+    A row has subject, code, predicate and object, with tabs between. The predicate is empty where
+    the code stands for it, the object where the code includes it. Terms are written as in Turtle,
+    numbers and booleans without quotes.
 
     Args:
         store: what is read.
         graph: whose statements.
-        take: is called with some rows at a time.
         in_order: whether the rows are passed on in the order of the store, and not sorted; only
             where `is_large`.
         predicates: the wanted ones, some of those with a code; all where none are given.
     """
-    if in_order:
-        _dump(store, graph, take, predicates)
-        return
-    rows: list[str] = []
     if isinstance(store, RowStore):
-        _dump(store, graph, rows.extend, predicates)
+        batches = store.rows(_query(graph, predicates))
     else:
         found = store.quads(None, None, None, graph)
-        rows += (_row(quad) for quad in found if not predicates or quad.predicate in predicates)
-    rows.sort()
-    take(rows)
+        wanted = (quad for quad in found if not predicates or quad.predicate in predicates)
+        batches = iter([[_row(quad) for quad in wanted]])
+    return batches if in_order else iter([sorted(chain.from_iterable(batches))])
 
 
 def is_large(store: Store) -> bool:
@@ -133,59 +127,16 @@ class ProgressCounter:
         self.total = self._reported = 0
         self._progress = progress
 
-    def add(self, number: int) -> None:
-        """Count some more."""
-        self.total += number
-        if self._progress and self.total - self._reported >= _STEP:
-            self._reported = self.total
-            self._progress(self.total)
-
-
-def _dump(store: Store, graph: Iri, take: TakeRows, predicates: Collection[Iri]) -> None:
-    """Have the engine write rows, and pass them on."""
-    rows = _RowStream(take)
-    try:
-        cast(RowStore, store).dump_rows(_query(graph, predicates), cast(BinaryIO, rows))
-    except StoreError as error:
-        raise (rows.failure or error) from error
-    rows.pass_on()
-
-
-class _RowStream:
-    """The stream that the engine writes rows to.
-
-    Attributes:
-        failure: why the rows could not be passed on, where they could not.
-    """
-
-    def __init__(self, take: TakeRows) -> None:
-        self.failure: OSError | None = None
-        self._take, self._held, self._size = take, list[bytes](), 0
-        self._rest, self._is_header = b"", True
-
-    def write(self, chunk: bytes, /) -> int:
-        self._held.append(chunk)
-        self._size += len(chunk)
-        if self._size > _BUFFER:
-            try:
-                self.pass_on()
-            except OSError as error:  # of the file, not of the store
-                self.failure = error
-                raise
-        return len(chunk)
-
-    def flush(self) -> None:
-        pass
-
-    def pass_on(self) -> None:
-        """Pass on the rows that are complete."""
-        rows, self._rest = complete_lines(self._rest, b"".join(self._held))
-        self._held.clear()
-        self._size = 0
-        if rows and self._is_header:
-            self._is_header = False
-            del rows[0]
-        self._take(rows)
+    def counted(
+        self, things: Iterable[Thing], size: Callable[[Thing], int] = lambda _: 1
+    ) -> Iterator[Thing]:
+        """Iterate over things, and count each by its size."""
+        for thing in things:
+            yield thing
+            self.total += size(thing)
+            if self._progress and self.total - self._reported >= _STEP:
+                self._reported = self.total
+                self._progress(self.total)
 
 
 def _query(graph: Iri, predicates: Collection[Iri]) -> str:

@@ -9,30 +9,31 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from functools import lru_cache
 from operator import itemgetter
-from typing import Protocol, TypeAlias, cast
+from typing import TextIO, TypeAlias, cast
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ...ontology.vocabulary import Iri
-from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule, remember
+from ..bulk.nquads_reader import remember
+from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule
 from ..bulk.rule_scan import scan_converted
-from ..bulk.statement_scan import RULE_PREDICATES, Progress, read_row
+from ..bulk.statement_scan import RULE_PREDICATES, read_row
 from ..interval import DIGITS
 from ..rdf import rule_mapping
 from ..rdf.terms import Term, write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
 from ..stores.base import Store
 from . import value_notation
+from .value_notation import split_atoms
 
 COLUMNS = (
     *("features", "contexts", "functor", "argument", "lower", "upper"),
     *("speaker", "status", "time"),
 )
 REQUIRED = ("features", "functor", "lower")
-BETWEEN = "; "
 Cells: TypeAlias = Sequence[str]  # of a rule, one for each of `COLUMNS`
 
 _FEATURES, _CONTEXTS, _LOWER, _UPPER, _TIME, _SHARED = range(6)
@@ -41,21 +42,6 @@ _PLACES = {
     **{rule_mapping.LOWER: _LOWER, rule_mapping.UPPER: _UPPER, rule_mapping.GENERATED_AT: _TIME},
 }
 _KINDS = (value_notation.FEATURE_KIND, value_notation.CONTEXT_KIND)
-
-
-class Writable(Protocol):
-    """What a table is written to."""
-
-    def write(self, text: str, /) -> object:
-        """Take some text."""
-        ...
-
-
-class _Reader(Protocol):
-    @property
-    def line_num(self) -> int: ...
-
-    def __iter__(self) -> Iterator[list[str]]: ...
 
 
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]:
@@ -68,31 +54,22 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]
     Raises:
         DataError: rows are malformed; lists the first mistakes with their lines.
     """
-    rows = _rows(csv.reader(lines, strict=True), source)
+    rows = _rows(lines, source)
     _, first = next(rows, (1, []))
     yield from value_notation.read_all(rows, _RowReader(_header(first, source), source).read)
 
 
-class TableWriter:
-    """Writes a table, some rules at a time."""
-
-    def __init__(self, target: Writable) -> None:
-        """Start a table with the names of its columns."""
-        self._writer = csv.writer(target, lineterminator="\n")
-        self._writer.writerow(COLUMNS)
-
-    def write(self, rules: Iterable[Cells]) -> None:
-        """Add a row for each rule."""
-        self._writer.writerows(rules)
+def write_table(target: TextIO, rules: Iterable[Cells]) -> None:
+    """Write a table with a row for each rule."""
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(rules)
 
 
-def scan_cells(
-    store: Store, take: Callable[[Sequence[Cells]], object], progress: Progress | None = None
-) -> int:
-    """Pass the cells of every rule of a store to `take`; as `exporter.scan_converted`."""
+def scan_cells(store: Store) -> Iterator[Cells]:
+    """Iterate over the cells of every rule of a store; as `rule_scan.scan_converted`."""
     predicates = [one for one in RULE_PREDICATES if one != rule_mapping.DERIVED_FROM]
-    convert = _CellConverter().convert
-    return scan_converted(store, convert, take, progress, predicates=predicates)
+    return scan_converted(store, _CellConverter().convert, predicates=predicates)
 
 
 class _CellConverter:
@@ -108,7 +85,7 @@ class _CellConverter:
         self._templates: dict[tuple[str, ...], Cells] = {}
 
     def convert(self, rows: Sequence[str]) -> Cells:
-        """Return the cells of a rule, given its rows as `exporter.scan_converted` passes them.
+        """Return the cells of a rule, given its rows as `rule_scan.scan_converted` passes them.
 
         Raises:
             ValidationError: the rule is malformed.
@@ -179,13 +156,15 @@ def _cell(place: int, value: Term) -> str:
 @lru_cache(maxsize=2**16)
 def _union(first: str, second: str, kind: str) -> str:
     """The cell with the atoms of two cells."""
-    return _write_atoms(_atoms(first, kind) | _atoms(second, kind), kind)
+    return _write_atoms(split_atoms(first, kind) | split_atoms(second, kind), kind)
 
 
 @lru_cache(maxsize=2**16)
 def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
     """Return the cell of the features or contexts of a rule."""
-    text = BETWEEN.join(value_notation.write_atom(atom, kind) for atom in sorted(atoms))
+    text = value_notation.BETWEEN.join(
+        value_notation.write_atom(atom, kind) for atom in sorted(atoms)
+    )
     return text or (value_notation.ANY if kind == value_notation.FEATURE_KIND else "")
 
 
@@ -194,8 +173,9 @@ def _write_bound(bound: float) -> str:
     return f"{bound:.{DIGITS}f}".rstrip("0").rstrip(".")
 
 
-def _rows(reader: _Reader, source: str) -> Iterator[tuple[int, list[str]]]:
+def _rows(lines: Iterable[str], source: str) -> Iterator[tuple[int, list[str]]]:
     """The rows that are not empty, each with the line at which it ends."""
+    reader = csv.reader(lines, strict=True)
     try:
         for row in reader:
             if row:
@@ -249,34 +229,14 @@ class _RowReader:
             belief, low = _bound(lower)
             plausibility, high = _bound(upper or "1")
             if 0.0 <= belief <= plausibility <= 1.0:
-                atoms = self._serializer.features(_atoms(features, value_notation.FEATURE_KIND))
+                atoms = self._serializer.features(
+                    split_atoms(features, value_notation.FEATURE_KIND)
+                )
                 return self._serializer.assemble(template, atoms, low, high)
-        rule = _read_row(cells)  # which also says what is wrong
+        rule = value_notation.read_rule(cells)  # which also says what is wrong
         if not template:
             remember(self._templates, key, self._serializer.template(rule))
         return self._serializer.serialize(rule)
-
-
-def _read_row(cells: Sequence[str]) -> Rule:
-    """Return the rule of a row with all columns.
-
-    Raises:
-        HiltError: a cell is malformed.
-    """
-    features, contexts, functor, argument, lower, upper, *rest = map(str.strip, cells)
-    speaker, status, time = rest
-    return value_notation.make_rule(
-        _atoms(features, value_notation.FEATURE_KIND),
-        _atoms(contexts, value_notation.CONTEXT_KIND),
-        functor,
-        value_notation.read_argument(argument, functor),
-        value_notation.read_interval(
-            _number(lower, "lower"), _number(upper, "upper") if upper else None
-        ),
-        speaker=speaker,
-        status=status,
-        time=time,
-    )
 
 
 @lru_cache(maxsize=2**16)
@@ -287,15 +247,3 @@ def _bound(cell: str) -> tuple[float, str]:
     except ValueError:
         return math.nan, ""
     return bound, f"{bound + 0.0:.{DIGITS}f}"  # -0.0 + 0.0 is 0.0
-
-
-def _number(cell: str, column: str) -> float:
-    try:
-        return float(cell)
-    except ValueError as error:
-        raise ValidationError([f'expected a number as {column}, found "{cell[:60]}".']) from error
-
-
-@lru_cache(maxsize=2**16)
-def _atoms(cell: str, kind: str) -> frozenset[Atom]:
-    return value_notation.read_atoms(filter(str.strip, cell.split(";")), kind)

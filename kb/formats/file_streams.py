@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 from ...ontology.errors import DataError
-from .registry import PACKED, STREAM
+from .registry import PACKED, STREAM, FileFormat
 
 Progress = Callable[[int], None]  # is called with how many bytes, rules or statements are done
 
@@ -42,9 +42,8 @@ class CheckedStream(io.RawIOBase):
         self,
         stream: BinaryIO,
         name: str,
+        chosen: FileFormat,
         *,
-        most: int | None = None,
-        is_xml: bool = False,
         progress: Progress | None = None,
         position: Callable[[], int] | None = None,
     ) -> None:
@@ -53,14 +52,13 @@ class CheckedStream(io.RawIOBase):
         Args:
             stream: what is read.
             name: of the file, for messages.
-            most: bytes after which it is refused.
-            is_xml: whether document types are refused.
+            chosen: its format, which says what is refused.
             progress: is called with how much of the file has been read.
             position: returns that; by default the bytes read are counted.
         """
         super().__init__()
         self.name = name
-        self._stream, self._most, self._is_xml = stream, most, is_xml
+        self._stream, self._chosen = stream, chosen
         self._progress, self._position = progress, position
         self._read = self._since_statement = 0
         self._tail = b""
@@ -83,30 +81,21 @@ class CheckedStream(io.RawIOBase):
         """Note that a statement is complete."""
         self._since_statement = 0
 
-    def read(self, size: int = -1) -> bytes:
-        """Return the next bytes.
+    def readinto(self, buffer: memoryview, /) -> int:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Read the next bytes into a buffer, and return their number.
 
         Raises:
             DataError: they cannot be read or are refused.
         """
         try:
-            found = self._stream.read(_CHUNK if size < 0 else min(size, _CHUNK))
+            found = self._stream.read(min(len(buffer), _CHUNK))
+            if not self._read and found.startswith(codecs.BOM_UTF8):
+                found = found.removeprefix(codecs.BOM_UTF8) or self._stream.read(len(buffer))
         except (OSError, EOFError, zlib.error) as error:
             raise self._refused(f"cannot be read: {str(error).rstrip('.')}.") from error
-        if not self._read and found.startswith(codecs.BOM_UTF8):
-            found = found.removeprefix(codecs.BOM_UTF8) or self.read(size)
         self._check(found)
-        return found
-
-    def readinto(self, buffer: memoryview, /) -> int:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """As `read`, into a buffer."""
-        found = self.read(len(buffer))
         buffer[: len(found)] = found
         return len(found)
-
-    def everything(self) -> bytes:
-        """Read the rest of the text."""
-        return b"".join(iter(self.read, b""))
 
     def lines(self) -> Iterator[str]:
         """Iterate over its lines as text.
@@ -133,14 +122,15 @@ class CheckedStream(io.RawIOBase):
     def _check(self, found: bytes) -> None:
         self._read += len(found)
         self._since_statement += len(found)
-        if self._most is not None and self._read > self._most:
+        most = self._chosen.most
+        if most is not None and self._read > most:
             raise self._refused(
-                f"is larger than {self._most // 2**20} MB, which is too much for this format. "
+                f"is larger than {most // 2**20} MB, which is too much for this format. "
                 "Take CSV, N-Quads or Turtle."
             )
         if self._since_statement > MAX_STATEMENT:
             raise self._refused(f"holds no whole statement in {MAX_STATEMENT // 2**20} MB.")
-        if self._is_xml:
+        if self._chosen.is_xml:
             self._refuse_doctype(found)
         if self._progress:
             self._progress(self._position() if self._position else self._read)
@@ -160,14 +150,13 @@ class CheckedStream(io.RawIOBase):
 
 @contextmanager
 def open_input(
-    file: str, *, most: int | None = None, is_xml: bool = False, progress: Progress | None = None
+    file: str, chosen: FileFormat, progress: Progress | None = None
 ) -> Generator[CheckedStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
 
     Args:
         file: its name.
-        most: bytes after which it is refused.
-        is_xml: whether document types are refused.
+        chosen: its format, which says what is refused.
         progress: is called with how many bytes of the file have been read.
 
     Raises:
@@ -183,14 +172,8 @@ def open_input(
     try:
         stream = plain if plain.seekable() else io.BufferedReader(cast(io.RawIOBase, plain))
         position = plain.tell if plain.seekable() else None
-        yield CheckedStream(
-            _unpacked(stream, file),
-            file,
-            most=most,
-            is_xml=is_xml,
-            progress=progress,
-            position=position,
-        )
+        unpacked = _unpacked(stream, file)
+        yield CheckedStream(unpacked, file, chosen, progress=progress, position=position)
     finally:
         if file != STREAM:
             plain.close()

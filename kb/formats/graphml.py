@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 from ...ontology.errors import DataError, HiltError
 from ..rdf.terms import write_time
-from ..rule import Atom, Rule
+from ..rule import Rule
 from . import value_notation
 
 if TYPE_CHECKING:
     from networkx import MultiDiGraph
 
-_BETWEEN = "; "
 _NEEDED = ("features", "contexts", "functor", "argument", "lower", "upper")
+_OPTIONAL = ("speaker", "status", "time")
 
 
 def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
@@ -43,7 +43,7 @@ def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
         end = str(rule.argument) if rule.argument else f"functor:{rule.functor}"
         attributes = _attributes(rule)
         for start in sorted(rule.features or rule.contexts):
-            _add_node(graph, start)
+            graph.add_node(str(start), kind=start.kind, name=start.name)
             graph.add_node(end, kind=end.partition(":")[0], name=end.partition(":")[2])
             graph.add_edge(str(start), end, key=rule.id, **attributes)
     return graph
@@ -91,18 +91,14 @@ def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
     yield from rules_of_graph(graph, source=source)
 
 
-def _add_node(graph: MultiDiGraph[str], atom: Atom) -> None:
-    graph.add_node(str(atom), kind=atom.kind, name=atom.name)
-
-
 def _attributes(rule: Rule) -> dict[str, str | float]:
     return {
         "rule": rule.id,
         "label": str(rule.interval),
         "functor": rule.functor,
         "argument": str(rule.argument or ""),
-        "features": _BETWEEN.join(map(str, sorted(rule.features))),
-        "contexts": _BETWEEN.join(map(str, sorted(rule.contexts))),
+        "features": value_notation.BETWEEN.join(map(str, sorted(rule.features))),
+        "contexts": value_notation.BETWEEN.join(map(str, sorted(rule.contexts))),
         "lower": rule.interval.lower,
         "upper": rule.interval.upper,
         "speaker": rule.speaker,
@@ -112,18 +108,5 @@ def _attributes(rule: Rule) -> dict[str, str | float]:
 
 
 def _rule(found: Mapping[str, Any]) -> Rule:
-    features, contexts, functor, argument, lower, upper = (found[key] for key in _NEEDED)
-    return value_notation.make_rule(
-        _atoms(features, value_notation.FEATURE_KIND),
-        _atoms(contexts, value_notation.CONTEXT_KIND),
-        functor,
-        value_notation.read_argument(argument, functor),
-        value_notation.read_interval(float(lower), float(upper)),
-        speaker=found.get("speaker"),
-        status=found.get("status"),
-        time=found.get("time"),
-    )
-
-
-def _atoms(text: str, kind: str) -> frozenset[Atom]:
-    return value_notation.read_atoms(filter(str.strip, text.split(";")), kind)
+    needed = [str(found[key]) for key in _NEEDED]
+    return value_notation.read_rule([*needed, *(found.get(key) or "" for key in _OPTIONAL)])

@@ -9,15 +9,20 @@ can be compared line by line. `registry` lists what each format carries.
 from __future__ import annotations
 
 import io
-from collections.abc import Generator, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, cast
 
 from ..bulk.exporter import TEXT_FORMATS, statements, write_statements
-from ..bulk.importer import Statements, import_rules, import_statements
-from ..bulk.nquads_reader import RuleBlock, StatementGroup, expand_blocks, read_groups
+from ..bulk.importer import import_rules, import_statements
+from ..bulk.nquads_reader import (
+    RuleBlock,
+    StatementGroup,
+    Statements,
+    expand_blocks,
+    read_groups,
+)
 from ..bulk.reconciliation import ImportSummary
 from ..bulk.rule_nquads import RuleSerializer, SerializedRule
 from ..bulk.rule_scan import scan_rules
@@ -27,7 +32,6 @@ from ..merge import merge
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import Quad
-from ..rule import Rule
 from ..stores.base import Store
 from ..validation import findings, raise_findings, stage, stage_rules
 from .file_streams import CheckedStream, Progress, open_input, open_output
@@ -74,14 +78,14 @@ def write_base(
     progress: Progress | None = None,
 ) -> int:
     """Write the rules or the whole base into a stream; as `export_file`."""
-    store, chosen = base.store, FORMATS[format]
-    only = rules_only or not chosen.whole
-    if format in RULE_FORMATS:
-        return _write_rules(store, stream, format, progress)
+    store, only = base.store, rules_only or not FORMATS[format].whole
     if format in TEXT_FORMATS:
         return write_statements(store, stream, format, progress, rules_only=only)
     counter = ProgressCounter(progress)
-    quads = _counted(statements(store, rules_only=only), counter)
+    if format in RULE_FORMATS:
+        _write_rules(store, stream, format, counter)
+        return counter.total
+    quads = counter.counted(statements(store, rules_only=only))
     if format == "turtle12":
         stream.writelines(line.encode() for line in write_annotated(quads))
     else:
@@ -116,30 +120,8 @@ def import_file(
         ValidationError: it breaks the shapes or laws; the base is unchanged.
     """
     chosen = format_of(str(file), format, "trig")
-    with _opened(file, chosen, progress) as source:
+    with open_input(str(file), chosen, progress) as source:
         return _import(base, source, chosen, dry_run=dry_run)
-
-
-def import_text(
-    base: KnowledgeBase,
-    data: bytes,
-    *,
-    format: str,  # noqa: A002
-    source: str = "<text>",
-    dry_run: bool = False,
-) -> ImportSummary:
-    """Import the rules and history of a text; as `import_file`.
-
-    Args:
-        base: what is written to.
-        data: the text in UTF-8.
-        format: the name of a format.
-        source: its name, for messages and the history.
-        dry_run: only find out what would change.
-    """
-    chosen = format_of(source, format, "trig")
-    read = CheckedStream(io.BytesIO(data), source, most=chosen.most, is_xml=chosen.is_xml)
-    return _import(base, read, chosen, dry_run=dry_run)
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa: A002
@@ -149,21 +131,10 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa:
         DataError: the file cannot be read or parsed; says where.
     """
     chosen = format_of(str(file), format, "trig")
-    with _opened(file, chosen, None) as source:
+    with open_input(str(file), chosen) as source:
         if chosen.name in RULE_FORMATS:
             return stage_rules(one.rule for one in read_rules(source, chosen))
         return _staged(read_statements(source, chosen), source.name)
-
-
-def count_contents(source: CheckedStream, chosen: FileFormat) -> int:
-    """Read a file to its end and return how many rules or statements it holds; keep nothing.
-
-    Raises:
-        DataError: it cannot be read or parsed; says where.
-    """
-    if chosen.name in RULE_FORMATS:
-        return sum(1 for _ in read_rules(source, chosen))
-    return sum(map(_size, read_statements(source, chosen)))
 
 
 def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[SerializedRule]:
@@ -177,7 +148,7 @@ def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Serialized
         case "graphml":
             from .graphml import read_graphml
 
-            yield from map(serialize, read_graphml(source.everything(), source=source.name))
+            yield from map(serialize, read_graphml(source.readall(), source=source.name))
         case _:
             from .rule_yaml import read_sheet
 
@@ -194,14 +165,6 @@ def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[State
 
 
 # Import
-
-
-@contextmanager
-def _opened(
-    file: str | Path, chosen: FileFormat, progress: Progress | None
-) -> Generator[CheckedStream]:
-    with open_input(str(file), most=chosen.most, is_xml=chosen.is_xml, progress=progress) as source:
-        yield source
 
 
 def _import(
@@ -248,31 +211,18 @@ def _flat(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
 # Export
 
 
-def _counted(quads: Iterable[Quad], counter: ProgressCounter) -> Iterator[Quad]:
-    for quad in quads:
-        counter.add(1)
-        yield quad
-
-
-def _write_rules(store: Store, stream: BinaryIO, name: str, progress: Progress | None) -> int:
+def _write_rules(store: Store, stream: BinaryIO, name: str, counter: ProgressCounter) -> None:
     if name == "graphml":
         from .graphml import write_graphml
 
-        rules: list[Rule] = []
-        count = scan_rules(store, rules.extend, progress)
-        stream.write(write_graphml(rules))
-        return count
+        stream.write(write_graphml(counter.counted(scan_rules(store))))
+        return
+    from .csv_table import scan_cells, write_table
+    from .rule_yaml import write_sheet
+
     text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
     try:
-        from .csv_table import TableWriter, scan_cells
-
-        if name == "csv":
-            return scan_cells(store, TableWriter(text).write, progress)
-        from .rule_yaml import RuleSheetWriter
-
-        sheet = RuleSheetWriter(text)
-        count = scan_cells(store, sheet.write, progress)
-        sheet.finish()
-        return count
+        write = write_table if name == "csv" else write_sheet
+        write(text, counter.counted(scan_cells(store)))
     finally:
         text.detach()

@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
+from typing import TextIO
 
 from ...ontology.errors import DataError, HiltError
 from ...ontology.yaml_reader import YamlNode, parse_yaml
 from ..interval import Interval
 from ..rule import GRASP_OBJECT, NORMS, USED_FOR, Atom, Rule
 from . import value_notation
-from .csv_table import BETWEEN, Cells, Writable
+from .csv_table import Cells
 
 _CONCLUSIONS = ("affordance", "part", "functor", *NORMS)
 _KEYS = (
@@ -44,25 +45,14 @@ def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
     yield from value_notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
-class RuleSheetWriter:
-    """Writes a sheet, some rules at a time."""
-
-    def __init__(self, target: Writable) -> None:
-        """Start a sheet."""
-        self._target, self._is_empty = target, True
-        target.write(
-            "# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:"
-        )
-
-    def write(self, rules: Iterable[Cells]) -> None:
-        """Add an entry for each rule."""
-        text = "".join(map(_written_rule, rules))
-        self._is_empty = self._is_empty and not text
-        self._target.write(text)
-
-    def finish(self) -> None:
-        """End the sheet."""
-        self._target.write(" []\n" if self._is_empty else "\n")
+def write_sheet(target: TextIO, rules: Iterable[Cells]) -> None:
+    """Write a sheet with an entry for each rule."""
+    target.write("# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:")
+    end = " []\n"
+    for cells in rules:
+        target.write(_written_rule(cells))
+        end = "\n"
+    target.write(end)
 
 
 def _rule(entry: YamlNode, speaker: str | None) -> Rule:
@@ -133,7 +123,7 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
 def _interval(field: YamlNode) -> Interval:
     """A list of two bounds, or the lower one alone."""
     if not isinstance(field.value, tuple):
-        return value_notation.read_interval(field.number(low=0, high=1), None)
+        return Interval(field.number(low=0, high=1), 1.0)
     lower, upper = field.numbers(count=2, low=0, high=1)
     if lower > upper:
         raise field.fail(f"expected a lower bound and then an upper one, found {lower}, {upper}.")
@@ -160,7 +150,7 @@ def _written_rule(cells: Cells) -> str:
 @lru_cache(maxsize=2**16)
 def _written_atoms(cell: str, key: str) -> str:
     """The entry for the features or contexts in a cell, and what divides it from the next."""
-    names = [_quoted(name) for name in cell.split(BETWEEN)]
+    names = [_quoted(name) for name in cell.split(value_notation.BETWEEN)]
     if cell in {"", value_notation.ANY}:
         return ""
     if key == "context" and len(names) == 1 and cell.startswith("material:"):

@@ -7,8 +7,9 @@ object, a bare context an action, and what something is used for is an affordanc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime
+from functools import lru_cache
 from typing import TypeVar, cast, get_args
 
 from ...ontology.errors import DataError, ValidationError
@@ -17,6 +18,7 @@ from ..rdf.terms import read_time
 from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 
 ANY = "*"  # any object
+BETWEEN = "; "  # two atoms
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
 MAX_MISTAKES = 20  # of a file that are reported
 Thing = TypeVar("Thing")
@@ -89,11 +91,6 @@ def read_argument(text: str, functor: str) -> Atom | None:
     return read_atom(text, ARGUMENT_KINDS.get(functor)) if text.strip() else None
 
 
-def read_interval(lower: float, upper: float | None) -> Interval:
-    """Return an interval; its upper bound is 1 where none is given."""
-    return Interval(lower, 1.0 if upper is None else upper)
-
-
 def read_status(text: str) -> Status:
     """Return a status.
 
@@ -142,3 +139,37 @@ def make_rule(
         read_moment(time) if time else None,
         read_status(status) if status else "active",
     )
+
+
+def read_rule(cells: Sequence[str]) -> Rule:
+    """Return the rule with these texts, one for each column of a table.
+
+    Raises:
+        HiltError: one is malformed.
+    """
+    features, contexts, functor, argument, lower, upper, speaker, status, time = map(
+        str.strip, cells
+    )
+    return make_rule(
+        split_atoms(features, FEATURE_KIND),
+        split_atoms(contexts, CONTEXT_KIND),
+        functor,
+        read_argument(argument, functor),
+        Interval(_number(lower, "lower"), _number(upper, "upper") if upper else 1.0),
+        speaker=speaker,
+        status=status,
+        time=time,
+    )
+
+
+@lru_cache(maxsize=2**16)
+def split_atoms(text: str, kind: str) -> frozenset[Atom]:
+    """Return the atoms of a text with semicolons between them; as `read_atoms`."""
+    return read_atoms(filter(str.strip, text.split(";")), kind)
+
+
+def _number(text: str, column: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise ValidationError([f'expected a number as {column}, found "{text[:60]}".']) from error

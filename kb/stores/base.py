@@ -13,22 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
+from itertools import islice
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from ...ontology.vocabulary import Iri
 from ..rdf.terms import Quad, Term
 from ..sparql.results import QueryLimits, QueryResult, SelectResult
 
 MEMORY = "memory:"
-
-
-class ByteSink(Protocol):
-    """What bytes can be written to."""
-
-    def write(self, chunk: bytes, /) -> int:
-        """Write some bytes; how many they were."""
-        ...
+T = TypeVar("T")
 
 
 class Store(Protocol):
@@ -106,3 +100,10 @@ class Store(Protocol):
     def close(self) -> None:
         """Close the store; it cannot be used any more. Closing twice is allowed."""
         ...
+
+
+def batched(things: Iterable[T], size: int) -> Iterator[list[T]]:
+    """Iterate over lists of so many things; the last may be shorter."""
+    rest = iter(things)
+    while some := list(islice(rest, size)):
+        yield some

@@ -29,13 +29,14 @@ from ..rdf.terms import Quad, Term
 from ..sparql.query_text import delete_insert, keywords
 from ..sparql.results import QueryLimits, QueryResult, SelectResult
 from . import directory
-from .base import MEMORY, ByteSink
+from .base import MEMORY
 from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
 from .query_subprocess import BOOLEAN, ROWS, TRIPLES, WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
+_BUFFER = 2**18  # characters that are split into rows at once
 
 
 class OxigraphStore:
@@ -177,12 +178,17 @@ class OxigraphStore:
         """Whether `quads` of a graph has the statements of a node together."""
         return self._folder is not None or self._snapshot is not None
 
-    def dump_rows(self, query: str, stream: ByteSink) -> None:
-        """Write the rows of a SELECT query as tab-separated values, as they are found."""
-        found = self._run(query)
-        with translated_errors(self.location, query):
-            rows = cast("engine.QuerySolutions", found)
-            rows.serialize(cast(BinaryIO, stream), format=engine.QueryResultsFormat.TSV)
+    def rows(self, query: str) -> Iterator[list[str]]:
+        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
+        with tempfile.TemporaryDirectory(prefix="hilt-") as folder:
+            file = Path(folder) / "rows.tsv"
+            with translated_errors(self.location, query):
+                found = cast("engine.QuerySolutions", self._run(query))
+                found.serialize(str(file), format=engine.QueryResultsFormat.TSV)
+            with file.open(encoding="utf-8", newline="\n") as lines:
+                lines.readline()  # the names of the variables
+                while text := lines.read(_BUFFER) + lines.readline():
+                    yield text.removesuffix("\n").split("\n")
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""

@@ -15,6 +15,7 @@ from ...ontology.errors import DataError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
 from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.terms import Quad
+from .base import batched
 from .errors import syntax_error, translated_errors, translated_text_errors
 from .term_conversion import from_engine, quad_from_engine, quad_to_engine, triple_to_engine
 
@@ -99,8 +100,7 @@ def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]
         return
     lines = RDF_FORMATS[line_format(format)]
     try:
-        quads = engine.parse(stream, format=chosen)
-        while some := list(islice(quads, _BATCH)):
+        for some in batched(engine.parse(stream, format=chosen), _BATCH):
             written = some if chosen.supports_datasets else [quad.triple for quad in some]
             yield cast(bytes, engine.serialize(written, format=lines))
     except SyntaxError as error:

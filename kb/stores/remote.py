@@ -16,7 +16,6 @@ import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from decimal import Decimal
-from itertools import islice
 from pathlib import Path
 from urllib.parse import urlencode, urljoin
 
@@ -41,6 +40,7 @@ from ..sparql.results import (
     read_boolean,
     read_solutions,
 )
+from .base import batched
 from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
 
 BATCH = 1_000  # statements of one update; some engines take no more than 1,400
@@ -147,7 +147,7 @@ class RemoteStore:
             if len(old) + len(new) <= BATCH:
                 self._write(delete_insert(old, new), may_repeat=True)
                 return
-            for part in _batches(old):
+            for part in batched(old, BATCH):
                 self._write(delete_insert(part, []), may_repeat=True)
             self._insert(new)
 
@@ -213,7 +213,7 @@ class RemoteStore:
             if self._address.graphs and graph:
                 self._post(graph, inside)
             else:
-                for part in _batches(inside):
+                for part in batched(inside, BATCH):
                     self._write(insert_data(part), may_repeat=True)
 
     def _post(self, graph: Iri, quads: Sequence[Quad]) -> None:
@@ -263,9 +263,3 @@ def _number_variants(quad: Quad) -> Iterator[Quad]:
         yield quad._replace(object=int(value))
     elif type(value) is int:
         yield quad._replace(object=Decimal(value))
-
-
-def _batches(quads: Iterable[Quad]) -> Iterator[list[Quad]]:
-    rest = iter(quads)
-    while part := list(islice(rest, BATCH)):
-        yield part

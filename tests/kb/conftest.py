@@ -7,9 +7,12 @@ from collections.abc import Callable, Iterator
 from datetime import datetime, timedelta, timezone
 from itertools import count
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
+from hilt.kb.bulk.reconciliation import ImportSummary
+from hilt.kb.formats.import_export import import_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
@@ -40,6 +43,21 @@ def ticking() -> Callable[[], datetime]:
     """A clock that goes on by a second whenever it is read."""
     seconds = count()
     return lambda: START + timedelta(seconds=next(seconds))
+
+
+def import_text(
+    base: KnowledgeBase,
+    data: bytes,
+    *,
+    format: str,  # noqa: A002
+    source: str = "text",
+    dry_run: bool = False,
+) -> ImportSummary:
+    """Import a file of a name with some content."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / source
+        file.write_bytes(data)
+        return import_file(base, file, format=format, dry_run=dry_run)
 
 
 def teach(kb: KnowledgeBase, *rules: Rule, speaker: str = "sam") -> None:

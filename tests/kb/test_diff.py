@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.diff import compare_bases, find_rule, last_taught_rules, rule_changes
-from hilt.kb.formats.import_export import import_text
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.learned_words import LearnedWord
@@ -18,7 +17,7 @@ from hilt.kb.rule import Atom, Rule, functional
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import UnknownNameError, ValidationError
 
-from .conftest import BLADE, CUTTING, HANDLE, teach, ticking
+from .conftest import BLADE, CUTTING, HANDLE, import_text, teach, ticking
 from .strategies import rules
 
 OFTEN = functional("knife", "cutting", interval=Interval(0.75, 1))

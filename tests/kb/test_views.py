@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.formats.import_export import import_text
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional
@@ -17,7 +16,7 @@ from hilt.kb.stores.opening import open_store
 from hilt.kb.views import parse_moment, view
 from hilt.ontology.errors import DataError, UnknownNameError
 
-from .conftest import BLADE, CUTTING, HANDLE, START, teach, ticking
+from .conftest import BLADE, CUTTING, HANDLE, START, import_text, teach, ticking
 from .strategies import rules
 
 OFTEN = functional("knife", "cutting", interval=Interval(0.75, 1))

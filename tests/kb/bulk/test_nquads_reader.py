@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.bulk.nquads_reader import (
+    LineReader,
     RuleBlock,
     StatementGroup,
     expand_blocks,
-    line_reader,
     read_groups,
 )
 from hilt.kb.rdf.annotated_turtle import ReifyingTriple
@@ -108,7 +108,7 @@ def test_wrong_lines_are_told_with_their_number(line: str):
 def test_chunks_may_end_anywhere(size: int):
     """Also within a line, and within a character."""
     text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
-    reader = line_reader("nquads", source="x", default=BELIEFS)
+    reader = LineReader(format="nquads", source="x", default=BELIEFS)
 
     def read() -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
         for start in range(0, len(text), size):
