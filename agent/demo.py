@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.panel import Panel
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from .agent import Agent
 from .dialogue.reply import Reply
@@ -63,11 +63,19 @@ class ExampleReplies:
 
 def run(agent: Agent, progress: Console, folder: Path) -> ExampleReplies:
     """Run the example and write its pictures."""
-    with _progress(progress) as step:
-        lessons = tuple(step(text, agent) for text in LESSONS)
-        passed = step(COMMAND, agent, folder)
-        afterwards = tuple(step(text, agent) for text in AFTERWARDS)
-    return ExampleReplies(lessons, (passed, *afterwards), agent.simulate)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    replies: list[Reply] = []
+    with Progress(*columns, console=progress, transient=True) as bar:
+        task = bar.add_task("", total=len(LESSONS) + 1 + len(AFTERWARDS))
+        for text in (*LESSONS, COMMAND, *AFTERWARDS):
+            bar.update(task, description=text)
+            is_recorded = text == COMMAND and agent.simulate
+            with _recorded(agent, folder) if is_recorded else nullcontext([]) as pictures:
+                reply = agent.hear(text)
+            replies.append(reply.with_pictures(*pictures) if pictures else reply)
+            bar.advance(task)
+    told = len(LESSONS)
+    return ExampleReplies(tuple(replies[:told]), tuple(replies[told:]), agent.simulate)
 
 
 def show(example: ExampleReplies, out: Console, agent: Agent) -> None:
@@ -87,29 +95,6 @@ def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
         out.print(shown.goal_result(reply.result, agent.quote))
         for picture in reply.result.world.pictures:
             out.print(f"wrote {picture}", markup=False)
-
-
-@contextmanager
-def _progress(out: Console) -> Generator[_Step]:
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=out, transient=True) as bar:
-        task = bar.add_task("", total=len(LESSONS) + 1 + len(AFTERWARDS))
-        yield _Step(bar, task)
-
-
-class _Step:
-    def __init__(self, bar: Progress, task: TaskID) -> None:
-        self._bar, self._task = bar, task
-
-    def __call__(self, text: str, agent: Agent, folder: Path | None = None) -> Reply:
-        self._bar.update(self._task, description=text)
-        recording: AbstractContextManager[list[str]] = nullcontext([])
-        if folder and agent.simulate:
-            recording = _recorded(agent, folder)
-        with recording as pictures:
-            reply = agent.hear(text)
-        self._bar.advance(self._task)
-        return reply.with_pictures(*pictures) if pictures else reply
 
 
 @contextmanager

@@ -21,8 +21,7 @@ from ..inference.taxonomy import Taxonomy
 from ..kb.episodes import Episode
 from ..kb.knowledge_base import KnowledgeBase
 from ..kb.learned_words import LearnedWord
-from ..kb.rule import Rule
-from ..kb.views import RuleView, view
+from ..kb.views import view
 from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent
 from .config import AgentConfig, actions_with, load_language, open_base
@@ -147,7 +146,7 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[LearnedWord], *, gu
 def _run(
     agent: Agent, base: KnowledgeBase, episode: Episode, circumstances: Mapping[str, Any]
 ) -> ReplayResult:
-    past = PastRules(view(base.reader, at=episode.utterance or 0))
+    past = view(base.reader, at=episode.utterance or 0)
     household = agent.embodiment.household
     agent.goals.affordances = Affordances(
         InducedRuleSource(past, household.objects, household.classes)
@@ -168,22 +167,6 @@ def _run(
         {key: repeated[key] for key in COMPARED},
         result,
     )
-
-
-@dataclass(frozen=True)
-class PastRules:
-    """The rules that held at some time, as a source of rules that never changes."""
-
-    held: RuleView
-    sequence: int = 0
-
-    def rules(self) -> Sequence[Rule]:
-        """Return all rules that held."""
-        return self.held.all
-
-    def rules_at_nodes(self, nodes: Sequence[str]) -> Sequence[Rule]:
-        """Return the rules that held at any of the given nodes."""
-        return self.held.rules_at_nodes(nodes)
 
 
 def _differences(path: str, before: object, after: object) -> Iterator[str]:

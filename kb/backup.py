@@ -11,13 +11,13 @@ import os
 import shutil
 import tempfile
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from ..ontology.errors import InUseError, StoreError
 from .knowledge_base import KnowledgeBase
-from .stores.base import MEMORY, Store
-from .stores.directory import replaced_place
+from .stores.base import MEMORY
+from .stores.directory import replaced_place, sync
 from .stores.opening import open_store
 from .stores.oxigraph import open_folder
 
@@ -46,7 +46,7 @@ def backup(base: KnowledgeBase, target: Path) -> int:
         number = check(place)
         _sync(place)
         place.rename(target)
-        _sync_folder(target.parent)
+        sync(target.parent)
     return number
 
 
@@ -125,25 +125,20 @@ def _exchange(place: Path, target: Path) -> None:
     old = replaced_place(target)
     target.rename(old)
     place.rename(target)
-    _sync_folder(target.parent)
+    sync(target.parent)
     shutil.rmtree(old)
 
 
 def _restore_endpoint(source: Path, location: str, *, replace: bool) -> None:
-    backup_store, store = open_store(source, read_only=True), open_store(location)
-    try:
+    with (
+        closing(open_store(source, read_only=True)) as backup_store,
+        closing(open_store(location)) as store,
+    ):
         before = list(store.quads())
         if before and not replace:
             raise StoreError(_OCCUPIED.format(store.location))
         with store.writing():
             store.apply(delete=before, insert=list(backup_store.quads()))
-    finally:
-        _close(backup_store, store)
-
-
-def _close(*stores: Store) -> None:
-    for store in stores:
-        store.close()
 
 
 @contextmanager
@@ -163,16 +158,5 @@ def _sync(folder: Path) -> None:
     """Flush all files of a folder to disk."""
     for file in folder.rglob("*"):
         if file.is_file():
-            with file.open("rb") as opened:
-                os.fsync(opened.fileno())
-    _sync_folder(folder)
-
-
-def _sync_folder(folder: Path) -> None:
-    if os.name == "nt":  # folders cannot be opened there
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+            sync(file)
+    sync(folder)

@@ -30,9 +30,13 @@ _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
 @dataclass(frozen=True)
 class RuleView:
-    """The rules that held at some time or for one speaker, in the order they were last said."""
+    """The rules that held at some time or for one speaker, in the order they were last said.
+
+    It is a source of rules that never changes, and so is its `sequence`.
+    """
 
     all: tuple[Rule, ...]
+    sequence: int = 0
 
     def rules(
         self,

@@ -9,12 +9,12 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
-from .. import config
+from .. import config, presentation
 from ..config import open_base
 from ..presentation.plain_text import printable
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ...kb.knowledge_base import KnowledgeBase
     from ..agent import Agent
     from ..dialogue.reply import Reply
-    from ..execution.outcome import Json
 
 FAILED = 1  # exit code
 STDIN = "-"  # instead of a text
@@ -73,22 +72,28 @@ def spinner(doing: str) -> AbstractContextManager[object]:
 
 
 def converse(
-    agent: Agent, text: str, hear: Callable[[str], Reply], as_json: Callable[[Reply], Json] | None
-) -> bool:
-    """Say each utterance and print its reply at once; return whether all were done."""
+    agent: Agent,
+    text: str,
+    speaker: str,
+    only: Literal["tell", "do", "ask"],
+    *,
+    heard: float = 1.0,
+    as_json: bool,
+) -> None:
+    """Say each utterance and print its reply at once; exit with code 1 unless all were done."""
     done = True
     for said in utterances(text):
         with spinner(said):
-            reply = hear(said)
+            reply = agent.hear(said, speaker=speaker, only=only, heard=heard)
         done = done and reply.is_done
-        if as_json:
-            print_json(as_json(reply))
+        if as_json or text == STDIN:
+            print_json(getattr(reply, f"as_{only}_json")())
         elif reply.ending == "not_understood":
             report_error(reply.said)
         else:
             _show_reply(agent, reply)
             _hint_at_trust(agent, reply)
-    return done
+    exit_with(done)
 
 
 def _hint_at_trust(agent: Agent, reply: Reply) -> None:
@@ -100,9 +105,7 @@ def _hint_at_trust(agent: Agent, reply: Reply) -> None:
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:
-    from ..presentation import console
-
-    out = terminal()
+    out, console = terminal(), presentation.console
     out.print(console.turn(reply))
     if reply.result and reply.result.steps:
         out.print(console.goal_result(reply.result, agent.quote))
@@ -164,6 +167,11 @@ def show(
         print_json([each.as_json() for each in cast("Sequence[Any]", found)])
     else:
         print_json(found.as_json())
+
+
+def announce(document: object, text: str, *, as_json: bool, err: bool = False) -> None:
+    """Print what was done, as JSON or in words."""
+    print_json(document) if as_json else typer.echo(text, err=err)
 
 
 def write_svg(path: Path, svg: str) -> None:

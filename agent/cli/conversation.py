@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from .. import presentation
 from ..config import AgentConfig
-from .common import STDIN, converse, exit_with, open_for_reading, print_json, show, terminal
+from .common import converse, exit_with, open_for_reading, print_json, show, terminal
 from .options import (
     EVERY,
     LANGUAGE,
@@ -69,13 +70,7 @@ def tell(
     from ..agent import Agent
 
     with Agent.open(kb, config) as agent:
-        done = converse(
-            agent,
-            text,
-            lambda said: agent.hear(said, speaker=speaker, only="tell", heard=heard),
-            (lambda reply: reply.as_tell_json()) if as_json or text == STDIN else None,
-        )
-    exit_with(done)
+        converse(agent, text, speaker, "tell", heard=heard, as_json=as_json)
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
@@ -94,13 +89,7 @@ def do(
     from ..agent import Agent
 
     with Agent.open(kb, config) as agent, _filmed(agent, record):
-        done = converse(
-            agent,
-            text,
-            lambda said: agent.hear(said, speaker=speaker, only="do", heard=heard),
-            (lambda reply: reply.as_do_json()) if as_json or text == STDIN else None,
-        )
-    exit_with(done)
+        converse(agent, text, speaker, "do", heard=heard, as_json=as_json)
 
 
 def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
@@ -125,13 +114,7 @@ def ask(
     from ..agent import Agent
 
     with Agent.open(kb, replace(config, simulate=False)) as agent:
-        done = converse(
-            agent,
-            text,
-            lambda said: agent.hear(said, speaker=speaker, only="ask"),
-            (lambda reply: reply.as_ask_json()) if as_json or text == STDIN else None,
-        )
-    exit_with(done)
+        converse(agent, text, speaker, "ask", as_json=as_json)
 
 
 @app.command(epilog=example("chat --no-sim"))
@@ -148,8 +131,6 @@ def chat(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> Non
 @app.command(epilog=example("words --json"))
 def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the words and the turns of phrase that were learned, with their teachers."""
-    from ..presentation import console
-
     with open_for_reading(kb) as base:
         found = [*base.words(), *base.phrases()]
-    show(found, console.words, as_json=as_json)
+    show(found, presentation.console.words, as_json=as_json)

@@ -12,7 +12,7 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.plain_text import counted
-from .common import exit_with, open_base, open_for_reading, print_json, terminal
+from .common import announce, exit_with, open_base, open_for_reading, print_json, terminal
 from .options import AsJson, Kb, app, example
 
 if TYPE_CHECKING:
@@ -192,10 +192,8 @@ def backup(
 
     with open_for_reading(kb, must_exist=True) as base:
         number = save(base, folder)
-    if as_json:
-        print_json({"backup": str(folder), "sequence": number})
-    else:
-        typer.echo(f"Saved up to utterance {number} in {folder}.", err=True)
+    text = f"Saved up to utterance {number} in {folder}."
+    announce({"backup": str(folder), "sequence": number}, text, as_json=as_json, err=True)
 
 
 @app.command(epilog=example("restore saved/ --replace"))
@@ -213,7 +211,5 @@ def restore(
 
     location = kb or str(default_location())
     number = put_back(folder, location, replace=replace)
-    if as_json:
-        print_json({"restored": str(folder), "sequence": number})
-    else:
-        typer.echo(f"Restored up to utterance {number} from {folder}.", err=True)
+    text = f"Restored up to utterance {number} from {folder}."
+    announce({"restored": str(folder), "sequence": number}, text, as_json=as_json, err=True)

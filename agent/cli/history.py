@@ -13,8 +13,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError, HiltError
+from .. import config, presentation
 from ..presentation.plain_text import counted
-from .common import exit_with, open_base, open_for_reading, print_json, show, spinner, terminal
+from .common import (
+    announce,
+    exit_with,
+    open_base,
+    open_for_reading,
+    print_json,
+    show,
+    spinner,
+    terminal,
+)
 from .options import AsJson, Gui, Kb, Record, Speaker, app, example
 
 if TYPE_CHECKING:
@@ -42,13 +52,12 @@ def history(
 ) -> None:
     """List the utterances: when, by whom, and their effect on the rules."""
     from ...kb.diff import find_rule
-    from ..presentation import console
 
     with open_for_reading(kb) as base:
         rule = find_rule(base.reader, about) if about else None
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
         shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
-    show(shown, console.history, as_json=as_json)
+    show(shown, presentation.console.history, as_json=as_json)
 
 
 @app.command(epilog=example("forget last"))
@@ -73,12 +82,8 @@ def forget(
         before = base.sequence
         said = _forgotten(base, what, speaker)
         done = list(rule_changes(base.reader, since=before))
-    if as_json:
-        print_json(
-            {"said": said, "retracted": [r.as_json() for one in done for r in one.retracted]}
-        )
-    else:
-        typer.echo(said)
+    retracted = [rule.as_json() for one in done for rule in one.retracted]
+    announce({"said": said, "retracted": retracted}, said, as_json=as_json)
 
 
 @app.command(epilog=example("watch --json"))
@@ -95,13 +100,11 @@ def watch(
     as_json: AsJson = False,
 ) -> None:
     """Show changes as they happen, until Ctrl-C; others may go on teaching meanwhile."""
-    from ..presentation import console
-
     out = terminal()
     try:
-        for change in _changes(_location(kb), since, every, seconds):
+        for change in _changes(kb or str(config.default_location()), since, every, seconds):
             print_json(change.as_json()) if as_json else out.print(
-                console.change(change), soft_wrap=True
+                presentation.console.change(change), soft_wrap=True
             )
     except KeyboardInterrupt:
         return
@@ -115,11 +118,10 @@ def diff(
 ) -> None:
     """Show how what B believes differs from what A believes; exit code 1 when it does."""
     from ...kb.diff import compare_bases
-    from ..presentation import console
 
     with _opened(one) as before, _opened(other) as after:
         found = compare_bases(before.reader, after.reader)
-    show(found, console.difference, as_json=as_json, soft_wrap=True)
+    show(found, presentation.console.difference, as_json=as_json, soft_wrap=True)
     exit_with(found.is_empty)
 
 
@@ -133,12 +135,11 @@ def merge(
 ) -> None:
     """Add what B knows to A, whole or not at all, and report the conflicts."""
     from .. import merge_report
-    from ..presentation import console
 
     opened = open_for_reading if dry_run else open_base
     with opened(into) as base, _opened(other) as source:
         found = merge_report.merge(base, source, name=other, dry_run=dry_run)
-    show(found, console.merge_result, as_json=as_json)
+    show(found, presentation.console.merge_result, as_json=as_json)
 
 
 @app.command(epilog=example("episodes --last 5"))
@@ -149,8 +150,6 @@ def episodes(
     as_json: AsJson = False,
 ) -> None:
     """List the episodes: each command with its time, outcome, object and part."""
-    from ..presentation import console
-
     with open_for_reading(kb) as base:
         found = list(base.episodes())
     shown = found[-last:] if last else found
@@ -161,7 +160,7 @@ def episodes(
             for one in shown
         ])  # fmt: skip
     else:
-        terminal().print(console.episodes(shown))
+        terminal().print(presentation.console.episodes(shown))
 
 
 @app.command(epilog=example("experience --object screwdriver"))
@@ -174,12 +173,11 @@ def experience(
 ) -> None:
     """List how often grasps held, by object, part, action and robot, and what follows from it."""
     from ...inference.experience import read_records
-    from ..presentation import console
 
     given = {"object": name, "part": part}
     with open_for_reading(kb) as base:
         found = read_records(base, **{key: value for key, value in given.items() if value})
-    show(found, console.experience, as_json=as_json)
+    show(found, presentation.console.experience, as_json=as_json)
 
 
 @app.command(epilog=example("replay last --record again.gif"))
@@ -194,7 +192,6 @@ def replay(
     as_json: AsJson = False,
 ) -> None:
     """Run an episode again from its seed and its rules; exit code 1 when the result differs."""
-    from ..presentation import console
     from ..replay import replay as run
 
     with open_for_reading(kb) as base:
@@ -202,9 +199,7 @@ def replay(
             found = run(base, which, gui=gui, film=record)
         show(
             found,
-            lambda replayed: console.replay_result(
-                replayed, lambda said: base.utterance(said).text
-            ),
+            lambda one: presentation.console.replay_result(one, lambda n: base.utterance(n).text),
             as_json=as_json,
         )
     exit_with(not found.differences)
@@ -220,7 +215,6 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     """Forget what was named; what was done, as a sentence."""
     from ...kb.diff import find_rule, last_taught_rules
-    from ..presentation.console import rule_text
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:
@@ -249,16 +243,10 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     over = [rule for rule in gone if rule.status != "active"]
     if over:
         raise HiltError(f"{over[0].id} is {over[0].status} already.")
-    answer = f"Forgot {'; '.join(map(rule_text, gone))}."
+    answer = f"Forgot {'; '.join(map(presentation.console.rule_text, gone))}."
     ids = [rule.id for rule in gone]
     base.believe(said, "", speaker, [], retracts=ids, kind="correction", answer=answer)
     return answer
-
-
-def _location(kb: str | None) -> str:
-    from ..config import default_location
-
-    return kb or str(default_location())
 
 
 def _changes(

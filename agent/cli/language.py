@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from ...ontology.errors import DataError
+from .. import presentation
 from .common import (
+    announce,
     exit_with,
     print_json,
     read_text,
     report_error,
     show,
-    terminal,
     utterances,
     write_svg,
 )
@@ -58,12 +59,11 @@ def parse(
         _parse_file(session, jsonl, speaker)
         return
     from ...nlu.parsing.derivation_views import draw_svg
-    from ..presentation import console
 
     session = session.after(before or (), speaker=speaker)
     understood = [session.hear(said, speaker=speaker)[0] for said in utterances(text or "")]
     for found in understood:
-        show(found, console.understanding, as_json=as_json)
+        show(found, presentation.console.understanding, as_json=as_json)
         if svg is not None and found.derivation is not None:
             write_svg(svg, draw_svg(found.derivation))
     exit_with(all(found.reading is not None for found in understood))
@@ -87,7 +87,7 @@ def check(
     entries = sum(1 for _ in _session(file).language.lexicon.senses()) - before
     check_spellings(file, language.parser.features)
     found = {"file": str(file), "entries": entries}
-    print_json(found) if as_json else terminal().print(f"{file}: {entries} entries, no mistake.")
+    announce(found, f"{file}: {entries} entries, no mistake.", as_json=as_json)
 
 
 @lexicon_app.command(name="list", epilog=example("lexicon list knife"))

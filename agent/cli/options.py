@@ -112,19 +112,11 @@ def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, object]]:
 
 def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[inspect.Parameter]:
     """The parameters of a command with options in place of `config`."""
-    signature = inspect.signature(command, eval_str=True)
-    own = [each for each in signature.parameters.values() if each.name != "config"]
+    own = inspect.signature(command, eval_str=True).parameters.values()
     options = [_parameter(OPTIONS[name]) for name in names]
     options.append(_keyword("config", ConfigFile))
-    return [
-        *(each for each in own if each.kind is not inspect.Parameter.KEYWORD_ONLY),
-        *options,
-        *(
-            each
-            for each in own
-            if each.kind is inspect.Parameter.KEYWORD_ONLY and each.name != "config"
-        ),
-    ]
+    others = (each for each in own if each.name != "config")
+    return sorted([*options, *others], key=lambda each: each.kind)  # keywords come last
 
 
 def _parameter(option: ConfigOption) -> inspect.Parameter:

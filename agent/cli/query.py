@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import QueryError
-from .common import open_base, open_for_reading, print_json, read_sparql, spinner, terminal
+from .. import presentation
+from .common import (
+    announce,
+    open_base,
+    open_for_reading,
+    print_json,
+    read_sparql,
+    spinner,
+    terminal,
+)
 from .options import AsJson, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
@@ -85,11 +94,8 @@ def update(
     with opened(kb) as base:
         text, limits = read_sparql(sparql), QueryLimits(timeout, memory)
         said = apply(base, text, speaker=speaker, limits=limits, dry_run=dry_run)
-    if as_json:
-        print_json({"updated": not dry_run, "sequence": said.sequence})
-    else:
-        done = "The update is valid." if dry_run else f"Updated; number {said.sequence} in history."
-        typer.echo(done, err=True)
+    done = "The update is valid." if dry_run else f"Updated; number {said.sequence} in history."
+    announce({"updated": not dry_run, "sequence": said.sequence}, done, as_json=as_json, err=True)
 
 
 def _asked(question: str) -> NamedQuery:
@@ -115,9 +121,7 @@ def _print(found: QueryResult, format_: str) -> None:
     from ...kb.stores.result_serialization import write_result
 
     if format_ == TABLE:
-        from ..presentation import console
-
-        terminal().print(console.results(found))
+        terminal().print(presentation.console.results(found))
     else:
         typer.echo(write_result(found, format_), nl=False)
 
@@ -133,6 +137,4 @@ def _list(*, as_json: bool) -> None:
             for one in named
         ])  # fmt: skip
         return
-    from ..presentation import console
-
-    terminal().print(console.questions(named))
+    terminal().print(presentation.console.questions(named))

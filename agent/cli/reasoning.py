@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .. import presentation
 from ..config import AgentConfig
 from .common import exit_with, open_base, open_for_reading, print_json, show, terminal, write_svg
 from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
@@ -34,20 +35,19 @@ def explain(
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
     from ..agent import Agent
-    from ..presentation import console, proof_svg
 
     with Agent.open(kb, replace(config, simulate=False)) as agent:
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
         decision = reply.result.decision if reply.result else None
         changes = _changes(agent, decision)
         if svg and decision:
-            write_svg(svg, proof_svg.draw_svg(decision))
+            write_svg(svg, presentation.proof_svg.draw_svg(decision))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
             print_json(said | {"proofs": proofs, "changes": [each.as_json() for each in changes]})
         else:
-            terminal().print(console.explanation(reply, changes))
+            terminal().print(presentation.console.explanation(reply, changes))
     exit_with(reply.is_done)
 
 
@@ -65,11 +65,10 @@ def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
 def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that contradict each other, the heaviest conflict first."""
     from ...inference.conflicts import find_conflicts
-    from ..presentation import console
 
     with open_for_reading(kb) as base:
         found = find_conflicts(base.rules())
-    show(found, console.conflicts, as_json=as_json)
+    show(found, presentation.console.conflicts, as_json=as_json)
 
 
 @app.command(epilog=example("induce --json"))
@@ -77,12 +76,11 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that follow by similarity from those that were taught."""
     from ...inference.induction import induce as find
     from ...ontology.objects import load_household
-    from ..presentation import console
 
     household = load_household()
     with open_for_reading(kb) as base:
         found = find(base.rules(), household.objects, classes=household.classes)
-    show(found, console.induced, as_json=as_json)
+    show(found, presentation.console.induced, as_json=as_json)
 
 
 @app.command(epilog=example("abduce affordance:cutting --given property:sharp"))
@@ -101,7 +99,6 @@ def abduce(
     from ...inference.abduction import find_hypotheses, parse_conclusion
     from ...inference.taxonomy import Taxonomy
     from ...kb.rule import Atom
-    from ..presentation import console
 
     known = frozenset(Atom.parse(each) for each in given or ())
     with open_base(kb) as base:
@@ -111,5 +108,5 @@ def abduce(
             given=known,
             taxonomy=Taxonomy.from_base(base),
         )
-    show(found, console.hypotheses, as_json=as_json)
+    show(found, presentation.console.hypotheses, as_json=as_json)
     exit_with(bool(found))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
+from .. import presentation
 from ..presentation.plain_text import counted
 from .common import STDIN, open_base, open_for_reading, print_json, show, write_bytes
 from .options import AsJson, Kb, app, example
@@ -49,9 +50,7 @@ def rules(
         according_to = according_to and base.match_speaker(according_to)
         source = base if is_now else view(base.reader, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
-    from ..presentation import console
-
-    show(found, console.rules, as_json=as_json)
+    show(found, presentation.console.rules, as_json=as_json)
 
 
 @app.command(epilog=example("trust anna 0.9"))
@@ -96,13 +95,12 @@ def trust(
 def _suggest_trust(speaker: str | None, kb: str | None, *, as_json: bool) -> None:
     """Show how the grasps turned out as each speaker told, and the trust that agrees with it."""
     from ...inference.experience import read_records, teacher_records
-    from ..presentation import console
 
     with open_for_reading(kb) as base:
         name = speaker and base.match_speaker(speaker)
         found = teacher_records(base.rules(), base.trust_by_speaker(), read_records(base))
     shown = [one for one in found if name in {None, one.speaker}]
-    show(shown, console.teachers, as_json=as_json)
+    show(shown, presentation.console.teachers, as_json=as_json)
 
 
 @app.command(epilog=example("graph knife.svg --object knife"))

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+from . import console, proof_svg
 from .video import Film
 
-__all__ = ["Film"]
+__all__ = ["Film", "console", "proof_svg"]

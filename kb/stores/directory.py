@@ -88,9 +88,9 @@ class WriteAheadLogSync:
         for name, size in sizes.items():
             if self._synced.get(name) != size:
                 with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
-                    _sync(self._folder / name)
+                    sync(self._folder / name)
         if not sizes.keys() <= self._synced.keys():
-            _sync(self._folder)  # a new file is safe only when its directory entry is on disk too
+            sync(self._folder)  # a new file is safe only when its directory entry is on disk too
         self._synced = sizes
         return True
 
@@ -205,9 +205,12 @@ def _log_sizes(folder: Path) -> dict[str, int]:
         return {one.name: one.stat().st_size for one in entries if one.name.endswith(_LOG_SUFFIX)}
 
 
-def _sync(path: Path) -> None:
+def sync(path: Path) -> None:
+    """Wait until a file or the entries of a folder are on disk."""
+    if path.is_dir() and os.name == "nt":  # folders cannot be opened there
+        return
     handle = os.open(path, os.O_RDONLY)
     try:
-        os.fsync(handle) if path.is_dir() else os.fdatasync(handle)
+        os.fsync(handle) if path.is_dir() else getattr(os, "fdatasync", os.fsync)(handle)
     finally:
         os.close(handle)

@@ -36,7 +36,7 @@ from .query_subprocess import BOOLEAN, ROWS, TRIPLES, WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
-_BUFFER = 2**18  # characters that are split into rows at once
+_BUFFER = 2**18  # bytes that are split into rows at once
 
 
 class OxigraphStore:
@@ -185,10 +185,10 @@ class OxigraphStore:
             with translated_errors(self.location, query):
                 found = cast("engine.QuerySolutions", self._run(query))
                 found.serialize(str(file), format=engine.QueryResultsFormat.TSV)
-            with file.open(encoding="utf-8", newline="\n") as lines:
+            with file.open("rb") as lines:
                 lines.readline()  # the names of the variables
                 while text := lines.read(_BUFFER) + lines.readline():
-                    yield text.removesuffix("\n").split("\n")
+                    yield text.decode().removesuffix("\n").split("\n")
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""

@@ -2,7 +2,7 @@
 """Serialization of query results: JSON, CSV, TSV and XML of SPARQL 1.1, and Turtle.
 
 Rows have the first four formats, booleans JSON and XML, statements all; Turtle is for statements
-only. pyoxigraph serializes only the results of its own queries, which those of an endpoint are not.
+only.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable, Iterator, Mapping
-from xml.sax.saxutils import escape, quoteattr
+from collections.abc import Callable, Mapping
+from typing import cast
 
 from ...ontology.errors import QueryError
-from ..rdf.terms import BLANK, STRING, Iri, Term, as_sparql, lexical
+from ..rdf.terms import BLANK, Iri, Term, as_sparql, lexical
 from ..sparql.results import BooleanResult, ConstructResult, QueryResult, SelectResult
 
 _ILLEGAL_IN_XML = dict.fromkeys(
@@ -48,14 +48,11 @@ def _tsv(found: QueryResult) -> str:
 
 
 def _xml(found: QueryResult) -> str:
-    if isinstance(found, BooleanResult):
-        inside = [" <head/>", f" <boolean>{str(found.value).lower()}</boolean>"]
-    else:
-        names = "".join(f"<variable name={quoteattr(name)}/>" for name in found.variables)
-        inside = [f" <head>{names}</head>", " <results>", *_xml_rows(found), " </results>"]
-    head = '<?xml version="1.0" encoding="UTF-8"?>\n'
-    space = 'xmlns="http://www.w3.org/2005/sparql-results#"'
-    return "\n".join([f"{head}<sparql {space}>", *inside, "</sparql>\n"])
+    import pyoxigraph as engine
+
+    document, formats = json.dumps(found.as_json()), engine.QueryResultsFormat
+    written = engine.parse_query_results(document, formats.JSON).serialize(format=formats.XML)
+    return cast(bytes, written).decode().translate(_ILLEGAL_IN_XML)
 
 
 def _turtle(found: QueryResult) -> str:
@@ -91,24 +88,3 @@ def _plain(term: Term | None) -> str:
 
 def _turtle_term(term: Term) -> str:
     return str(term) if isinstance(term, Iri) and term.startswith(BLANK) else as_sparql(term)
-
-
-def _xml_rows(found: SelectResult) -> Iterator[str]:
-    for row in found:
-        named = zip(found.variables, row, strict=True)
-        cells = (
-            f"<binding name={quoteattr(name)}>{_xml_term(term)}</binding>"
-            for name, term in named
-            if term is not None
-        )
-        yield f"  <result>{''.join(cells)}</result>"
-
-
-def _xml_term(term: Term) -> str:
-    if isinstance(term, Iri):
-        tag, text = ("bnode", term[len(BLANK) :]) if term.startswith(BLANK) else ("uri", str(term))
-        return f"<{tag}>{escape(text)}</{tag}>"
-    text, datatype, language = lexical(term)
-    kind = f" datatype={quoteattr(datatype)}" if datatype != STRING and not language else ""
-    spoken = f" xml:lang={quoteattr(language)}" if language else ""
-    return f"<literal{kind}{spoken}>{escape(text.translate(_ILLEGAL_IN_XML))}</literal>"
