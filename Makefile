@@ -33,7 +33,7 @@ bench: $(READY) .venv/.extras  ## speed, beside named peers where there are any
 	@$(BIN)/pytest benchmarks -s
 
 docs: $(READY)  ## write the page of commands again
-	@$(BIN)/python -m hilt.agent.cli.reference > docs/commands.md
+	@$(BIN)/python docs/commands.py > docs/commands.md
 
 lock: $(READY)  ## update requirements.lock from pyproject.toml
 	@$(BIN)/pip install --quiet uv

@@ -5,8 +5,7 @@ nquads_reader   N-Quads and N-Triples, read subject by subject
 rule_nquads     rules as lines of N-Quads: serialization, and the fast reading of exports
 importer        the import, which checks rules as they stream by and writes them as one unit
 reconciliation  conflicts, trust and the numbering of utterances between an import and a base
-statement_scan  the statements of a graph as rows, in one pass over a store
-rule_scan       the rules of a store, in one pass
+statement_scan  the statements of a graph as rows, and the rules of a store, in one pass
 exporter        the export of statements as text
 """
 

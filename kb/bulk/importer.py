@@ -17,7 +17,8 @@ from array import array
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import chain, groupby
+from operator import itemgetter
 from typing import Protocol, runtime_checkable
 
 from ...ontology.errors import DataError, ValidationError
@@ -86,27 +87,6 @@ class ImportObserver(Protocol):
         ...
 
 
-@dataclass
-class _Progress:
-    """What is kept of what was read."""
-
-    observer: ImportObserver | None
-    rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
-    asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
-        default_factory=lambda: defaultdict(lambda: array("Q"))
-    )
-    ids: array[int] = field(default_factory=lambda: array("Q"))  # of new rules
-    utterances: array[int] = field(default_factory=lambda: array("Q"))  # of each; 0 where none
-    timeless: set[int] = field(default_factory=set[int])  # ids of new rules without a time
-    seen: set[int] = field(default_factory=set[int])
-    known: int = 0
-    conflicting: int = 0
-    conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
-    speakers: set[str] = field(default_factory=set[str])
-    trusted: set[str] = field(default_factory=set[str])
-    utterances_added: int = 0
-
-
 def import_statements(
     base: KnowledgeBase,
     statements: Iterable[Statements],
@@ -130,71 +110,196 @@ def import_statements(
         DataError: it cannot be read; says where.
         ValidationError: it breaks a law; the base is unchanged.
     """
-    progress = _Progress(observer)
-    rules = _read_rules(statements, progress, source)
-    return _import(base, rules, progress, source=source, dry_run=dry_run, check=check)
+    one = _Import(base, source, check, observer)
+    return one.run(one.read_rules(statements), dry_run=dry_run)
 
 
 def import_rules(
     base: KnowledgeBase, rules: Iterable[SerializedRule], *, source: str, dry_run: bool = False
 ) -> ImportSummary:
     """Import rules; as `import_statements`."""
-    progress = _Progress(None)  # nothing but rules is read, so no shape can be broken
-    return _import(base, rules, progress, source=source, dry_run=dry_run, check=check_invariants)
+    one = _Import(base, source, check_invariants)  # only rules are read, so no shape can be broken
+    return one.run(rules, dry_run=dry_run)
 
 
-def _import(
-    base: KnowledgeBase,
-    rules: Iterable[SerializedRule],
-    progress: _Progress,
-    *,
-    source: str,
-    dry_run: bool,
-    check: Callable[[Store], Iterable[ValidationFinding]],
-) -> ImportSummary:
-    with base.store.writing(), paused_garbage_collection():
-        plan = AncillaryWrites(base.sequence)
-        lines = _lines(base, rules, progress, plan, source=source, check=check)
-        if dry_run:
-            deque(lines, maxlen=0)
-        else:
-            _write(base.store, lines, plan, source)
-    return ImportSummary(
-        len(progress.ids),
-        progress.known,
-        progress.conflicting,
-        progress.utterances_added,
-        tuple(sorted(progress.speakers - progress.trusted)),
-        tuple(progress.conflicts),
+@dataclass
+class _Import:
+    """One import: what is kept of what was read, and what is written besides the rules."""
+
+    base: KnowledgeBase
+    source: str
+    check: Callable[[Store], Iterable[ValidationFinding]]
+    observer: ImportObserver | None = None
+    rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
+    asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
+        default_factory=lambda: defaultdict(lambda: array("Q"))
     )
+    ids: array[int] = field(default_factory=lambda: array("Q"))  # of new rules
+    utterances: array[int] = field(default_factory=lambda: array("Q"))  # of each; 0 where none
+    timeless: set[int] = field(default_factory=set[int])  # ids of new rules without a time
+    seen: set[int] = field(default_factory=set[int])
+    known: int = 0
+    conflicting: int = 0
+    conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
+    speakers: set[str] = field(default_factory=set[str])
+    trusted: set[str] = field(default_factory=set[str])
+    utterances_added: int = 0
 
-
-# Reading
-
-
-def _read_rules(
-    statements: Iterable[Statements], progress: _Progress, source: str
-) -> Iterator[SerializedRule]:
-    """The rules among statements; what belongs to none is put aside."""
-    fast, serializer = FastRuleReader(), RuleSerializer()
-    for item in statements:
-        if isinstance(item, RuleBlock):
-            rule = fast.read(item)
-            if rule:
-                yield rule
-                continue
-        for group in item.groups() if isinstance(item, RuleBlock) else [item]:
-            checked = _checked(group, source)
-            if checked.node.startswith(_RULES):
-                yield serializer.serialize(_read_rule(checked.node, checked.pairs))
+    def run(self, rules: Iterable[SerializedRule], *, dry_run: bool) -> ImportSummary:
+        """Import rules, and what was read besides them."""
+        store = self.base.store
+        with store.writing(), paused_garbage_collection():
+            plan = AncillaryWrites(self.base.sequence)
+            lines = self._lines(rules, plan)
+            if dry_run:
+                deque(lines, maxlen=0)
             else:
-                progress.rest += _besides_rules(checked, progress)
-        if len(progress.rest) > MAX_REST:
-            raise DataError(
-                f"has more than {MAX_REST} statements besides its rules; import the rules alone "
-                "(hilt export --rules), or restore a backup.",
-                source=source,
+                _write(store, lines, plan, self.source)
+        return ImportSummary(
+            len(self.ids),
+            self.known,
+            self.conflicting,
+            self.utterances_added,
+            tuple(sorted(self.speakers - self.trusted)),
+            tuple(self.conflicts),
+        )
+
+    def read_rules(self, statements: Iterable[Statements]) -> Iterator[SerializedRule]:
+        """The rules among statements; what belongs to none is put aside."""
+        fast, serializer = FastRuleReader(), RuleSerializer()
+        for item in statements:
+            if isinstance(item, RuleBlock):
+                rule = fast.read(item)
+                if rule:
+                    yield rule
+                    continue
+            for group in item.groups() if isinstance(item, RuleBlock) else [item]:
+                checked = _checked(group, self.source)
+                if checked.node.startswith(_RULES):
+                    yield serializer.serialize(_read_rule(checked.node, checked.pairs))
+                else:
+                    self.rest += self._besides_rules(checked)
+            if len(self.rest) > MAX_REST:
+                raise DataError(
+                    f"has more than {MAX_REST} statements besides its rules; import the rules "
+                    "alone (hilt export --rules), or restore a backup.",
+                    source=self.source,
+                )
+
+    def _besides_rules(self, group: StatementGroup) -> Iterator[Quad]:
+        """What has to be kept of the statements about a node that is no rule."""
+        node, graph, pairs = group
+        kind, name = split(node)
+        # Edges and labels are written again with the rules.
+        derived = _DERIVED if graph == BELIEFS and kind in _LABELLED else frozenset[Iri]()
+        # Formats without graphs have utterances among the beliefs.
+        is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
+        for key, value in pairs:
+            if is_utterance and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
+                self.asserted[int(name)].append(int(rule[1], 16))
+            elif key not in derived:
+                yield Quad(node, key, value, graph)
+
+    def _lines(self, rules: Iterable[SerializedRule], plan: AncillaryWrites) -> Iterator[bytes]:
+        """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
+        writer, before = NQuadsWriter(), plan.last
+        for rule in self._new_rules(rules):
+            writer.write_rule(rule)
+            yield from writer.taken()
+        staging = stage(self.rest, source=self.source)
+        self.rest.clear()
+        try:
+            raise_findings(self.check(staging))
+            other = RuleReader(staging)
+            plan_trust(plan, self.base, other)
+            plan_history(plan, self.base, self._utterances(other))
+            plan_rest(plan, self.base, other)
+            for _ in self._write_sources(plan, writer):
+                yield from writer.taken()
+            self.utterances_added = len({each for each in plan.numbers.values() if each > before})
+            self.trusted = {*self.base.speakers(), *other.speakers()}
+        finally:
+            staging.close()
+        yield from writer.taken(0)
+
+    def _new_rules(self, rules: Iterable[SerializedRule]) -> Iterator[SerializedRule]:
+        """The rules that the base does not have; what has to be known of them is kept."""
+        believed, observer = BelievedRules(self.base), self.observer
+        there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
+        for rule in rules:
+            number, utterance, time, *_ = rule
+            if number in there:
+                self.known += 1
+                if observer and there[number] != rule_mapping.status_iri(rule.status):
+                    observer.add_different(rule.rule)
+                continue
+            if number in self.seen:
+                continue
+            self.seen.add(number)
+            self.ids.append(number)
+            self.utterances.append(utterance or 0)
+            self.speakers.add(rule.speaker)
+            if time is None:
+                self.timeless.add(number)
+            if observer or (there and rule.status == "active"):
+                value = rule.rule
+                same = (
+                    believed.with_conclusion_of(value) if there and value.status == "active" else ()
+                )
+                found = conflicts_of(value, same)
+                self.conflicting += len(found)
+                self.conflicts += found[: MAX_LISTED - len(self.conflicts)]
+                if observer:
+                    observer.add_new(value, same)
+            yield rule
+
+    def _utterances(self, other: RuleReader) -> Iterator[Utterance]:
+        """The staged utterances, with the rules that they assert."""
+        for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
+            if isinstance(quad.object, int):
+                utterance = other.utterance(quad.object)
+                ids = map(_id, self.asserted.get(quad.object, ()))
+                yield replace(utterance, asserts=tuple(sorted({*utterance.asserts, *ids})))
+
+    def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[None]:
+        """Write where the rules come from, and everything else that is new; pause now and then."""
+        time = to_milliseconds(self.base.clock())
+        for numbers, which in self._without_utterance(plan):
+            plan.last += 1
+            plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
+            plan.add(import_utterance(self.source, plan.last, time, some=which))
+            writer.write_assertions(plan.last, numbers)
+            writer.write_property(numbers, DERIVED_FROM, utterance_iri(plan.last))
+            yield
+        for utterance, ids in plan.assertions:
+            writer.write_assertions(utterance, map(_number, ids))
+            yield
+        told = zip(self.ids, self.utterances, strict=True)
+        for utterance, some in groupby(told, key=itemgetter(1)):
+            if utterance in plan.numbers:
+                node = utterance_iri(plan.numbers[utterance])
+                writer.write_property((number for number, _ in some), DERIVED_FROM, node)
+        for numbers in batched(self.timeless, PER_UTTERANCE):
+            writer.write_property(numbers, GENERATED_AT, time)
+            yield
+        if plan.last:
+            plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
+        writer.write_quads(plan.insert)
+
+    def _without_utterance(self, plan: AncillaryWrites) -> Iterator[tuple[list[int], str]]:
+        """The rules that no utterance asserts, some at a time, and which of all these they are."""
+        numbers = [
+            number
+            for number, utterance in zip(self.ids, self.utterances, strict=True)
+            if utterance not in plan.numbers
+        ]
+        start = 1
+        for some in batched(numbers, PER_UTTERANCE):
+            which = (
+                f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
             )
+            yield some, which
+            start += len(some)
 
 
 def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGroup:
@@ -208,151 +313,11 @@ def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGr
     return group
 
 
-def _besides_rules(group: StatementGroup, progress: _Progress) -> Iterator[Quad]:
-    """What has to be kept of the statements about a node that is no rule."""
-    node, graph, pairs = group
-    kind, name = split(node)
-    # Edges and labels are written again with the rules.
-    derived = _DERIVED if graph == BELIEFS and kind in _LABELLED else frozenset[Iri]()
-    # Formats without graphs have utterances among the beliefs.
-    is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
-    for key, value in pairs:
-        if is_utterance and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
-            progress.asserted[int(name)].append(int(rule[1], 16))
-        elif key not in derived:
-            yield Quad(node, key, value, graph)
-
-
 def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
     try:
         return rule_mapping.read_rule(properties)
     except ValidationError as error:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
-
-
-# Lines
-
-
-def _lines(
-    base: KnowledgeBase,
-    rules: Iterable[SerializedRule],
-    progress: _Progress,
-    plan: AncillaryWrites,
-    *,
-    source: str,
-    check: Callable[[Store], Iterable[ValidationFinding]],
-) -> Iterator[bytes]:
-    """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
-    writer, before = NQuadsWriter(), plan.last
-    for rule in _new_rules(base, rules, progress):
-        writer.write_rule(rule)
-        yield from writer.taken()
-    staging = stage(progress.rest, source=source)
-    progress.rest.clear()
-    try:
-        raise_findings(check(staging))
-        other = RuleReader(staging)
-        plan_trust(plan, base, other)
-        plan_history(plan, base, _utterances(other, progress))
-        plan_rest(plan, base, other)
-        for _ in _write_sources(base, plan, progress, writer, source):
-            yield from writer.taken()
-        progress.utterances_added = len({each for each in plan.numbers.values() if each > before})
-        progress.trusted = {*base.speakers(), *other.speakers()}
-    finally:
-        staging.close()
-    yield from writer.taken(0)
-
-
-def _new_rules(
-    base: KnowledgeBase, rules: Iterable[SerializedRule], progress: _Progress
-) -> Iterator[SerializedRule]:
-    """The rules that the base does not have; what has to be known of them is kept."""
-    believed, observer = BelievedRules(base), progress.observer
-    there = _statuses(base.store) if base.sequence else dict[int, Term]()
-    for rule in rules:
-        number, utterance, time, *_ = rule
-        if number in there:
-            progress.known += 1
-            if observer and there[number] != rule_mapping.status_iri(rule.status):
-                observer.add_different(rule.rule)
-            continue
-        if number in progress.seen:
-            continue
-        progress.seen.add(number)
-        progress.ids.append(number)
-        progress.utterances.append(utterance or 0)
-        progress.speakers.add(rule.speaker)
-        if time is None:
-            progress.timeless.add(number)
-        if observer or (there and rule.status == "active"):
-            value = rule.rule
-            same = believed.with_conclusion_of(value) if there and value.status == "active" else ()
-            found = conflicts_of(value, same)
-            progress.conflicting += len(found)
-            progress.conflicts += found[: MAX_LISTED - len(progress.conflicts)]
-            if observer:
-                observer.add_new(value, same)
-        yield rule
-
-
-def _utterances(other: RuleReader, progress: _Progress) -> Iterator[Utterance]:
-    """The staged utterances, with the rules that they assert."""
-    for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
-        if isinstance(quad.object, int):
-            utterance = other.utterance(quad.object)
-            ids = map(_id, progress.asserted.get(quad.object, ()))
-            yield replace(utterance, asserts=tuple(sorted({*utterance.asserts, *ids})))
-
-
-def _write_sources(
-    base: KnowledgeBase,
-    plan: AncillaryWrites,
-    progress: _Progress,
-    writer: NQuadsWriter,
-    source: str,
-) -> Iterator[None]:
-    """Write where the rules come from, and everything else that is new; pause now and then."""
-    time = to_milliseconds(base.clock())
-    for numbers, which in _without_utterance(progress, plan):
-        plan.last += 1
-        plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
-        plan.add(import_utterance(source, plan.last, time, some=which))
-        writer.write_assertions(plan.last, numbers)
-        writer.write_property(numbers, DERIVED_FROM, utterance_iri(plan.last))
-        yield
-    for utterance, ids in plan.assertions:
-        writer.write_assertions(utterance, map(_number, ids))
-        yield
-    for number, utterance in zip(progress.ids, progress.utterances, strict=True):
-        if utterance in plan.numbers:
-            source_iri = utterance_iri(plan.numbers[utterance])
-            writer.write_property([number], DERIVED_FROM, source_iri)
-    for numbers in batched(progress.timeless, PER_UTTERANCE):
-        writer.write_property(numbers, GENERATED_AT, time)
-        yield
-    if plan.last:
-        plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
-    writer.write_quads(plan.insert)
-
-
-def _without_utterance(
-    progress: _Progress, plan: AncillaryWrites
-) -> Iterator[tuple[list[int], str]]:
-    """The rules that no utterance asserts, some at a time, and which of all these they are."""
-    numbers = [
-        number
-        for number, utterance in zip(progress.ids, progress.utterances, strict=True)
-        if utterance not in plan.numbers
-    ]
-    start = 1
-    for some in batched(numbers, PER_UTTERANCE):
-        which = f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
-        yield some, which
-        start += len(some)
-
-
-# Writing
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:

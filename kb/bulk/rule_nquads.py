@@ -16,6 +16,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from decimal import Decimal
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias, cast
 
 from ...ontology.errors import HiltError, IntervalError, ValidationError
@@ -26,7 +27,7 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, RULE, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status, atoms_text, id_from_content
-from .nquads_reader import RuleBlock, make_room, remember
+from .nquads_reader import MAX_KNOWN, RuleBlock, make_room, remember
 
 Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
 
@@ -134,12 +135,16 @@ class SerializedRule(NamedTuple):
 
 
 class RuleSerializer:
-    """Makes text of rules."""
+    """Makes text of rules.
+
+    Attributes:
+        features: returns features as `FeatureLines`.
+    """
 
     def __init__(self) -> None:
-        self._templates: dict[object, RuleTemplate] = {}
-        self._features: dict[frozenset[Atom], FeatureLines] = {}
-        self._times: dict[datetime, tuple[str, ...]] = {}
+        self.features = lru_cache(MAX_KNOWN)(_feature_lines)
+        self._template = lru_cache(MAX_KNOWN)(_template)
+        self._time_line = lru_cache(MAX_KNOWN)(_time_line)
 
     def serialize(self, rule: Rule) -> SerializedRule:
         """Return a rule as text."""
@@ -189,24 +194,7 @@ class RuleSerializer:
 
     def template(self, rule: Rule) -> RuleTemplate:
         """Return what a rule shares with others."""
-        key = (rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
-        known = self._templates.get(key)
-        if known is None:
-            known = remember(self._templates, key, _template(rule))
-        return known
-
-    def features(self, atoms: frozenset[Atom]) -> FeatureLines:
-        """Return features as text."""
-        known = self._features.get(atoms)
-        if known is None:
-            known = remember(self._features, atoms, _feature_lines(atoms))
-        return known
-
-    def _time_line(self, time: datetime) -> tuple[str, ...]:
-        known = self._times.get(time)
-        if known is None:
-            known = remember(self._times, time, (f"{_TIME}{as_sparql(time)}{_END}",))
-        return known
+        return self._template(rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
 
 
 class FastRuleReader:
@@ -288,7 +276,7 @@ class NQuadsWriter:
     def __init__(self) -> None:
         self._edges: set[tuple[str, str]] = set()
         self._labelled: set[str] = set()
-        self._names: dict[Iri, str] = {}
+        self._name = lru_cache(MAX_KNOWN)(as_sparql)
         self._held: list[str] = []
         self._size = 0
 
@@ -337,20 +325,15 @@ class NQuadsWriter:
         self._edges.add((features, edge))
         return True
 
-    def _name(self, node: Iri) -> str:
-        known = self._names.get(node)
-        return remember(self._names, node, as_sparql(node)) if known is None else known
-
     def _write(self, text: str) -> None:
         self._held.append(text)
         self._size += len(text)
 
 
-def _template(rule: Rule) -> RuleTemplate:
-    one = Rule(
-        *(frozenset([_ANY]), rule.contexts, rule.functor, rule.argument, _TRUE, rule.speaker),
-        status=rule.status,
-    )
+def _template(
+    contexts: frozenset[Atom], functor: str, argument: Atom | None, speaker: str, status: Status
+) -> RuleTemplate:
+    one = Rule(*(frozenset([_ANY]), contexts, functor, argument, _TRUE, speaker), status=status)
     edges = rule_mapping.plain_edges(one)
     atoms = one.contexts | ({one.argument} if one.argument else frozenset())
     return RuleTemplate(
@@ -360,6 +343,10 @@ def _template(rule: Rule) -> RuleTemplate:
         _end(edges[0]) if edges else "",
         _lines([*rule_mapping.atom_label_quads(atoms), *rule_mapping.node_label_quads(one)]),
     )
+
+
+def _time_line(time: datetime) -> tuple[str, ...]:
+    return (f"{_TIME}{as_sparql(time)}{_END}",)
 
 
 def _feature_lines(atoms: frozenset[Atom]) -> FeatureLines:

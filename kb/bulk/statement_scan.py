@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scan of a graph: its statements as rows of text, in one pass over the store.
+"""The scan of a graph, or of its rules: statements as rows of text, in one pass over the store.
 
 To look up how a term is written costs the engine more than to find its statement, and half of all
 terms are a few predicates, classes and statuses. So the query returns those as codes and looks up
@@ -12,22 +12,29 @@ bounded memory. The rows of any other store are sorted first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator
-from itertools import chain
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import chain, groupby
+from operator import itemgetter
 from typing import NamedTuple, Protocol, TypeAlias, TypeVar, cast, get_args, runtime_checkable
 
-from ...ontology.vocabulary import Iri, term
+from ...ontology.errors import ValidationError
+from ...ontology.garbage_collection import paused_garbage_collection
+from ...ontology.vocabulary import PREFIXES, Iri, term
 from ..history import ASSERTS
 from ..rdf import rule_mapping
+from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, XSD, Quad, Term, as_sparql, literal
-from ..rule import GRASP_OBJECT, USED_FOR, Status
+from ..rule import GRASP_OBJECT, USED_FOR, Rule, Status
 from ..stores.base import Store
+from .nquads_reader import MAX_KNOWN
 
 Thing = TypeVar("Thing")
 Progress: TypeAlias = Callable[[int], None]  # is called with how many are done so far
 
 MAX_SORTED = 200_000  # statements; a scan of more has the order of the store
 
+_RULES = f"<{PREFIXES['rule']}"
 _STEP = 10_000  # rows or rules between two calls of the progress
 _OTHER, _FIRST_CODE = 99, 10  # of two digits, so that they are sorted as text
 
@@ -102,6 +109,41 @@ def scan_graph(
         wanted = (quad for quad in found if not predicates or quad.predicate in predicates)
         batches = iter([[_row(quad) for quad in wanted]])
     return batches if in_order else iter([sorted(chain.from_iterable(batches))])
+
+
+def scan_rules(store: Store) -> Iterator[Rule]:
+    """Iterate over the rules of a store; as `scan_converted`."""
+    read = lru_cache(MAX_KNOWN)(read_row)
+    return scan_converted(store, lambda rows: rule_mapping.read_rule(list(map(read, rows))))
+
+
+def scan_converted(
+    store: Store,
+    convert: Callable[[Sequence[str]], Thing],
+    *,
+    predicates: Collection[Iri] = RULE_PREDICATES,
+) -> Iterator[Thing]:
+    """Iterate over the rules of a store, converted.
+
+    Args:
+        store: what is read; its rules may have any status.
+        convert: converts the rows of a rule, each without the rule; see `read_row`.
+        predicates: those of the rows.
+
+    Raises:
+        StoreError: the store cannot be read.
+        ValidationError: a rule is malformed.
+    """
+    with store.writing(), paused_garbage_collection():
+        batches = scan_graph(store, BELIEFS, predicates=predicates, in_order=is_large(store))
+        rows = (row.split("\t", 1) for row in chain.from_iterable(batches))
+        for node, some in groupby(rows, key=itemgetter(0)):
+            if not node.startswith(_RULES):
+                continue
+            try:
+                yield convert([rest for _, rest in some])
+            except ValidationError as error:
+                raise ValidationError([f"{node}: {one}" for one in error.findings]) from error
 
 
 def is_large(store: Store) -> bool:

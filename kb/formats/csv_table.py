@@ -19,8 +19,7 @@ from ...ontology.errors import DataError, HiltError, ValidationError
 from ...ontology.vocabulary import Iri
 from ..bulk.nquads_reader import remember
 from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule
-from ..bulk.rule_scan import scan_converted
-from ..bulk.statement_scan import RULE_PREDICATES, read_row
+from ..bulk.statement_scan import RULE_PREDICATES, read_row, scan_converted
 from ..interval import DIGITS
 from ..rdf import rule_mapping
 from ..rdf.terms import Term, write_time
@@ -67,7 +66,7 @@ def write_table(target: TextIO, rules: Iterable[Cells]) -> None:
 
 
 def scan_cells(store: Store) -> Iterator[Cells]:
-    """Iterate over the cells of every rule of a store; as `rule_scan.scan_converted`."""
+    """Iterate over the cells of every rule of a store; as `statement_scan.scan_converted`."""
     predicates = [one for one in RULE_PREDICATES if one != rule_mapping.DERIVED_FROM]
     return scan_converted(store, _CellConverter().convert, predicates=predicates)
 
@@ -85,7 +84,7 @@ class _CellConverter:
         self._templates: dict[tuple[str, ...], Cells] = {}
 
     def convert(self, rows: Sequence[str]) -> Cells:
-        """Return the cells of a rule, given its rows as `rule_scan.scan_converted` passes them.
+        """Return the cells of a rule, given its rows as `scan_converted` passes them.
 
         Raises:
             ValidationError: the rule is malformed.

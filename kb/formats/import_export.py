@@ -25,8 +25,7 @@ from ..bulk.nquads_reader import (
 )
 from ..bulk.reconciliation import ImportSummary
 from ..bulk.rule_nquads import RuleSerializer, SerializedRule
-from ..bulk.rule_scan import scan_rules
-from ..bulk.statement_scan import MAX_SORTED, ProgressCounter
+from ..bulk.statement_scan import MAX_SORTED, ProgressCounter, scan_rules
 from ..knowledge_base import KnowledgeBase
 from ..merge import merge
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated

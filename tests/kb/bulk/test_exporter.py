@@ -20,8 +20,7 @@ from hypothesis import strategies as st
 
 from hilt.kb.bulk import statement_scan
 from hilt.kb.bulk.exporter import write_statements
-from hilt.kb.bulk.rule_scan import scan_rules
-from hilt.kb.bulk.statement_scan import CODES
+from hilt.kb.bulk.statement_scan import CODES, scan_rules
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql

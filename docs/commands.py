@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page that lists every command, made from the commands themselves.
 
-    python -m hilt.agent.cli.reference > docs/commands.md
+    python docs/commands.py > docs/commands.md
 
 A test sees to it that the page is fresh.
 """
@@ -14,7 +14,7 @@ from typing import Any
 
 import typer
 
-from . import app
+from hilt.agent.cli import app
 
 HEAD = """# Commands
 
