@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import cast
 
 from ...inference.abduction import Hypothesis, find_hypotheses
 from ...inference.affordance import Affordances
@@ -14,15 +15,23 @@ from ...inference.node_rules import FIND, material_kinds
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
+from ...kb.rdf.rule_mapping import atom_iri, rule_id
 from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
+from ...ontology.vocabulary import Iri
 from ..execution.outcome import AnswerContent, Decision, Slot
 from ..execution.outcome_answer import use_slot
 from .answer_sources import Answered, AnswerSources, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
 from .teaching import reporter_of
+
+_ABOUT_ANY = """SELECT ?rule {
+    GRAPH graph:beliefs { ?rule hilt:context ?context ; hilt:part ?part ; hilt:status hilt:active
+        FILTER NOT EXISTS { ?rule hilt:feature ?feature } }
+    GRAPH graph:domain { ?part hilt:partOf ?object } }"""
+"""The rules on how to grasp any object, by a part that this object has."""
 
 SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
@@ -70,12 +79,27 @@ def _best_for(question: Question, known: AnswerSources) -> Answered:
 
 
 def _how(question: Question, known: AnswerSources) -> Answered:
-    rules = known.base.rules(object=question.object, context=question.context)
-    grasps = _strongest((rule for rule in rules if rule.part), "part")
+    grasps = _strongest(_grasp_rules(question, known), "part")
     if not grasps:
         key = "no_how_with" if question.context in known.words.tool_acts else "no_how"
         return spoken(key, goal=question.context or "grasp", object=question.object), ()
     return _told("how", grasps[0], known), (grasps[0],)
+
+
+def _grasp_rules(question: Question, known: AnswerSources) -> list[Rule]:
+    """The rules on how an object is held: about it or its nearest kind, else about any object."""
+    named = Atom("object", question.object) if question.object else None
+    kinds = Taxonomy.from_base(known.base).above(named) if named else ()
+    for name in [kind.name for kind, _ in kinds] or [None]:
+        rules = known.base.rules(object=name, context=question.context)
+        grasps = [rule for rule in rules if rule.part]
+        if grasps:
+            return grasps
+    if named is None or question.context is None:
+        return []
+    asked = {"context": [atom_iri(Atom("action", question.context))], "object": [atom_iri(named)]}
+    found = known.base.select(_ABOUT_ANY, asked)
+    return [known.base.rule(rule_id(cast(Iri, row[0]))) for row in found]
 
 
 def _is_used_for(question: Question, known: AnswerSources) -> Answered:

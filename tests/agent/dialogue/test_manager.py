@@ -202,6 +202,19 @@ def test_questions_are_answered_from_what_was_told(taught: Agent, question: str,
     assert taught.hear(question).said.startswith(answer)
 
 
+def test_how_is_answered_by_the_nearest_rule(agent: Agent):
+    """What is told of any object holds of those with the part, unless their own rule says more."""
+    agent.hear("To pass anything, grab it by the handle")
+    agent.hear("To pass a knife, grab it by the blade")
+
+    assert (
+        agent.hear("How do you pass a hammer?").said == "To pass an object, grab it by the handle."
+    )
+    assert agent.hear("How do you pass a knife?").said == "To pass a knife, grab it by the blade."
+    assert "Nobody has told me" in agent.hear("How do you pass a shoe?").said
+    assert "Nobody has told me" in agent.hear("How do you pick up a hammer?").said
+
+
 def test_why_is_answered_with_the_sentence_it_rests_on(taught: Agent):
     """The reason of an action is what somebody said."""
     taught.hear("pass me something used for cutting")
