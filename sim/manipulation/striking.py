@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
+import shapely
 
 from .. import poses
-from ..models.convex_polygons import area, convex_hull
 from ..poses import Array
 from ..robot.collision import CollisionSpheres
 from ..robot.grasp_poses import DOWN
@@ -283,7 +283,7 @@ def _strike_pose(rotation: Array, held: Array, hand: Array) -> StrikePose | None
     if lowest > float((hand @ rotation.T)[:, 2].min()) - HAND_CLEARANCE:
         return None
     face = at[at[:, 2] < lowest + LEVEL]
-    size = area(convex_hull(face[:, :2]))
+    size = float(shapely.area(shapely.convex_hull(shapely.multipoints(face[:, :2]))))
     if size < MIN_FACE:
         return None
     middle = face.mean(axis=0)

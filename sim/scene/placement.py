@@ -12,11 +12,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
+from shapely import Geometry
 
 from ...ontology.errors import SimulationError
 from ...ontology.objects import Fixture
 from .. import poses
-from ..models.convex_polygons import convex_hull, distance
 from ..models.object_models import ObjectModel
 from ..poses import Array
 from .scene import Placement, Scene
@@ -36,12 +37,12 @@ class DropPose:
     Attributes:
         placement: the placement, with all that the scene left open filled in.
         world_from_object: pose (4, 4) of the object.
-        footprint: corners (k, 2) of the area that it covers on the table, counter-clockwise [m].
+        footprint: the area that it covers on the table, a convex polygon [m].
     """
 
     placement: Placement
     world_from_object: Array
-    footprint: Array
+    footprint: Geometry
 
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
@@ -96,7 +97,7 @@ class _Laid:
     placement: Placement
     rotation: Array  # (3, 3)
     height: float  # of its frame above the table [m]
-    footprint: Array  # (k, 2) round its frame [m]
+    corners: Array  # (k, 2) of its footprint, round its frame [m]
 
 
 def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> _Laid:
@@ -105,15 +106,14 @@ def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> 
     rest = model.kind.rest(placement.rest or drawn)
     rotation = poses.rotation_from_rpy(*rest.turn)
     points = model.points @ rotation.T
-    # Points that differ by rounding only would be corners without a side between them.
-    footprint = convex_hull(np.round(points[:, :2], 9))
+    hull = shapely.MultiPoint(points[:, :2]).convex_hull
     filled = replace(placement, rest=rest.name)
-    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), footprint)
+    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), shapely.get_coordinates(hull))
 
 
 def _sort_key(laid: _Laid) -> tuple[bool, float]:
     """Return a sort key: given positions first, then long objects."""
-    return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.footprint, axis=0)))
+    return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.corners, axis=0)))
 
 
 def _find_spot(
@@ -122,8 +122,8 @@ def _find_spot(
     fixed = laid.placement.at is not None
     for _ in range(MAX_TRIES):
         spot = _draw_spot(laid, rng)
-        within = fixed or _is_within(spot.footprint)
-        if within and all(_are_clear(spot.footprint, other.footprint, gap) for other in taken):
+        within = fixed or _is_within(shapely.get_coordinates(spot.footprint))
+        if within and all(shapely.distance(spot.footprint, o.footprint) >= gap for o in taken):
             return spot
         if fixed and laid.placement.yaw is not None:
             raise SimulationError(
@@ -136,25 +136,18 @@ def _draw_spot(laid: _Laid, rng: np.random.Generator) -> DropPose:
     placement = laid.placement
     yaw = placement.yaw if placement.yaw is not None else float(rng.uniform(-np.pi, np.pi))
     about_vertical = poses.rotation_from_rpy(0, 0, yaw)
-    footprint = laid.footprint @ about_vertical[:2, :2].T
+    corners = laid.corners @ about_vertical[:2, :2].T
     if placement.at is None:
-        middle = (footprint.min(axis=0) + footprint.max(axis=0)) / 2
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         at = np.array([rng.uniform(*AREA[0]), rng.uniform(*AREA[1])]) - middle
     else:
         at = np.array(placement.at)
     world_from_object = poses.pose(about_vertical @ laid.rotation, (*at, laid.height))
     filled = replace(placement, at=(float(at[0]), float(at[1])), yaw=yaw)
-    return DropPose(filled, world_from_object, footprint + at)
+    return DropPose(filled, world_from_object, shapely.Polygon(corners + at))
 
 
-def _are_clear(first: Array, second: Array, gap: float) -> bool:
-    gaps = np.maximum(
-        first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
-    )
-    return bool(gaps.max() >= gap) or distance(first, second) >= gap
-
-
-def _is_within(footprint: Array) -> bool:
+def _is_within(corners: Array) -> bool:
     low, high = np.array(LIMITS).T
-    inside = bool((footprint >= low).all() and (footprint <= high).all())
-    return inside and float(np.linalg.norm(footprint, axis=1).max()) <= REACH
+    inside = bool((corners >= low).all() and (corners <= high).all())
+    return inside and float(np.linalg.norm(corners, axis=1).max()) <= REACH

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
-from hilt.sim.models.convex_polygons import distance
 from hilt.sim.models.object_models import object_model
 from hilt.sim.scene.placement import LIMITS, REACH, DropPose, place_objects
 from hilt.sim.scene.scene import CLUTTER, GAP, Placement, Scene, graspable, parse_scene
@@ -116,9 +116,10 @@ def test_no_two_objects_are_near_each_other(seed: int):
 
     low, high = np.array(LIMITS).T
     for i, spot in enumerate(spots):
-        assert ((spot.footprint >= low) & (spot.footprint <= high)).all()
-        assert (np.linalg.norm(spot.footprint, axis=1) <= REACH).all()
-        assert all(distance(spot.footprint, other.footprint) >= GAP for other in spots[:i])
+        corners = shapely.get_coordinates(spot.footprint)
+        assert ((corners >= low) & (corners <= high)).all()
+        assert (np.linalg.norm(corners, axis=1) <= REACH).all()
+        assert all(shapely.distance(spot.footprint, other.footprint) >= GAP for other in spots[:i])
 
 
 def test_the_same_seed_gives_the_same_places():
@@ -229,7 +230,9 @@ def test_clutter_adds_other_objects_at_its_distance(tmp_path: Path, level: str):
     spots = arranged(scene)
     for i, spot in enumerate(spots):
         others = spots[:i]
-        assert all(distance(spot.footprint, o.footprint) >= CLUTTER[level].gap for o in others)
+        assert all(
+            shapely.distance(spot.footprint, o.footprint) >= CLUTTER[level].gap for o in others
+        )
 
 
 @pytest.mark.parametrize("seed", range(12))
