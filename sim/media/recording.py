@@ -54,8 +54,6 @@ class WorldRecorder:
         world: to record.
         path: the file; its suffix is .gif, .mp4 or .png.
         camera: the point of view.
-        rate: pictures per second of the recording.
-        speed: how much faster than the world the recording runs.
 
     Attributes:
         caption: text below the pictures from now on; none when empty.
@@ -63,23 +61,14 @@ class WorldRecorder:
         grasps: drawn into the pictures from now on.
     """
 
-    def __init__(
-        self,
-        world: World,
-        path: Path,
-        *,
-        camera: Camera = RECORDING_CAMERA,
-        rate: float = FRAME_RATE,
-        speed: float = SPEED,
-    ) -> None:
+    def __init__(self, world: World, path: Path, *, camera: Camera = RECORDING_CAMERA) -> None:
         check_writable(path, RECORDING_SUFFIXES)
         if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
             raise MissingExtraError("sim", "imageio-ffmpeg")
         self.caption = ""
         self.tint: tuple[str, str] | None = None
         self.grasps: Sequence[GraspMark] = ()
-        self._world, self._path, self._camera, self._rate = world, path, camera, rate
-        self._interval = max(1, round(speed / rate / TIME_STEP))  # steps
+        self._world, self._path, self._camera = world, path, camera
         self._waiting = 0
         self._taken: list[tuple[Picture, str]] = []
         self._last: tuple[int, str] | None = None
@@ -104,7 +93,7 @@ class WorldRecorder:
     def _watch(self) -> None:
         if self._waiting == 0:
             self.take()
-            self._waiting = self._interval
+            self._waiting = round(SPEED / FRAME_RATE / TIME_STEP)  # steps
         self._waiting -= 1
 
     def take(self, at: Array | None = None) -> None:
@@ -125,7 +114,7 @@ class WorldRecorder:
         """Take a picture and freeze the recording on it, while no time passes in the world."""
         self._freezes.append(len(self._taken))
         self.take(at)
-        self._taken += self._taken[-1:] * (round(seconds * self._rate) - 1)
+        self._taken += self._taken[-1:] * (round(seconds * FRAME_RATE) - 1)
 
     @property
     def pictures(self) -> list[Picture]:
@@ -147,9 +136,9 @@ class WorldRecorder:
                 case ".png":
                     save_picture(self._strip(), self._path)
                 case ".gif":
-                    _write_gif(self.pictures, self._path, self._rate)
+                    _write_gif(self.pictures, self._path)
                 case _:
-                    _write_mp4(self.pictures, self._path, self._rate)
+                    _write_mp4(self.pictures, self._path)
 
 
 def _with_captions(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
@@ -202,7 +191,7 @@ def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
     return np.vstack(rows)
 
 
-def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
+def _write_gif(pictures: list[Picture], path: Path) -> None:
     # One palette for all pictures keeps the colours of still objects from flickering.
     palette = Image.fromarray(strip(pictures)).quantize(
         COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=2
@@ -211,16 +200,16 @@ def _write_gif(pictures: list[Picture], path: Path, rate: float) -> None:
         Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
         for picture in pictures
     ]
-    durations = [round(1000 / rate)] * (len(frames) - 1) + [round(1000 * LAST_FRAME_TIME)]
+    durations = [round(1000 / FRAME_RATE)] * (len(frames) - 1) + [round(1000 * LAST_FRAME_TIME)]
     frames[0].save(
         path, save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False
     )
 
 
-def _write_mp4(pictures: list[Picture], path: Path, rate: float) -> None:
+def _write_mp4(pictures: list[Picture], path: Path) -> None:
     import imageio.v2 as imageio
 
-    writer: Any = imageio.get_writer(path, fps=rate, macro_block_size=2)
+    writer: Any = imageio.get_writer(path, fps=FRAME_RATE, macro_block_size=2)
     with writer:
-        for picture in pictures + [pictures[-1]] * round(LAST_FRAME_TIME * rate):
+        for picture in pictures + [pictures[-1]] * round(LAST_FRAME_TIME * FRAME_RATE):
             writer.append_data(picture)

@@ -79,10 +79,6 @@ class Bodies:
         """The names of all bodies, in the order in which they were loaded."""
         return tuple(self._records)
 
-    def links(self, body: str) -> tuple[str, ...]:
-        """The names of a body's links, the base first."""
-        return tuple(self._record(body).links)
-
     def pose(self, body: str, link: str | None = None) -> Array:
         """`world_from_link` of a link's URDF frame; of the base when `link` is None."""
         number, index = self.link_id(body, link)

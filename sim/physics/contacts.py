@@ -12,18 +12,14 @@ from .pybullet_client import PhysicsClient
 
 @dataclass(frozen=True)
 class Contact:
-    """Two links that touch; `body` and `link` are those that were asked for.
+    """What the body touches that was asked for.
 
     Attributes:
-        body: body that was asked for.
-        link: link of that body.
         other: the other body.
         other_link: link of the other body.
         force: force along the normal [N].
     """
 
-    body: str
-    link: str
     other: str
     other_link: str
     force: float
@@ -42,7 +38,7 @@ class Contacts:
             options["linkIndexA"] = self._bodies.link_id(body, link)[1]
         name = self._bodies.link_name
         return tuple(
-            Contact(*name(raw[1], raw[3]), *name(raw[2], raw[4]), raw[9])
+            Contact(*name(raw[2], raw[4]), raw[9])
             for raw in self._client.call("getContactPoints", **options)
         )
 

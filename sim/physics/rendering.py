@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,21 +30,10 @@ class Lighting:
     shadow: bool = False
 
 
-@dataclass(frozen=True)
-class Image:
-    """A rendered image with depth and labels.
-
-    Attributes:
-        colour: red, green and blue of each pixel (height, width, 3), in 0..255.
-        depth: OpenGL depth buffer (height, width), in [0, 1].
-        labels: label of each pixel (height, width).
-        names: body and link of each label; pixels that show nothing have a label without a name.
-    """
-
-    colour: NDArray[np.uint8]
-    depth: NDArray[np.float32]
-    labels: NDArray[np.int32]
-    names: Mapping[int, tuple[str, str]]
+_Shape: TypeAlias = tuple[int, int, int, Sequence[float]]  # body, link, index there, colour
+Rendered: TypeAlias = tuple[
+    NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32], Mapping[int, tuple[str, str]]
+]
 
 
 class Rendering:
@@ -54,8 +44,12 @@ class Rendering:
 
     def render(
         self, view: Array, projection: Array, width: int, height: int, *, light: Lighting
-    ) -> Image:
+    ) -> Rendered:
         """Return what a camera sees, in `width` times `height` pixels.
+
+        These are red, green and blue of each pixel (height, width, 3), in 0..255; the OpenGL depth
+        buffer (height, width), in [0, 1]; the label of each pixel (height, width); and the body and
+        link of each label. Pixels that show nothing have a label without a name.
 
         Args:
             view: OpenGL view matrix, camera_from_world (4, 4).
@@ -86,7 +80,7 @@ class Rendering:
             for body in self._bodies.names
             for number, index in self._bodies.link_ids(body)
         }
-        return Image(colour, depth, labels, names)
+        return colour, depth, labels, names
 
     @contextmanager
     def tinted(
@@ -98,15 +92,9 @@ class Rendering:
         """
         link_id = self._bodies.link_id(body, link)
         shapes = [shape for shape in self._shapes(body) if shape[:2] == link_id]
-        tint = np.array([*colour[:3], 1.0])
-        try:
-            for number, index, shape, own in shapes:
-                mixed = (1 - share) * np.array(own) + share * tint
-                self._paint(number, index, shape, mixed.tolist())
+        tint = share * np.array([*colour[:3], 1.0])
+        with self._painted(shapes, lambda own: ((1 - share) * np.array(own) + tint).tolist()):
             yield
-        finally:
-            for shape in shapes:
-                self._paint(*shape)
 
     @contextmanager
     def hidden(
@@ -120,9 +108,17 @@ class Rendering:
         kept = {self._bodies.link_id(body, link) for body, link in but}
         names = () if self._client.gui else bodies
         shapes = [s for name in names for s in self._shapes(name) if s[:2] not in kept]
+        with self._painted(shapes, lambda own: (*own[:3], 0.0)):
+            yield
+
+    @contextmanager
+    def _painted(
+        self, shapes: Sequence[_Shape], paint: Callable[[Sequence[float]], Sequence[float]]
+    ) -> Generator[None]:
+        """Give shapes the colours that `paint` makes of theirs inside this block."""
         try:
-            for number, link, index, colour in shapes:
-                self._paint(number, link, index, (*colour[:3], 0.0))
+            for number, link, index, own in shapes:
+                self._paint(number, link, index, paint(own))
             yield
         finally:
             for shape in shapes:
@@ -133,7 +129,7 @@ class Rendering:
         shapes = self._shapes(body)
         return tuple(dict.fromkeys(self._bodies.link_name(*shape[:2])[1] for shape in shapes))
 
-    def _shapes(self, body: str) -> Iterator[tuple[int, int, int, Sequence[float]]]:
+    def _shapes(self, body: str) -> Iterator[_Shape]:
         """The visual shapes of a body: its number, the link, index of the shape there, colour."""
         count = Counter[int]()
         for shape in self._client.call("getVisualShapeData", self._bodies.number(body)):

@@ -122,9 +122,11 @@ class Camera:
         window = window or ImageWindow(0, 0, self.width, self.height)
         view = poses.inverse(self.world_from_camera)
         projection = self._window_matrix(window) @ self.projection
-        image = engine.rendering.render(view, projection, window.width, window.height, light=light)
-        depth = FAR * NEAR / (FAR - (FAR - NEAR) * image.depth)
-        return CameraImage(self, image.colour, depth, image.labels, image.names, window)
+        colour, depth, labels, names = engine.rendering.render(
+            view, projection, window.width, window.height, light=light
+        )
+        depth = FAR * NEAR / (FAR - (FAR - NEAR) * depth)
+        return CameraImage(self, colour, depth, labels, names, window)
 
     def _window_matrix(self, window: ImageWindow) -> Array:
         """The matrix (4, 4) that shifts and scales clip space so that the window fills it."""
@@ -173,9 +175,6 @@ class CameraImage:
         return poses.transform(camera.world_from_camera, seen)
 
 
-def cameras_round_table(*, width: int = 640, height: int = 480) -> tuple[Camera, ...]:
-    """The four cameras of the robot, round the table."""
-    return tuple(
-        Camera(f"camera {i + 1}", eye, _TARGET, width=width, height=height)
-        for i, eye in enumerate(_POSITIONS)
-    )
+CAMERAS_ROUND_TABLE = tuple(
+    Camera(f"camera {number}", eye, _TARGET) for number, eye in enumerate(_POSITIONS, start=1)
+)

@@ -21,7 +21,7 @@ from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import Camera, CameraImage, cameras_round_table
+from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .mask_detector import OBSTACLE_SPACING, with_camera_noise
 from .neural_classifier import Classifier, NoveltyDetector, read_arrays
 from .percept import PartPercept, Percept, visible_features
@@ -128,7 +128,7 @@ class LearnedDetector:
 
     engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
-    cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
+    cameras: tuple[Camera, ...] = CAMERAS_ROUND_TABLE
     noise: NoiseLevels = field(default_factory=NoiseLevels)
     track: Callable[[Percept], str] = attrgetter("object")
     recogniser: Recogniser = field(default_factory=Recogniser.default)

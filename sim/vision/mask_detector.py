@@ -18,7 +18,7 @@ from ...ontology.objects import ObjectType
 from ..models.object_models import ObjectModel
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import Camera, CameraImage, cameras_round_table
+from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .percept import PartPercept, Percept, visible_features
 from .perception_noise import NoiseLevels, with_depth_noise
 from .point_cloud_operations import voxel_downsample
@@ -42,14 +42,14 @@ class MaskDetector:
     Attributes:
         kinds: name of each object that may be visible -> its type.
         models: type -> its model, for the silhouette to be expected.
-        noise: only its depth noise is used here; see `NoisyVision` for the rest.
+        noise: only its depth noise is used here; see `NoisyDetector` for the rest.
         room: bodies that hide nothing. When given, only the region of interest is rendered.
     """
 
     engine: PhysicsEngine
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, ObjectModel]
-    cameras: tuple[Camera, ...] = field(default_factory=cameras_round_table)
+    cameras: tuple[Camera, ...] = CAMERAS_ROUND_TABLE
     noise: NoiseLevels = field(default_factory=NoiseLevels)
     room: tuple[str, ...] = ()
 

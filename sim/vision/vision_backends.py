@@ -65,7 +65,7 @@ def open_vision(
     """Open the vision sensor of a world.
 
     The source is "mask", "learned", or "learned:FILE" with classifiers of one's own. Only the depth
-    noise is used here; see `NoisyVision` for the rest.
+    noise is used here; see `NoisyDetector` for the rest.
 
     Raises:
         UnknownNameError: there is no such source.

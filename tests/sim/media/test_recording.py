@@ -32,8 +32,8 @@ def world() -> Iterator[World]:
 
 
 def recorded(world: World, path: Path, captions: tuple[str, ...]) -> Path:
-    """A recording of 0.5 s for each caption, at 4 pictures a second."""
-    with WorldRecorder(world, path, camera=SMALL, rate=4, speed=1) as recorder:
+    """A recording of 0.5 s for each caption, a picture every quarter of a second."""
+    with WorldRecorder(world, path, camera=SMALL) as recorder:
         for caption in captions:
             recorder.caption = caption
             world.step(120)
@@ -88,7 +88,7 @@ def test_gif_lasts_as_long_as_what_happened(world: World, tmp_path: Path):
 
     with Image.open(path) as film:
         durations = [frame.info["duration"] for frame in ImageSequence.Iterator(film)]
-        assert sum(durations) == 1000 + 1000 * recording.LAST_FRAME_TIME
+        assert sum(durations) == 1000 / recording.SPEED + 1000 * recording.LAST_FRAME_TIME
         assert film.size[0] == 120
         assert film.size[1] > 90
 
@@ -156,7 +156,9 @@ def test_mp4_holds_the_pictures(world: World, tmp_path: Path):
 
     with imageio.get_reader(path) as film:
         facts = film.get_meta_data()
-        assert facts["duration"] == pytest.approx(1 + recording.LAST_FRAME_TIME, abs=0.3)
+        assert facts["duration"] == pytest.approx(
+            1 / recording.SPEED + recording.LAST_FRAME_TIME, abs=0.3
+        )
         assert facts["size"][0] == 120
         assert facts["size"][1] > 90
 

@@ -12,7 +12,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import object_model
 from hilt.sim.physics.engine import PhysicsEngine
-from hilt.sim.vision.camera import SAMPLE, Camera, CameraImage, ImageWindow, cameras_round_table
+from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, SAMPLE, Camera, CameraImage, ImageWindow
 
 CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
 BLOCK = object_model(load_objects()["block"])
@@ -108,7 +108,7 @@ def test_window_shows_its_part_of_the_image():
 
 def test_four_cameras_watch_the_table():
     """The middle of the table is in the image of every camera that vision uses."""
-    cameras = cameras_round_table()
+    cameras = CAMERAS_ROUND_TABLE
 
     pixels = np.vstack([camera.pixels(np.array([[0.5, 0.0, 0.0]])) for camera in cameras])
 
