@@ -34,7 +34,7 @@ from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import DIGITS, LEAST, MORE, OfferModel
 from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
 from hilt.nlu.parsing.parser import UtteranceContext
-from hilt.nlu.semantics.coreference import Discourse
+from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import Json
 
 OFFERS_FILE = Path(__file__).parents[1] / "ontology" / "english" / "offers.json"

@@ -2,7 +2,7 @@
 from .language import Language, Session
 from .lexicon.vocabulary import NewWord, Vocabulary
 from .parsing.understanding import Reading, Understanding
-from .semantics.coreference import Discourse
+from .semantics.discourse import Discourse
 from .semantics.meaning import (
     ANY_OBJECT,
     Acknowledgement,

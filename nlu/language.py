@@ -51,7 +51,7 @@ from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
 from .semantics.clause_features import load_features
-from .semantics.coreference import Discourse, after_offer
+from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
 from .semantics.licence_table import load_licence
 from .semantics.meaning import (

@@ -15,7 +15,7 @@ from ...kb.rule import Rule
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
-from ...nlu.semantics.coreference import Discourse
+from ...nlu.semantics.discourse import Discourse
 from ...nlu.semantics.meaning import Meaning
 from .. import protocols
 from ..execution.outcome import AnswerContent, Ending, Slot

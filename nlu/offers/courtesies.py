@@ -17,7 +17,7 @@ from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.coreference import Discourse
+from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from .mentions import find_mentions
 from .utterance_segments import parts

@@ -16,7 +16,7 @@ from ..grammar.categories import Category, Functor
 from ..lexicon.lexicon import Entry, Lexicon
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.coreference import Discourse
+from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import Confidence, Rule
 

@@ -20,7 +20,7 @@ from ..generation.templates import AnswerTemplates
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..parsing.parser import UtteranceContext
-from ..semantics.coreference import Discourse
+from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import (
     ActionRule,

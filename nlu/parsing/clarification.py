@@ -20,9 +20,9 @@ from ..lexicon.misspelling import MIN_LETTERS, intended_word, slips
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
-from ..semantics.coreference import UninterpretableError, UnlearnableError
 from ..semantics.licence_table import ACCEPT
 from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
+from ..semantics.predicates import UninterpretableError, UnlearnableError
 from .chart import Chart
 from .derivation_views import lexical_entries
 from .parser import SentenceParser

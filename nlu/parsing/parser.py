@@ -20,13 +20,14 @@ from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.clause_features import FeatureReader
-from ..semantics.coreference import PRONOUNS, SOMETHING, Discourse, UninterpretableError, resolve
+from ..semantics.coreference import PRONOUNS, resolve
+from ..semantics.discourse import SOMETHING, Discourse
 from ..semantics.fragments import FRAGMENTS
 from ..semantics.interpretation import Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
-from ..semantics.predicates import PredicateForm, form_of
+from ..semantics.predicates import PredicateForm, UninterpretableError, form_of
 from .chart import Chart, Derivation
 from .clause_spans import features_of
 from .derivation_views import lexical_entries, subderivations

@@ -19,7 +19,7 @@ from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.coreference import UnlearnableError, update_discourse
+from ..semantics.discourse import update_discourse
 from ..semantics.meaning import (
     Acknowledgement,
     Answer,
@@ -31,7 +31,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
-from ..semantics.predicates import PredicateForm
+from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
 from .clarification import Clarifier
 from .parser import SentenceParser, UtteranceContext, decide

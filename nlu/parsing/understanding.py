@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from ..lexicon.vocabulary import NewWord
 from ..semantics.clause_features import UtteranceFeatures
-from ..semantics.coreference import Discourse, update_discourse
+from ..semantics.discourse import Discourse, update_discourse
 from ..semantics.meaning import Confidence, Json, Meaning, Statement
 from ..semantics.predicates import PredicateForm
 from .chart import Derivation

@@ -3,7 +3,8 @@
 
 predicates       predicate forms, and patterns over them: `pass(self,knife)`
 meaning          the meanings: rules, commands, questions, corrections, acknowledgements
-coreference      the referent of "it", and the discourse state
+coreference      the referent of "it" in what was said before
+discourse        what a conversation mentioned so far
 pragmatics       rules from speech acts to intentions
 interpretation   from an intention to its meaning
 clause_features  who does it, when, how surely and on whose word, read off the small words

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 from .clause_features import FeatureReader, UtteranceFeatures, load_features
-from .coreference import Discourse, UninterpretableError, resolve
+from .coreference import resolve
+from .discourse import Discourse
 from .interpretation import Interpreter
 from .licence_table import LicenceTable, load_licence
 from .meaning import Command, Control, Meaning, Question, Rule, Statement, ToolCommand
 from .pragmatics import Intention, Pragmatics, load_pragmatics
-from .predicates import PredicateForm, fill, form_of, form_of_term, match
+from .predicates import PredicateForm, UninterpretableError, fill, form_of, form_of_term, match
 
 __all__ = [
     "Command",

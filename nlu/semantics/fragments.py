@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from .coreference import Discourse, UninterpretableError
+from .discourse import Discourse
 from .meaning import (
     ANY_OBJECT,
     ActionRule,
@@ -26,7 +26,7 @@ from .meaning import (
     Statement,
     ToolCommand,
 )
-from .predicates import PredicateForm
+from .predicates import PredicateForm, UninterpretableError
 
 FRAGMENTS = {
     "alsoOf": ("target", "also"),

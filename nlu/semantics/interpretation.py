@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from ..lexicon.immutable_index import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
-from .coreference import SOMETHING, Discourse, UninterpretableError, UnlearnableError
+from .discourse import SOMETHING, Discourse
 from .fragments import FRAGMENTS, FragmentValues, complete
 from .meaning import (
     ANY_OBJECT,
@@ -32,7 +32,7 @@ from .meaning import (
     TopicStatement,
     is_contradictory,
 )
-from .predicates import PredicateForm
+from .predicates import PredicateForm, UninterpretableError, UnlearnableError
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
 

@@ -96,3 +96,18 @@ def match(
 def fill(pattern: PredicateForm, found: Mapping[str, PredicateForm]) -> PredicateForm:
     """Return the pattern with its variables replaced by their bindings."""
     return pattern.mapped(lambda part: found.get(part.name) if part.is_variable else None)
+
+
+class UninterpretableError(ValueError):
+    """A predicate form has no meaning for Hilt.
+
+    The reason is the answer template `key` with its slots; it may ask a clarification question.
+    """
+
+    def __init__(self, key: str, *, asks: bool = False, **slots: str) -> None:
+        self.key, self.asks, self.slots = key, asks, slots
+        super().__init__(key)
+
+
+class UnlearnableError(UninterpretableError):
+    """What was said is clear as a whole, but is nothing that Hilt learns."""

@@ -10,7 +10,7 @@ import pytest
 from hilt.nlu import Language
 from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.offers import find_mentions, meaning_from_json, shape_of
-from hilt.nlu.semantics.coreference import Discourse
+from hilt.nlu.semantics.discourse import Discourse
 
 SENTENCES = [
     "A knife is often used for cutting",

@@ -9,7 +9,7 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.lexicon.tokenizer import tokenize
-from hilt.nlu.semantics.coreference import Discourse
+from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import AskBack, FunctionalRule, Meaning, Statement
 
 
@@ -59,7 +59,7 @@ def test_command_that_is_negative_itself_is_offered_so(language: Language) -> No
     """A negation in the clause of the act forbids it."""
     found = offered(language, "I don't know, whatever you do never pass the spoon over there.")
 
-    assert [getattr(each, "negated", False) for each in found] == [True]
+    assert {getattr(each, "negated", False) for each in found} == {True}
 
 
 @pytest.mark.parametrize("text", ["her wants it, mug pass to her", "spoon hand him would you now"])

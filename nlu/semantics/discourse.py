@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The discourse state: what a conversation mentioned so far, and can refer to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from .meaning import (
+    ANY_OBJECT,
+    Acknowledgement,
+    AskBack,
+    Command,
+    Meaning,
+    Misunderstanding,
+    ObjectReference,
+    Question,
+    Rule,
+    Statement,
+    ToolCommand,
+)
+from .predicates import PredicateForm
+
+SOMETHING = frozenset({"something", "anything"})
+
+_HILT = PredicateForm("self")
+_OBJECT_FIRST = frozenset(
+    {"usesOf", "about", "see", "source", "why", "whyNot", "topic", "exceptions", "inHand"}
+)
+_OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
+
+
+@dataclass(frozen=True)
+class Discourse:
+    """The discourse state.
+
+    Attributes:
+        object: the object mentioned last.
+        rule: the rule taught, corrected or applied last.
+        last: the last rule, question or command, which a fragment completes.
+        command: the last command, which "do it again" repeats.
+        named: all objects that the last turn with any named, in order.
+        pair: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row.
+        person: the person named last, except the speaker.
+        asks_why: whether the last turn asked why a thing was held as it was, or just why.
+        has_failed: whether the last turn was not understood, so that nothing can be referred to.
+    """
+
+    object: PredicateForm | None = None
+    rule: Rule | None = None
+    last: Rule | Question | Command | ToolCommand | None = None
+    command: Command | ToolCommand | None = None
+    named: tuple[PredicateForm, ...] = ()
+    pair: tuple[PredicateForm, ...] = ()
+    person: PredicateForm | None = None
+    asks_why: bool = False
+    has_failed: bool = False
+
+    def about(self, name: str) -> Discourse:
+        """Return this state after an object of this name was mentioned."""
+        return self.naming(PredicateForm(name.replace(" ", "_")))
+
+    def with_person(self, name: str) -> Discourse:
+        """Return this state after a person of this name was mentioned."""
+        return replace(self, person=PredicateForm(name.replace(" ", "_")), has_failed=False)
+
+    def naming(self, *named: PredicateForm, last: PredicateForm | None = None) -> Discourse:
+        """Return this state after a turn that named these objects; `last` is that of "it"."""
+        pair = self.pair
+        if len(named) > 1:
+            pair = named
+        elif self.object is not None and not set(named) <= set(pair):
+            pair = (self.object, *named)
+        return replace(self, object=last or tuple(named)[-1], named=named, pair=pair)
+
+    @property
+    def accessible(self) -> Discourse:
+        """This state, or an empty one after a turn that failed."""
+        return Discourse() if self.has_failed else self
+
+
+def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discourse) -> Discourse:
+    """Return the discourse state after an utterance with a meaning and a predicate form."""
+    if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
+        return discourse
+    person = _named_person(meaning) or discourse.person
+    asks_why = _asks_why_held(meaning)
+    discourse = replace(discourse.accessible, person=person, asks_why=asks_why)
+    mentioned = None if isinstance(meaning, Command) else _mentioned_object(content)
+    named = tuple(dict.fromkeys(_named_objects(meaning)))
+    if mentioned is not None:
+        named = named if len(named) > 1 else (mentioned,)
+    if named:
+        discourse = discourse.naming(*named, last=mentioned)
+    match meaning:
+        case Statement(rules=rules):
+            last = replace(rules[-1], source=None)  # what completes it are the speaker's own words
+            return replace(discourse, rule=last, last=last)
+        case Question(object=None, affordance=None):
+            return discourse  # about Hilt or about what was just said
+        case Question():
+            return replace(discourse, last=meaning)
+        case Command() | ToolCommand():
+            return replace(discourse, last=meaning, command=meaning)
+        case _:
+            return discourse
+
+
+def _asks_why_held(meaning: Meaning) -> bool:
+    """Whether a meaning asks why a thing was held as it was, or just why."""
+    if not isinstance(meaning, Question) or meaning.ask != "why":
+        return False
+    return meaning.part is not None or meaning.object is None
+
+
+def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:
+    """Return the discourse state after meanings were offered: "it" is what they all name."""
+    offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
+    named = offered[0] if offered else ()
+    if not named or any(each != named for each in offered):
+        return discourse
+    discourse = discourse.accessible.naming(*dict.fromkeys(named))
+    match choices:
+        case (Statement(rules=(rule,)),):  # "no, by the handle" may correct it
+            return replace(discourse, rule=rule, last=rule)
+        case _:
+            return discourse
+
+
+def _named_person(meaning: Meaning) -> PredicateForm | None:
+    """The person whom a command names as its recipient, or a statement as its source."""
+    match meaning:
+        case Command(recipient=str(name)) | Statement(source=str(name)):
+            return PredicateForm(name.replace(" ", "_"))
+        case _:
+            return None
+
+
+def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
+    """The objects that a meaning is about, in order."""
+    match meaning:
+        case Statement(rules=rules):
+            for rule in rules:
+                yield from _object_form(rule.object, rule.props)
+        case Command(target=ObjectReference(used_for=str(use)) as target):
+            act = use_form(use, target.material)
+            yield _with_props(
+                PredicateForm("usedFor", (PredicateForm("something"), act)), target.props
+            )
+        case Command(target=ObjectReference(object=name, props=props)):
+            yield from _object_form(name, props)
+        case ToolCommand(patient=name):
+            yield from _object_form(name, ())
+        case Question(object=name):
+            yield from _object_form(name, ())
+        case _:
+            return
+
+
+def _object_form(name: str | None, props: tuple[str, ...]) -> Iterator[PredicateForm]:
+    if name is None or name == ANY_OBJECT:
+        return
+    yield _with_props(PredicateForm(name.replace(" ", "_")), props)
+
+
+def _with_props(form: PredicateForm, props: tuple[str, ...]) -> PredicateForm:
+    for prop in props:
+        form = PredicateForm("having", (form, PredicateForm(prop.replace(" ", "_"))))
+    return form
+
+
+def _mentioned_object(form: PredicateForm) -> PredicateForm | None:
+    """The object that a form is about: the last one named in it."""
+    if form.name == "partOf":
+        return form.arguments[1]
+    if form.name == "and":
+        return _mentioned_object(form.arguments[-1])
+    if form.name == "implies" and form.arguments[1].name != "graspObject":
+        return form.arguments[0]
+    within = next(filter(None, map(_mentioned_object, form.arguments)), None)
+    if form.name in _OBJECT_FIRST and form.arguments and not within:
+        return form.arguments[0]
+    is_act = form.name in _OBJECT_SECOND or form.arguments[:1] == (_HILT,)
+    if is_act and len(form.arguments) > 1:
+        # Of an act with a tool it is what it is done to, if that was named.
+        return next((each for each in form.arguments[1:] if each.name not in SOMETHING), None)
+    return within
+
+
+def use_form(use: str, material: str | None) -> PredicateForm:
+    """Return the form of a use, on a material where there is one."""
+    act = PredicateForm(use.replace(" ", "_"))
+    return (
+        PredicateForm("of", (act, PredicateForm(material.replace(" ", "_")))) if material else act
+    )

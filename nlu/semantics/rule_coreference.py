@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Coreference within a rule: "it" in one half is the object of the other half.
+
+"To pass a knife grab it by the blade" is about one knife. A rule about two different objects is
+rejected, and one over several objects, uses or acts becomes as many rules.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .discourse import SOMETHING, Discourse
+from .predicates import PredicateForm, UninterpretableError
+
+IT = PredicateForm("it")
+
+
+def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
+    """Return the form with the pronouns of each rule replaced by what the rule is about."""
+    match form.name, form.arguments:
+        case "and", (one, other):
+            # The second rule may speak of the first one's object.
+            first = resolve_rules(one, discourse)
+            known = _object_of_rule(first) or discourse.object
+            second = resolve_rules(other, replace(discourse, object=known))
+            return PredicateForm("and", (first, second))
+        case "implies", _:
+            return _resolve_rule(form, discourse)
+        case "within", (occasion, rule):
+            form = _on_occasion(occasion, rule)
+        case "holding", (PredicateForm(arguments=(_, held, *_)) as act, place):
+            return PredicateForm("holding", (act, replace_it(place, held)))
+        case "how", (act, held):
+            return PredicateForm("how", (replace_it(act, held),))
+        case "first", (thing, act):
+            # "Take the mug and pass it to me": the second act must be on the first one's object.
+            if IT not in act:
+                raise UninterpretableError("one_thing_at_a_time")
+            form = replace_it(act, thing)
+        case _:
+            arguments = (resolve_rules(part, discourse) for part in form.arguments)
+            return PredicateForm(form.name, tuple(arguments))
+    return resolve_rules(form, discourse)
+
+
+def replace_it(form: PredicateForm, known: PredicateForm) -> PredicateForm:
+    """Return the form with "it" replaced by what is known to be meant."""
+    return form.mapped(lambda part: known if part == IT else None)
+
+
+def simplified(form: PredicateForm) -> PredicateForm:
+    """The form with nested parts of one object flattened, and uses "on something" as plain uses."""
+
+    def change(part: PredicateForm) -> PredicateForm | None:
+        if part.name == "of" and part.arguments[1].name in SOMETHING:
+            return part.arguments[0]
+        if part.name != "partOf" or part.arguments[0].name != "partOf":
+            return None
+        innermost, owners = _part(part)
+        known = _most_specific(owners)
+        return PredicateForm("partOf", (innermost, known)) if known is not None else None
+
+    return form.mapped(change)
+
+
+def is_tool_act(context: PredicateForm) -> bool:
+    """Return whether a context is an act with a tool."""
+    return context.name not in {"pass", "pickUp", "pointTo", "grasp", "use"}
+
+
+def noun_of(form: PredicateForm) -> PredicateForm:
+    """Return an object without its properties and uses."""
+    while form.name in {"having", "usedFor", "notUsedFor"}:
+        form = form.arguments[0]
+    return form
+
+
+def _on_occasion(occasion: PredicateForm, rule: PredicateForm) -> PredicateForm:
+    """A rule stated with its occasion: "if I want a mug, pass it by the rim"."""
+    if rule.name == "and":
+        return PredicateForm("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
+    if rule.name != "implies":
+        raise UninterpretableError("not_a_rule")
+    context, act, degree = rule.arguments
+    if context.name != occasion.name or len(occasion.arguments) < 2:
+        raise UninterpretableError("one_thing_at_a_time")
+    return replace_it(PredicateForm("implies", (context, act, degree)), occasion.arguments[1])
+
+
+def _resolve_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
+    alternatives = _alternatives(form)
+    if alternatives:
+        return resolve_rules(PredicateForm("and", alternatives), discourse)
+    if form.arguments[1].name == "graspObject":
+        return _resolve_action_rule(form, discourse)
+    return replace_it(form, discourse.object) if discourse.object else form
+
+
+def _alternatives(form: PredicateForm) -> tuple[PredicateForm, ...]:
+    """The rules that one `implies` over two objects, uses or acts expands to; empty for one."""
+    for place, argument in enumerate(form.arguments):
+        if argument.name in {"both", "eitherOf", "butNot"}:
+            before, after = form.arguments[:place], form.arguments[place + 1 :]
+            rules = [
+                PredicateForm("implies", (*before, each, *after)) for each in argument.arguments
+            ]
+            if argument.name == "butNot":
+                rules[1] = PredicateForm(
+                    "implies", (*rules[1].arguments[:-1], PredicateForm("none"))
+                )
+            return tuple(rules)
+    return ()
+
+
+def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
+    """`implies(context, graspObject(self, partOf(part, object)), degree)` about one object."""
+    context, act, degree = form.arguments
+    actor, place = act.arguments
+    part, owners = _part(place)
+    candidates = [_grasped_object(context, owners), *owners]
+    known = _most_specific(candidates) or discourse.object
+    if known is None:
+        raise UninterpretableError("of_which_object", asks=True)
+    act = PredicateForm("graspObject", (actor, PredicateForm("partOf", (part, known))))
+    return PredicateForm("implies", (_with_object(context, known), act, degree))
+
+
+def _part(place: PredicateForm) -> tuple[PredicateForm, list[PredicateForm]]:
+    """The innermost part, and all objects that it is called a part of."""
+    owners: list[PredicateForm] = []
+    while place.name == "partOf":
+        place, owner = place.arguments
+        owners.append(owner)
+    return place, owners
+
+
+def _grasped_object(context: PredicateForm, owners: list[PredicateForm]) -> PredicateForm:
+    """The object grasped in a context: the tool, where there is one."""
+    arguments = context.arguments
+    if len(arguments) == 3 and context.name != "pass":
+        return arguments[2]
+    if len(arguments) < 2:
+        raise UninterpretableError("no_act")
+    held = arguments[1]
+    if is_tool_act(context) and owners and _most_specific(owners) not in {None, held}:
+        return IT
+    return held
+
+
+def _with_object(context: PredicateForm, known: PredicateForm) -> PredicateForm:
+    arguments = tuple(known if argument == IT else argument for argument in context.arguments)
+    if len(arguments) == 3 and context.name != "pass":
+        return PredicateForm(context.name, (*arguments[:2], known))
+    if is_tool_act(context) and noun_of(arguments[1]) != noun_of(known):
+        return PredicateForm(context.name, (*arguments, known))
+    return PredicateForm(context.name, (arguments[0], known, *arguments[2:]))
+
+
+def _most_specific(candidates: list[PredicateForm]) -> PredicateForm | None:
+    """The most specific of the candidates, which must be one object; None when all are "it"."""
+    known: PredicateForm | None = None
+    for candidate in candidates:
+        if candidate == IT:
+            continue
+        if known is not None:
+            first, second = noun_of(known).name, noun_of(candidate).name
+            if noun_of(known) != noun_of(candidate) and not SOMETHING & {first, second}:
+                raise UninterpretableError("two_objects", first=first, second=second)
+        if known is None or len(list(candidate)) >= len(list(known)):
+            known = candidate
+    return known
+
+
+def _object_of_rule(form: PredicateForm) -> PredicateForm | None:
+    if form.name == "and":
+        return _object_of_rule(form.arguments[-1])
+    if form.name != "implies":
+        return None
+    if form.arguments[1].name == "graspObject":
+        return form.arguments[1].arguments[1].arguments[1]
+    return form.arguments[0]
