@@ -9,17 +9,15 @@ utterances count, and with full trust.
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
-from typing import cast
 
 from ..ontology.errors import DataError, NotFoundError
-from ..ontology.vocabulary import Iri
-from .history import ASSERTS, HISTORY, KIND, RETRACTS, SEQUENCE, SUPERSEDES
+from ..ontology.vocabulary import PREFIXES, Iri
+from .history import HISTORY, Utterance, read_utterance
 from .interval import CERTAIN, Interval
-from .rdf.record_mapping import PropertyValues, group_properties, local_name
-from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id
 from .rdf.terms import Term
 from .reader import RuleReader, atom_named
 from .rule import DEFAULT_SPEAKER, Rule
@@ -78,7 +76,7 @@ def view(
     Raises:
         UnknownNameError: there is no such utterance, or no utterance of that speaker.
     """
-    events = _events(base)
+    events = _utterances(base)
     _check(base, events, at, according_to)
     counted = [one for one in events if _is_until(one, at)]
     active, finally_active = _replayed(base, counted, according_to), _replayed(base, events, None)
@@ -129,47 +127,17 @@ def parse_moment(text: str) -> datetime | int:
     return moment if moment.tzinfo else moment.astimezone()
 
 
-@dataclass
-class _Event:
-    """The effects of an utterance."""
-
-    sequence: int
-    time: datetime
-    speaker: str
-    is_trust: bool
-    asserts: list[str]
-    ends: list[str]
-
-
-def _events(base: RuleReader) -> list[_Event]:
-    """The effects of all utterances in their order, by one scan for each property."""
-    links = {key: _objects(base, key) for key in (ASSERTS, RETRACTS, SUPERSEDES)}
-    once = {key: _objects(base, key) for key in (GENERATED_AT, ATTRIBUTED_TO, KIND)}
-    found = [
-        _Event(
-            cast(int, number),
-            cast(datetime, once[GENERATED_AT][node][0]),
-            local_name(cast(Iri, once[ATTRIBUTED_TO][node][0])),
-            once[KIND][node] == ["trust"],
-            _rule_ids(links[ASSERTS][node]),
-            _rule_ids(links[RETRACTS][node] + links[SUPERSEDES][node]),
-        )
-        for node, (number, *_) in _objects(base, SEQUENCE).items()
-    ]
-    return sorted(found, key=lambda one: (one.time, one.sequence))
-
-
-def _objects(base: RuleReader, key: Iri) -> PropertyValues:
-    quads = base.store.quads(None, key, None, HISTORY)
-    return group_properties((quad.subject, quad.object) for quad in quads)
-
-
-def _rule_ids(nodes: list[Term]) -> list[str]:
-    return [rule_id(cast(Iri, node)) for node in nodes]
+def _utterances(base: RuleReader) -> list[Utterance]:
+    """All utterances in the order in which they were said, by one scan of the history."""
+    found: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
+    for quad in base.store.quads(None, None, None, HISTORY):
+        if quad.subject.startswith(PREFIXES["utterance"]):
+            found[quad.subject].append((quad.predicate, quad.object))
+    return sorted(map(read_utterance, found.values()), key=lambda one: (one.time, one.sequence))
 
 
 def _check(
-    base: RuleReader, events: list[_Event], at: datetime | int | None, according_to: str | None
+    base: RuleReader, events: list[Utterance], at: datetime | int | None, according_to: str | None
 ) -> None:
     last = max((one.sequence for one in events), default=0)
     if isinstance(at, int) and not 0 <= at <= last:
@@ -181,18 +149,18 @@ def _check(
         raise NotFoundError("speaker", according_to, speakers)
 
 
-def _is_until(one: _Event, at: datetime | int | None) -> bool:
+def _is_until(one: Utterance, at: datetime | int | None) -> bool:
     return at is None or (one.sequence <= at if isinstance(at, int) else one.time <= at)
 
 
 def _replayed(
-    base: RuleReader, events: list[_Event], according_to: str | None
-) -> dict[str, _Event]:
+    base: RuleReader, events: list[Utterance], according_to: str | None
+) -> dict[str, Utterance]:
     """The ids of the rules that are active after the events, with the last event of each."""
-    active: dict[str, _Event] = {}
+    active: dict[str, Utterance] = {}
     for one in events:
         if according_to is None or one.speaker == according_to:
-            for ended in one.ends:
+            for ended in (*one.retracts, *one.supersedes):
                 active.pop(ended, None)
         for asserted in one.asserts:
             if according_to is None or base.rule(asserted).speaker == according_to:
@@ -201,13 +169,13 @@ def _replayed(
 
 
 def _trust(
-    base: RuleReader, speakers: set[str], events: list[_Event], counted: list[_Event]
+    base: RuleReader, speakers: set[str], events: list[Utterance], counted: list[Utterance]
 ) -> dict[str, float]:
     """The trust in each speaker after the counted events.
 
     A trust that no utterance set came with a merged base, and is taken as it is now.
     """
-    ever, then = (dict(_trust_settings(base, some)) for some in (events, counted))
+    ever, then = (dict(_trust_settings(some)) for some in (events, counted))
     found: dict[str, float] = {}
     for name in speakers:
         start = CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0)
@@ -216,7 +184,7 @@ def _trust(
     return found
 
 
-def _trust_settings(base: RuleReader, events: list[_Event]) -> Iterator[tuple[str, Interval]]:
+def _trust_settings(events: list[Utterance]) -> Iterator[tuple[str, Interval]]:
     for one in events:
-        if one.is_trust and (found := parse_trust(base.utterance(one.sequence))):
+        if one.kind == "trust" and (found := parse_trust(one)):
             yield found

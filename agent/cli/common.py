@@ -185,16 +185,16 @@ def write_svg(path: Path, svg: str) -> None:
     write_bytes(path, svg.encode())
 
 
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file.
+def write_bytes(path: Path | str, content: bytes) -> None:
+    """Write a file; "-" is standard output.
 
     Raises:
         DataError: it cannot be written.
     """
-    try:
-        path.write_bytes(content)
-    except OSError as error:
-        raise DataError(f"cannot be written: {error.strerror}.", source=str(path)) from error
+    from ...kb.formats.file_streams import open_output
+
+    with open_output(str(path)) as stream:
+        stream.write(content)
 
 
 def exit_with(done: bool) -> None:

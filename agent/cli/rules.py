@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -148,10 +147,7 @@ def graph(
 def _write(graph: MultiDiGraph[str], file: str) -> None:
     from ...kb.formats.drawing import draw_graph
 
-    if file == STDIN:
-        sys.stdout.write(draw_graph(graph, "svg").decode())
-        return
-    suffix = Path(file).suffix.lower()
+    suffix = ".svg" if file == STDIN else Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
         raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    write_bytes(Path(file), draw_graph(graph, suffix[1:]))
+    write_bytes(file, draw_graph(graph, suffix[1:]))

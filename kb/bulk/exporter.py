@@ -13,8 +13,8 @@ from ..history import HISTORY
 from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import XSD, Quad, as_sparql
-from ..stores.base import Store
-from .statement_scan import PAIRS, Progress, ProgressCounter, RowStore, is_large, scan_graph
+from ..stores.base import EmbeddedStore, Store
+from .statement_scan import PAIRS, Progress, ProgressCounter, is_large, scan_graph
 
 TEXT_FORMATS = frozenset({"nquads", "ntriples", "trig", "turtle"})
 
@@ -76,7 +76,9 @@ def _graphs(store: Store, *, rules_only: bool) -> list[Iri]:
     if rules_only:
         return [BELIEFS, HISTORY]
     some = "GRAPH ?graph { ?node ?key ?value }"
-    if isinstance(store, RowStore):  # it lists the graphs without going through their statements
+    if isinstance(
+        store, EmbeddedStore
+    ):  # it lists the graphs without going through their statements
         some = f"GRAPH ?graph {{}} FILTER EXISTS {{ {some} }}"
     rows = store.select(f"SELECT DISTINCT ?graph {{ {some} }}")
     return sorted(graph for (graph,) in rows if isinstance(graph, Iri))

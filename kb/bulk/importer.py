@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, groupby
 from operator import itemgetter
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -32,7 +32,7 @@ from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT, LABEL, RULE,
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule
-from ..stores.base import Store, batched
+from ..stores.base import EmbeddedStore, Store, batched
 from ..validation import (
     ValidationFinding,
     check_graph,
@@ -64,15 +64,6 @@ _LABELLED = frozenset((*ATOM_KINDS, "node", "functor"))
 
 _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
-
-
-@runtime_checkable
-class BulkLoadingStore(Protocol):
-    """A store that loads N-Quads as one unit, while they are made."""
-
-    def load(self, lines: Iterable[bytes]) -> None:
-        """Add the statements of the lines; durable when this returns."""
-        ...
 
 
 class ImportObserver(Protocol):
@@ -327,7 +318,7 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
     for chunk in lines:
         first.append(chunk)
         size += len(chunk)
-        if size > _MAX_APPLIED and isinstance(store, BulkLoadingStore):
+        if size > _MAX_APPLIED and isinstance(store, EmbeddedStore):
             store.load(chain(first, lines))
             # The old sequence number never counts beside the new one, which is higher.
             store.apply(delete={*plan.delete, *before} - {*plan.insert})

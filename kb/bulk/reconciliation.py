@@ -65,14 +65,8 @@ class ImportSummary:
 
     def as_json(self) -> dict[str, object]:
         """The summary as `hilt import --json` prints it."""
-        return {
-            "new": self.new,
-            "known": self.known,
-            "conflicting": self.conflicting,
-            "utterances": self.utterances,
-            "untrusted": list(self.untrusted),
-            "conflicts": [conflict.as_json() for conflict in self.conflicts],
-        }
+        found = [conflict.as_json() for conflict in self.conflicts]
+        return {**vars(self), "untrusted": list(self.untrusted), "conflicts": found}
 
 
 @dataclass

@@ -16,7 +16,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import chain, groupby
 from operator import itemgetter
-from typing import NamedTuple, Protocol, TypeAlias, TypeVar, cast, get_args, runtime_checkable
+from typing import NamedTuple, TypeAlias, TypeVar, cast, get_args
 
 from ...ontology.errors import ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -26,7 +26,7 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, XSD, Quad, Term, as_sparql, literal
 from ..rule import GRASP_OBJECT, USED_FOR, Rule, Status
-from ..stores.base import Store
+from ..stores.base import EmbeddedStore, Store
 from .nquads_reader import MAX_KNOWN
 
 Thing = TypeVar("Thing")
@@ -72,20 +72,6 @@ PAIRS = {str(number): pair for pair, number in CODES.items()}
 RULE_PREDICATES = (*_MANY_OBJECTS, rule_mapping.STATUS, rule_mapping.FUNCTOR)
 
 
-@runtime_checkable
-class RowStore(Protocol):
-    """A store that writes the rows of a query as text."""
-
-    @property
-    def is_sorted(self) -> bool:
-        """Whether the statements of a graph come subject by subject."""
-        ...
-
-    def rows(self, query: str) -> Iterator[list[str]]:
-        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
-        ...
-
-
 def scan_graph(
     store: Store, graph: Iri, *, in_order: bool, predicates: Collection[Iri] = ()
 ) -> Iterator[list[str]]:
@@ -102,7 +88,7 @@ def scan_graph(
             where `is_large`.
         predicates: the wanted ones, some of those with a code; all where none are given.
     """
-    if isinstance(store, RowStore):
+    if isinstance(store, EmbeddedStore):
         batches = store.rows(_query(graph, predicates))
     else:
         found = store.quads(None, None, None, graph)
@@ -148,7 +134,7 @@ def scan_converted(
 
 def is_large(store: Store) -> bool:
     """Whether a store has its statements subject by subject, and more than `MAX_SORTED`."""
-    if not isinstance(store, RowStore) or not store.is_sorted:
+    if not isinstance(store, EmbeddedStore) or not store.is_sorted:
         return False
     some = f"SELECT ?node {{ GRAPH ?graph {{ ?node ?key ?value }} }} LIMIT {MAX_SORTED + 1}"
     ((count,),) = store.select(f"SELECT (COUNT(*) AS ?count) {{ {{ {some} }} }}")

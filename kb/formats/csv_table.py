@@ -17,7 +17,7 @@ from typing import TextIO, TypeAlias, cast
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ...ontology.vocabulary import Iri
-from ..bulk.nquads_reader import remember
+from ..bulk.nquads_reader import MAX_KNOWN, remember
 from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule
 from ..bulk.statement_scan import RULE_PREDICATES, read_row, scan_converted
 from ..interval import DIGITS
@@ -80,7 +80,7 @@ class _CellConverter:
 
     def __init__(self) -> None:
         """Start without any rule."""
-        self._known: dict[str, tuple[int, str]] = {}
+        self._read = lru_cache(MAX_KNOWN)(_placed_cell)
         self._templates: dict[tuple[str, ...], Cells] = {}
 
     def convert(self, rows: Sequence[str]) -> Cells:
@@ -89,9 +89,9 @@ class _CellConverter:
         Raises:
             ValidationError: the rule is malformed.
         """
-        found, shared, known = [""] * _SHARED, list[str](), self._known
+        found, shared = [""] * _SHARED, list[str]()
         for row in rows:
-            place, cell = known.get(row) or self._read(row)
+            place, cell = self._read(row)
             if place == _SHARED or (found[place] and place > _CONTEXTS):
                 shared.append(row)
             elif found[place]:
@@ -109,17 +109,6 @@ class _CellConverter:
         remember(self._templates, key, cells)
         return cells
 
-    def _read(self, row: str) -> tuple[int, str]:
-        """The place of a cell and the cell."""
-        predicate, value = read_row(row)
-        place = _PLACES.get(predicate, _SHARED)
-        try:
-            found = place, _cell(place, value)
-        except (AttributeError, TypeError, ValueError, ValidationError):
-            found = _SHARED, ""  # reading it as a `Rule` reports the error
-        remember(self._known, row, found)
-        return found
-
 
 def rule_cells(rule: Rule) -> Cells:
     """Return the cells of a rule."""
@@ -135,6 +124,16 @@ def rule_cells(rule: Rule) -> Cells:
         rule.status,
         write_time(rule.time) if rule.time else "",
     )
+
+
+def _placed_cell(row: str) -> tuple[int, str]:
+    """The place of a cell and the cell."""
+    predicate, value = read_row(row)
+    place = _PLACES.get(predicate, _SHARED)
+    try:
+        return place, _cell(place, value)
+    except (AttributeError, TypeError, ValueError, ValidationError):
+        return _SHARED, ""  # reading it as a `Rule` reports the error
 
 
 def _cell(place: int, value: Term) -> str:

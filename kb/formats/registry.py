@@ -63,8 +63,11 @@ def format_of(file: str, given: str | None, default: str) -> FileFormat:
     Raises:
         DataError: no format has that name or extension.
     """
+    if given is not None and given not in FORMATS:
+        known = ", ".join(sorted(FORMATS))
+        raise DataError(f'unknown format "{given}"; known: {known}.', source=file)
     if given is not None:
-        return _named(given, file)
+        return FORMATS[given]
     if file == STREAM:
         return FORMATS[default]
     suffix = Path(file.lower().removesuffix(PACKED)).suffix
@@ -75,10 +78,3 @@ def format_of(file: str, given: str | None, default: str) -> FileFormat:
             source=file,
         )
     return SUFFIXES[suffix]
-
-
-def _named(name: str, file: str) -> FileFormat:
-    if name not in FORMATS:
-        known = ", ".join(sorted(FORMATS))
-        raise DataError(f'unknown format "{name}"; known: {known}.', source=file)
-    return FORMATS[name]

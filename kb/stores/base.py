@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from itertools import islice
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 from ...ontology.vocabulary import Iri
 from ..rdf.terms import Quad, Term
@@ -99,6 +99,24 @@ class Store(Protocol):
 
     def close(self) -> None:
         """Close the store; it cannot be used any more. Closing twice is allowed."""
+        ...
+
+
+@runtime_checkable
+class EmbeddedStore(Protocol):
+    """What a store of this process can do besides: read and load many statements as text."""
+
+    @property
+    def is_sorted(self) -> bool:
+        """Whether the statements of a graph come subject by subject."""
+        ...
+
+    def rows(self, query: str) -> Iterator[list[str]]:
+        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
+        ...
+
+    def load(self, lines: Iterable[bytes]) -> None:
+        """Add the statements of lines of N-Quads as one unit, while they are made."""
         ...
 
 

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.bulk.importer import BulkLoadingStore
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.stores import directory
+from hilt.kb.stores.base import EmbeddedStore
 from hilt.kb.stores.opening import open_store
 from hilt.kb.stores.rdf_text import read_rdf, write_rdf
 from hilt.ontology.errors import DataError, StoreError
@@ -179,7 +179,7 @@ def test_what_was_not_loaded_to_its_end_leaves_no_files(tmp_path: Path):
     """Neither when loading fails, nor when the process was killed before."""
     store = open_store(tmp_path / "store")
     left = tmp_path / "store" / "bulk-1.sst"
-    assert isinstance(store, BulkLoadingStore)
+    assert isinstance(store, EmbeddedStore)
 
     def failing() -> Iterator[bytes]:
         left.write_bytes(b"as the engine would")
