@@ -114,18 +114,14 @@ class HandMotion:
         )
 
     def release(self, planner: PathPlanner) -> None:
-        """Open the gripper, retreat, and go home."""
+        """Open the gripper, retreat, and go home, past all obstacles if there is such a path."""
         self.robot.open(self.robot.gripper.opening)
         self.robot.wait(RELEASE_TIME)
         back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
         self._follow_if(planner.plan_straight(back), APPROACH_PACE)
-        self.go_home(planner)
-
-    def go_home(self, planner: PathPlanner) -> None:
-        """Go to the waiting posture, past all obstacles if there is such a path."""
         spheres = self.robot.body_spheres(self.robot.opening)
-        path = planner.plan_transit(self.robot.kind.home, spheres, planner.scene, gap=-1.0)
-        self._follow_if(path, TRANSIT_PACE)
+        home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene, gap=-1.0)
+        self._follow_if(home, TRANSIT_PACE)
 
     # --- holding ------------------------------------------------------------------------------
 

@@ -91,7 +91,8 @@ def take_picture(
         picture[table] = np.minimum(shades, 255).astype(np.uint8)
     background = ~np.isin(view.labels, np.fromiter(view.names, dtype=np.int32))
     picture[background] = _wall(large)[background]
-    return picture if smoothing == 1 else _reduced(picture, camera)
+    size, lanczos = (camera.width, camera.height), Image.Resampling.LANCZOS
+    return picture if smoothing == 1 else np.asarray(Image.fromarray(picture).resize(size, lanczos))
 
 
 @lru_cache(maxsize=4)
@@ -128,11 +129,6 @@ def _wall(camera: Camera) -> Picture:
     share = np.linspace(0, 1, camera.height)[:, None, None]
     shades = (1 - share) * np.array(WALL_TOP) + share * np.array(WALL_BOTTOM)
     return np.broadcast_to(shades.astype(np.uint8), (camera.height, camera.width, 3))
-
-
-def _reduced(picture: Picture, camera: Camera) -> Picture:
-    image = Image.fromarray(picture)
-    return np.asarray(image.resize((camera.width, camera.height), Image.Resampling.LANCZOS))
 
 
 def check_writable(path: Path, suffixes: Sequence[str] = PICTURE_SUFFIXES) -> None:

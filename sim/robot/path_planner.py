@@ -135,14 +135,12 @@ class PathPlanner:
             path = np.vstack([start, *via, goal])
             # The arm may already be nearer to something than a path should come.
             least = min(gap, self._gap(spheres, path[:1], points, held))
-            if self._gap(spheres, self._executed(path), points, held) >= least - ROUNDING:
+            # Its corners are checked as the arm rounds them.
+            executed, _ = time_path(path, self.robot.chain.speed, step=TIME_STEP, pace=MAX_PACE)
+            checked = resample(executed, CHECK_STEP)
+            if self._gap(spheres, checked, points, held) >= least - ROUNDING:
                 return path
         return None
-
-    def _executed(self, path: Array) -> Array:
-        """Postures of a path as the arm executes it, with rounded corners."""
-        positions, _ = time_path(path, self.robot.chain.speed, step=TIME_STEP, pace=MAX_PACE)
-        return resample(positions, CHECK_STEP)
 
     def plan_straight(
         self, goal: Array, *, start: Array | None = None, joints: Array | None = None

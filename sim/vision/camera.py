@@ -95,10 +95,6 @@ class Camera:
         """The focal length in pixels."""
         return self.height / 2 / tan(self.field / 2)
 
-    def depths(self, points: Array) -> Array:
-        """Depths (n,) of points (n, 3) of the world in front of the camera [m]."""
-        return -poses.transform(poses.inverse(self.world_from_camera), points)[:, 2]
-
     def pixels(self, points: Array) -> Array:
         """Pixels, column and row (n, 2), of points (n, 3) of the world; NaN behind the camera."""
         seen = poses.transform(poses.inverse(self.world_from_camera), points)

@@ -89,7 +89,8 @@ class RegionRenderer:
     ) -> set[tuple[str, str]]:
         """The links that may lie in a window and nearer than the farthest object [m]."""
         corners = self.corners.reshape(-1, 3)
-        near = camera.depths(corners).reshape(-1, 8).min(axis=1, initial=np.inf) <= farthest
+        depths = (camera.eye - corners) @ camera.world_from_camera[:3, 2]
+        near = depths.reshape(-1, 8).min(axis=1, initial=np.inf) <= farthest
         pixels = camera.pixels(corners).reshape(-1, 8, 2)
         first = np.array([window.left, window.top])
         last = first + np.array([window.width, window.height])

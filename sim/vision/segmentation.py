@@ -77,6 +77,7 @@ def segment_images(
 
 
 def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
+    low, high = np.array(REGION).T
     pieces: list[Segment] = []
     for number, image in enumerate(images):
         heights = image.camera.eye[2] + image.depth * _height_per_depth(image.camera)
@@ -85,7 +86,7 @@ def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
         pixels = np.flatnonzero(mask)
         sources = np.column_stack([np.full(len(pixels), number), pixels])
         piece = Segment(points, image.colour[mask] / 255.0, sources)
-        pieces.append(piece[_is_in_region(points)])
+        pieces.append(piece[((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1)])
     return Segment(
         np.vstack([np.empty((0, 3)), *(piece.points for piece in pieces)]),
         np.vstack([np.empty((0, 3)), *(piece.colours for piece in pieces)]),
@@ -101,11 +102,6 @@ def _height_per_depth(camera: Camera) -> NDArray[np.float32]:
     upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
     right, up, back = camera.world_from_camera[2, :3]
     return (across * right + upwards * up - back).astype(np.float32)
-
-
-def _is_in_region(points: Array) -> NDArray[np.bool_]:
-    low, high = np.array(REGION).T
-    return ((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1)
 
 
 def _groups(points: Array) -> Integers:
