@@ -13,7 +13,7 @@ import typer
 from ...ontology.errors import DataError
 from ..presentation.plain_text import counted
 from .common import announce, exit_with, open_base, open_for_reading, print_json, terminal
-from .options import AsJson, Kb, app, example
+from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
     from ...kb.bulk.reconciliation import ImportSummary
@@ -55,9 +55,7 @@ def import_(
     file: Annotated[str, typer.Argument(help='A file, packed or not, or "-" for stdin.')],
     kb: Kb = None,
     file_format: FileFormat = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only check, and report what would change.")
-    ] = False,
+    dry_run: DryRun = False,
     as_json: AsJson = False,
 ) -> None:
     """Read rules or a whole base: checked first, applied whole or not at all."""

@@ -25,7 +25,7 @@ from .common import (
     spinner,
     terminal,
 )
-from .options import AsJson, Gui, Kb, Record, Speaker, app, example
+from .options import AsJson, DryRun, Gui, Kb, Record, Speaker, app, example
 
 if TYPE_CHECKING:
     from ...kb.diff import UtteranceChanges
@@ -130,7 +130,7 @@ def merge(
     into: Annotated[str, typer.Argument(metavar="A", help="The base that is changed.")],
     other: Annotated[str, typer.Argument(metavar="B", help="The base or file to merge.")],
     *,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only report changes.")] = False,
+    dry_run: DryRun = False,
     as_json: AsJson = False,
 ) -> None:
     """Add what B knows to A, whole or not at all, and report the conflicts."""

@@ -67,6 +67,9 @@ Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
 Heard = Annotated[
     float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
 ]
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Only check, and report what would change.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help=OPTIONS["seed"].help)]

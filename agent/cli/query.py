@@ -20,7 +20,7 @@ from .common import (
     spinner,
     terminal,
 )
-from .options import AsJson, Kb, Speaker, app, example
+from .options import AsJson, DryRun, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
     from ...kb.sparql.named_queries import NamedQuery
@@ -77,9 +77,7 @@ def query(
 def update(
     sparql: Annotated[str, typer.Argument(help='A SPARQL update, a .ru file, or "-" for stdin.')],
     *,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only run and check it on a copy.")
-    ] = False,
+    dry_run: DryRun = False,
     speaker: Speaker = "sam",
     timeout: Timeout = 30.0,
     memory: Memory = 2048,

@@ -219,9 +219,10 @@ class _Import:
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
             number, utterance, time, *_ = rule
+            shared = rule.template.rule
             if number in there:
                 self.known += 1
-                if observer and there[number] != rule_mapping.status_iri(rule.status):
+                if observer and there[number] != rule_mapping.status_iri(shared.status):
                     observer.add_different(rule.rule)
                 continue
             if number in self.seen:
@@ -229,13 +230,15 @@ class _Import:
             self.seen.add(number)
             self.ids.append(number)
             self.utterances.append(utterance or 0)
-            self.speakers.add(rule.speaker)
+            self.speakers.add(shared.speaker)
             if time is None:
                 self.timeless.add(number)
-            if observer or (there and rule.status == "active"):
+            if observer or (there and shared.status == "active"):
                 value = rule.rule
                 same = (
-                    believed.with_conclusion_of(value) if there and value.status == "active" else ()
+                    believed.with_conclusion_of(value)
+                    if there and shared.status == "active"
+                    else ()
                 )
                 found = conflicts_of(value, same)
                 self.conflicting += len(found)

@@ -115,16 +115,6 @@ class SerializedRule(NamedTuple):
     features: FeatureLines
 
     @property
-    def speaker(self) -> str:
-        """Who told the rule."""
-        return self.template.rule.speaker
-
-    @property
-    def status(self) -> Status:
-        """Whether the rule is believed."""
-        return self.template.rule.status
-
-    @property
     def rule(self) -> Rule:
         """The rule as a value."""
         one, interval = self.template.rule, Interval(float(self.lower), float(self.upper))

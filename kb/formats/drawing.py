@@ -19,6 +19,7 @@ from ...ontology.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.transforms import Bbox
     from networkx import MultiDiGraph
 
 ANY_CONTEXT = "any context"
@@ -48,16 +49,6 @@ class _Arrow:
     label: str
     context: str
     style: str
-
-
-@dataclass(frozen=True)
-class _Box:
-    """Where a node stands: its lower left corner and its size."""
-
-    x: float
-    y: float
-    width: float
-    height: float
 
 
 def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
@@ -99,7 +90,7 @@ def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
                 arrow,
                 _port(boxes[arrow.start], starts[arrow.start], arrow),
                 _port(boxes[arrow.end], ends[arrow.end], arrow),
-                x=(boxes[arrow.start].x + boxes[arrow.start].width, boxes[arrow.end].x),
+                x=(boxes[arrow.start].x1, boxes[arrow.end].x0),
                 colour=colours[arrow.context],
             )
         if arrows:
@@ -173,20 +164,22 @@ def _arrows_by_node(
 
 def _placed(
     columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow], rows: Mapping[str, int]
-) -> tuple[dict[str, _Box], float, float]:
+) -> tuple[dict[str, Bbox], float, float]:
     """The boxes, and the width and height of all of them."""
+    from matplotlib.transforms import Bbox
+
     heights = [sum(_height(rows[node]) + _GAP for node in column) - _GAP for column in columns]
     height = max(heights, default=0) + 2 * _MARGIN
     labels = _LETTER * max((len(arrow.label) for arrow in arrows), default=0)
     channel = labels + _CURVE + min(height, 3000) / 10
-    boxes: dict[str, _Box] = {}
+    boxes: dict[str, Bbox] = {}
     x = float(_MARGIN)
     for column, own in zip(columns, heights, strict=True):
         width = _LETTER * max(len(_name(node)) for node in column) + 2 * _MARGIN
         y = (height + own) / 2
         for node in column:
             y -= _height(rows[node])
-            boxes[node] = _Box(x, y, width, _height(rows[node]))
+            boxes[node] = Bbox.from_bounds(x, y, width, _height(rows[node]))
             y -= _GAP
         x += width + channel
     return boxes, (x - channel + _MARGIN if columns else 2 * _MARGIN), height
@@ -196,10 +189,10 @@ def _height(rows: int) -> float:
     return rows * _ROW + _ROW / 2
 
 
-def _port(box: _Box, arrows: Sequence[_Arrow], arrow: _Arrow) -> float:
+def _port(box: Bbox, arrows: Sequence[_Arrow], arrow: _Arrow) -> float:
     """The height at which an arrow meets a box: they are evenly spread."""
     place = next(i for i, one in enumerate(arrows) if one is arrow)
-    return box.y + box.height * (1 - (place + 0.5) / len(arrows))
+    return box.y0 + box.height * (1 - (place + 0.5) / len(arrows))
 
 
 def _colours(arrows: Sequence[_Arrow]) -> dict[str, str]:
@@ -213,18 +206,18 @@ def _colours(arrows: Sequence[_Arrow]) -> dict[str, str]:
 # Drawing
 
 
-def _draw_box(axes: Axes, box: _Box, node: str) -> None:
+def _draw_box(axes: Axes, box: Bbox, node: str) -> None:
     from matplotlib.patches import FancyBboxPatch
 
     axes.add_patch(
         FancyBboxPatch(
-            (box.x, box.y), box.width, box.height,
+            box.min, box.width, box.height,
             boxstyle="round,pad=0,rounding_size=5", facecolor=_FILLS.get(_kind(node), _OTHER_FILL),
             edgecolor="#888888", linewidth=0.8,
         )
     )  # fmt: skip
     axes.text(
-        box.x + box.width / 2, box.y + box.height / 2, _name(node),
+        (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2, _name(node),
         ha="center", va="center_baseline", color="#222222", parse_math=False,
     )  # fmt: skip
 
@@ -256,7 +249,6 @@ def _draw_arrow(
 
 def _draw_legend(axes: Axes, colours: Mapping[str, str], kinds: Sequence[str]) -> None:
     """Explain the colours of the arrows, their styles, and the fills of the boxes."""
-    from matplotlib.legend import Legend
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -269,11 +261,10 @@ def _draw_legend(axes: Axes, colours: Mapping[str, str], kinds: Sequence[str]) -
             for one in kinds
         ],
     )
-    for number, handles in enumerate(columns):
-        legend = Legend(
-            axes, handles, [str(one.get_label()) for one in handles], loc="upper left",
-            bbox_to_anchor=(_MARGIN + number * 140, 4), bbox_transform=axes.transData,
-            frameon=False, fontsize=8, borderpad=0, borderaxespad=0, handlelength=2.6,
-            labelspacing=0.55,
-        )  # fmt: skip
-        axes.add_artist(legend)
+    longest, blank = max(map(len, columns)), Line2D([], [], linestyle="none", label=" ")
+    axes.legend(
+        handles=[one for some in columns for one in (*some, *[blank] * (longest - len(some)))],
+        ncols=len(columns), loc="upper left", bbox_to_anchor=(_MARGIN, 4), frameon=False,
+        bbox_transform=axes.transData, fontsize=8, borderpad=0, borderaxespad=0, handlelength=2.6,
+        labelspacing=0.55,
+    )  # fmt: skip

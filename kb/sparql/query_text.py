@@ -75,8 +75,7 @@ def with_prefixes(text: str) -> str:
 
     They are added to its first line, so that line numbers in messages stay right.
     """
-    used = {t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname"}
-    missing = [prefix for prefix in PREFIXES if prefix in used - _declared_prefixes(text)]
+    missing = [prefix for prefix in PREFIXES if prefix in _undeclared_prefixes(text)]
     return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
 
 
@@ -114,9 +113,9 @@ def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) 
 
 def syntax_message(message: str, text: str) -> str:
     """One line that says what is wrong with a text that the engine could not parse."""
-    undeclared = _undeclared_prefix(text)
-    if undeclared:
-        return f'The prefix "{undeclared}:" is not declared.'
+    for prefix in _undeclared_prefixes(text):
+        if prefix and prefix not in PREFIXES:
+            return f'The prefix "{prefix}:" is not declared.'
     match = _POSITION.search(message)
     if not match:
         return f"The query is wrong: {message.strip().splitlines()[0]}"
@@ -203,15 +202,12 @@ def _modifiers(query: str) -> list[re.Match[str]]:
     return found[1:]  # the first one is the brace that closes the group
 
 
-def _declared_prefixes(text: str) -> set[str]:
-    return {
+def _undeclared_prefixes(text: str) -> list[str]:
+    """The prefixes that a text uses and does not declare, in its order."""
+    declared = {
         name.group().partition(":")[0]
         for word, name in pairwise(tokens(text))
         if word.group().upper() == "PREFIX" and name.lastgroup == "pname"
     }
-
-
-def _undeclared_prefix(text: str) -> str | None:
-    known = {*PREFIXES, *_declared_prefixes(text)}
     used = (t.group().partition(":")[0] for t in tokens(text) if t.lastgroup == "pname")
-    return next((prefix for prefix in used if prefix not in known), None)
+    return [prefix for prefix in dict.fromkeys(used) if prefix not in declared]
