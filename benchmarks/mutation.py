@@ -4,6 +4,7 @@
     python benchmarks/mutation.py                       every mutant, which takes hours
     python benchmarks/mutation.py --sample 40 --seed 1  some of them
     python benchmarks/mutation.py --only decision.py    those of files with this in their path
+    python benchmarks/mutation.py --evaluate teachers   which ones `hilt evaluate teachers` notices
 
 A mutant is the program with one operator or constant replaced. It is killed if a test fails, or if
 the tests take longer than the limit; those that survive are printed: each is a behaviour that no
@@ -18,7 +19,8 @@ import ast
 import random
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -116,24 +118,44 @@ def compile_mutant(path: Path, index: int) -> CodeType:
     return compile(ast.fix_missing_locations(tree), str(path), "exec")
 
 
-def run_tests(path: Path, index: int, tests: Sequence[str]) -> int:
-    """Run tests in this process with a mutant in place of its module; return the exit code."""
-    import pytest
-
+@contextmanager
+def mutated(path: Path, index: int) -> Generator[None]:
+    """Put a mutant in the place of its module, which is not imported yet, for the block."""
     original, code = SourceFileLoader.get_code, compile_mutant(path, index)
 
     def get_code(self: SourceFileLoader, fullname: str) -> CodeType | None:
         return code if Path(self.path) == path else original(self, fullname)
 
     SourceFileLoader.get_code = get_code
+    yield
+    SourceFileLoader.get_code = original
+
+
+def run_tests(path: Path, index: int, tests: Sequence[str]) -> int:
+    """Run tests in this process with a mutant in place of its module; return the exit code."""
+    import pytest
+
     # Without cache: no file is written, and failures of one mutant do not order another's tests.
     options = ["-x", "-q", "-m", "not sim", "-p", "no:cacheprovider", "-p", "no:benchmark"]
-    return int(pytest.main([*options, *tests]))
+    with mutated(path, index):
+        return int(pytest.main([*options, *tests]))
 
 
-def survives(mutant: Mutant, tests: Sequence[str], limit_s: float) -> bool:
+def run_evaluation(path: Path, index: int, name: str) -> int:
+    """Run an evaluation in this process with a mutant; return the exit code: 0 if all is right."""
+    from hilt.agent.cli import main
+
+    with mutated(path, index):
+        try:
+            main(["evaluate", name, "--json"])
+        except SystemExit as end:
+            return int(end.code or 0)
+    return 0
+
+
+def survives(mutant: Mutant, options: Sequence[str], limit_s: float) -> bool:
     """Whether all tests pass with a mutant within the time limit [s]."""
-    arguments = ["--run", f"{mutant.path}:{mutant.index}", "--tests", *tests]
+    arguments = ["--run", f"{mutant.path}:{mutant.index}", *options]
     command = [sys.executable, __file__, *arguments]
     try:
         done = subprocess.run(  # noqa: S603 - this file, with a path of its own
@@ -153,11 +175,15 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--limit", type=float, default=TIME_LIMIT_S, help="seconds for a mutant")
     parser.add_argument("--tests", nargs="+", default=list(TESTS))
+    parser.add_argument("--evaluate", help="an evaluation that is run instead of the tests")
     parser.add_argument("--run", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
     if chosen.run:
         path, _, index = chosen.run.rpartition(":")
+        if chosen.evaluate:
+            return run_evaluation(Path(path), int(index), chosen.evaluate)
         return run_tests(Path(path), int(index), chosen.tests)
+    options = ["--evaluate", chosen.evaluate] if chosen.evaluate else ["--tests", *chosen.tests]
     paths = [path for path in FILES if chosen.only in str(path.relative_to(ROOT))]
     found = [each for path in paths for each in mutants(path)]
     found = [each for each in found if chosen.change in str(each)]
@@ -166,7 +192,7 @@ def main() -> int:
         found = drawn.sample(found, min(chosen.sample, len(found)))
     alive = 0
     for number, mutant in enumerate(found, 1):
-        if survives(mutant, chosen.tests, chosen.limit):
+        if survives(mutant, options, chosen.limit):
             alive += 1
             print(f"survives: {mutant}", flush=True)
         elif sys.stderr.isatty():

@@ -5,12 +5,15 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
+
+if TYPE_CHECKING:
+    from ..evaluation.reports.summary import EvaluationReport
 
 What = Annotated[
     str | None,
@@ -53,6 +56,8 @@ Compared = Annotated[
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
 
+Cases = Annotated[bool, typer.Option("--cases", help="Print a table of all cases too.")]
+
 
 @app.command(epilog=example("evaluate paper --report paper.html"))
 def evaluate(  # noqa: PLR0917 - every option is a parameter
@@ -73,15 +78,16 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     resume: Resume = False,
     report_to: Reports = None,
     compare: Compared = None,
+    show_cases: Cases = False,
     as_json: AsJson = False,
 ) -> None:
     """Repeat the paper's evaluation, and go beyond it.
 
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
-    8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
-    by factorisation; --out keeps the certificate. random: random sets of rules. noise: accuracy
-    under failing vision, hearing and teachers, as curves. experience: regret with a bad teacher.
-    custom: objects, norms and scenes of your own, from --file.
+    8 objects x 2 contexts from random poses. teachers: four who disagree. all-scenarios: every set
+    of rules that can be taught, by factorisation; --out keeps the certificate. random: random sets
+    of rules. noise: accuracy under failing vision, hearing and teachers, as curves. experience:
+    regret with a bad teacher. custom: objects, norms and scenes of your own, from --file.
 
     --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
     code 1 when they do.
@@ -123,8 +129,20 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     report = EvaluationReport.from_runs(experiment, runs)
     for path in report_to or ():
         write_report(path, experiment, cases, report)
-    print_json(report.as_json()) if as_json else terminal().print(report.table())
+    if as_json:
+        print_json(report.as_json())
+    else:
+        _show(report, cases=show_cases)
     exit_with(report.is_right)
+
+
+def _show(report: EvaluationReport, *, cases: bool) -> None:
+    """Print the cases if wanted, the curves if there are any, and the summary last."""
+    for table in (report.table() if cases else None, report.points()):
+        if table is not None:
+            terminal().print(table)
+    for line in report.lines():
+        terminal().print(line, markup=False, highlight=False)
 
 
 def _compare(first: Path, second: Path, *, as_json: bool) -> None:

@@ -8,10 +8,12 @@ has one in the scene.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
+from ...kb.rule import DEFAULT_SPEAKER
 from ...ontology.yaml_reader import YamlNode, read_yaml
 
 SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
@@ -19,6 +21,42 @@ LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
 ACTIONS = {"pass": "pass me", "pickUp": "pick up", "pointTo": "point to"}
 _INFINITIVES = {"pass": "pass", "pickUp": "pick up"}
 CONTEXTS = tuple(_INFINITIVES)  # the actions that grasp
+
+
+class Scenario(Protocol):
+    """What is taught, by whom, and which choices are right then."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def trust(self) -> Mapping[str, str]:
+        """Speaker -> trust in [0, 1] as a decimal; 1 for those who are not in it."""
+        ...
+
+    @property
+    def affordances(self) -> Collection[str]:
+        """What is asked for."""
+        ...
+
+    @property
+    def objects(self) -> Sequence[str]:
+        """What scenes consist of."""
+        ...
+
+    def told(self) -> Sequence[tuple[str, str]]:
+        """Return the speakers and what they say, in order."""
+        ...
+
+    def best(self, affordance: str, scene: Collection[str]) -> frozenset[str]:
+        """Return the right choices for an affordance in a scene; empty if there are none."""
+        ...
+
+    def parts(self, name: str, action: str) -> frozenset[str]:
+        """Return the right parts of an object for an action; empty if there are none."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -36,6 +74,24 @@ class LearningScenario:
     affordances: Mapping[str, Mapping[str, tuple[str, ...]]]
     grasps: Mapping[str, Mapping[str, str]]
     levels: tuple[str, ...] = LEVELS
+
+    @property
+    def trust(self) -> Mapping[str, str]:
+        """The trust in the only speaker is the default."""
+        return {}
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """The objects."""
+        return tuple(self.grasps)
+
+    def told(self) -> list[tuple[str, str]]:
+        """Return the teacher and what is said, in order."""
+        return [(DEFAULT_SPEAKER, sentence) for sentence in self.sentences()]
+
+    def parts(self, name: str, action: str) -> frozenset[str]:
+        """Return the right parts of an object for an action; empty if none was taught."""
+        return frozenset(part for context, part in self.grasps[name].items() if context == action)
 
     def sentences(self) -> list[str]:
         """Return the sentences that teach the scenario."""

@@ -25,7 +25,7 @@ from ...dialogue.reply import Reply
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
+from ..learning_scenarios import ACTIONS, Scenario, command, load_scenarios
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 
 GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
@@ -49,12 +49,12 @@ class DecisionExperiment(Experiment):
         return tuple(ACTIONS)
 
     @cached_property
-    def scenarios(self) -> Mapping[str, LearningScenario]:
+    def scenarios(self) -> Mapping[str, Scenario]:
         """The scenarios by name."""
         return {scenario.name: scenario for scenario in load_scenarios()}
 
     def commands(
-        self, scenario: LearningScenario, name: str, scene: Sequence[str], seed: int
+        self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
     ) -> Iterator[Case]:
         """Yield a case for each command in a scene: 15 for a scenario of the paper.
 
@@ -108,8 +108,10 @@ class DecisionExperiment(Experiment):
         return {name: teach(each, self.new_agent()) for name, each in self.scenarios.items()}
 
 
-def teach(scenario: LearningScenario, agent: Agent) -> Agent:
+def teach(scenario: Scenario, agent: Agent) -> Agent:
     """Tell an agent the sentences of a scenario, and return it."""
-    for sentence in scenario.sentences():
-        agent.hear(sentence, only="tell")
+    for speaker, trust in scenario.trust.items():
+        agent.base.set_trust(speaker, float(trust))
+    for speaker, sentence in scenario.told():
+        agent.hear(sentence, speaker=speaker, only="tell")
     return agent

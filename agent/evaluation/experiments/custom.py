@@ -38,6 +38,7 @@ from ..learning_scenarios import (
     CONTEXTS,
     LEVELS,
     LearningScenario,
+    Scenario,
     functional_sentence,
     grasp_sentence,
 )
@@ -70,7 +71,7 @@ class CustomExperiment(DecisionExperiment):
         return self._spec.actions
 
     @cached_property
-    def scenarios(self) -> Mapping[str, LearningScenario]:
+    def scenarios(self) -> Mapping[str, Scenario]:
         """The scenario of the file, and its mirror image if requested."""
         return {scenario.name: scenario for scenario in self._spec.scenarios}
 

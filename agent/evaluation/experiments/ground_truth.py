@@ -18,7 +18,7 @@ from ....inference.types import Candidate
 from ...dialogue.reply import Reply
 from ...execution.outcome import Decision, GoalResult, Json, WorldOutcome
 from ..case import Case, CaseResult, Kind
-from ..learning_scenarios import CONTEXTS, LearningScenario
+from ..learning_scenarios import Scenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]
 LIFTED_M = 0.10  # how high it must be lifted [m]
@@ -31,24 +31,24 @@ class CorrectChoices:
     Attributes:
         objects: the right choices; empty if the right answer is that there is none.
         principle: the principle of section 4.1 that applies, 1 to 4.
-        parts: object -> the part to grasp; empty for actions that do not grasp.
+        parts: object -> the parts by which it may be grasped; empty if any will do, or none.
     """
 
     objects: frozenset[str]
     principle: int
-    parts: Mapping[str, str]
+    parts: Mapping[str, frozenset[str]]
 
     @classmethod
     def from_scenario(
-        cls, scenario: LearningScenario, action: str, affordance: str, scene: Collection[str]
+        cls, scenario: Scenario, action: str, affordance: str, scene: Collection[str]
     ) -> CorrectChoices:
         """Return the ground truth for a command, from the tables of a scenario."""
         best = scenario.best(affordance, scene)
-        is_top = best <= scenario.best(affordance, scenario.grasps)
+        is_top = best <= scenario.best(affordance, scenario.objects)
         principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
-        grasps = scenario.grasps.items() if action in CONTEXTS else ()
-        wanted = {name: parts[action] for name, parts in grasps if action in parts}
-        return cls(best, principle, wanted)
+        return cls(
+            best, principle, {name: scenario.parts(name, action) for name in scenario.objects}
+        )
 
     @property
     def kind(self) -> Kind:
@@ -59,11 +59,14 @@ class CorrectChoices:
         """Whether a choice is right; None stands for no choice."""
         if not self.objects or chosen is None:
             return not self.objects and chosen is None
-        return chosen in self.objects and part == self.parts.get(chosen)
+        return chosen in self.objects and part in (self.parts[chosen] or {None})
 
     def describe(self) -> str:
         """Return the right choices as text."""
-        each = (describe_choice(name, self.parts.get(name)) for name in sorted(self.objects))
+        each = (
+            describe_choice(name, " or ".join(sorted(self.parts[name])))
+            for name in sorted(self.objects)
+        )
         return " or ".join(each) or "nothing"
 
 
@@ -100,7 +103,7 @@ def judge_command(case: Case, truth: CorrectChoices, reply: Reply) -> CaseResult
 def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> CaseResult:
     """Return the result of a command to grasp an object given by name."""
     world = reply.result.world if reply.result else WorldOutcome()
-    facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, part)}
+    facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, {part})}
     facts["why"] = explain_reply(reply)
     facts["success"] = reply.is_done and facts["success"] is True
     touched = ", ".join(world.touched) or "nothing"
@@ -121,15 +124,15 @@ def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bo
     best = achieved.decision.object.best if achieved.decision else None
     taken = best.object if best else ""
     facts: Json = {"success": True}
-    if taken in truth.parts:  # if no part was taught, any will do
+    if truth.parts.get(taken):  # if no part was taught, any will do
         facts = _grasp_facts(world, taken, truth.parts[taken]) | {"handed_over": world.handed_over}
     facts["success"] = is_done and taken in truth.objects and facts["success"] is True
     return facts
 
 
-def _grasp_facts(world: WorldOutcome, taken: str, part: str) -> Json:
+def _grasp_facts(world: WorldOutcome, taken: str, parts: Collection[str]) -> Json:
     """Return how an object was held; `right_part` only if the fingers touched something."""
-    right_part = world.touched == (part,)
+    right_part = len(world.touched) == 1 and world.touched[0] in parts
     facts: Json = {
         "success": right_part and world.lifted_m >= LIFTED_M and world.held_s >= HELD_S,
         "taken": taken,

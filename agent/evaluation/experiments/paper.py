@@ -8,13 +8,16 @@ has all objects, they are distinct, and together they test all four principles. 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, cycle
 from random import Random
 from typing import ClassVar
 
 from ..case import Case
+from ..disputed_scenarios import DisputedScenario
+from ..learning_scenarios import Scenario
 from .command_experiment import DecisionExperiment
 from .ground_truth import CorrectChoices
 
@@ -46,7 +49,7 @@ class PaperExperiment(DecisionExperiment):
         return [sorted(scene) for scene in drawn]
 
     def _draws(self, rng: Random) -> Iterator[list[frozenset[str]]]:
-        names = sorted(self.scenarios["A"].grasps)
+        names = sorted(self.scenarios["A"].objects)
         while True:
             scenes, sizes = [frozenset(names)], cycle(range(1, len(names)))
             while len(scenes) < self.scenes:
@@ -65,6 +68,22 @@ class PaperExperiment(DecisionExperiment):
 
 
 @dataclass(frozen=True)
+class TeachersExperiment(PaperExperiment):
+    """The evaluation of the paper with teachers who disagree, drawn from the seed."""
+
+    name: ClassVar[str] = "teachers"
+
+    @cached_property
+    def scenarios(self) -> Mapping[str, Scenario]:
+        """Two disputed scenarios."""
+        return {name: DisputedScenario(name, self.seed) for name in "AB"}
+
+    def _covers(self, scenes: Sequence[frozenset[str]]) -> bool:
+        """Take the scenes as they come: a seed may have no two objects with equal opinions."""
+        return True
+
+
+@dataclass(frozen=True)
 class SituationsExperiment(DecisionExperiment):
     """Every problem situation of the paper: all subsets of its objects as scenes."""
 
@@ -75,7 +94,7 @@ class SituationsExperiment(DecisionExperiment):
         return [
             case
             for scenario in self.scenarios.values()
-            for size in range(len(scenario.grasps) + 1)
-            for scene in combinations(sorted(scenario.grasps), size)
+            for size in range(len(scenario.objects) + 1)
+            for scene in combinations(sorted(scenario.objects), size)
             for case in self.commands(scenario, "+".join(scene) or "empty", scene, self.seed)
         ]

@@ -10,7 +10,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
+from platform import python_version
 from typing import cast
 
 from ....ontology.errors import extra_required
@@ -18,7 +21,7 @@ from ...execution.outcome import Json
 from ..case import Case
 from ..experiment import Experiment
 from .plots import plot_curve
-from .summary import EvaluationReport
+from .summary import EvaluationReport, as_text
 
 TEMPLATE = Path(__file__).with_name("page.html")
 COUNTS = ("runs", "right", "unique", "ties", "none", "executed", "succeeded", "grasps")
@@ -61,27 +64,17 @@ def render_page(
     summary = {name: value for name, value in report.summary.items() if name != "curves"}
     return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         name=report.name,
+        made=f"{datetime.now(UTC):%d %B %Y %H:%M} UTC, Hilt {version('hilt')}, "
+        f"Python {python_version()}",
         options=", ".join(f"{name} {json.dumps(value)}" for name, value in report.options.items()),
         counts={n: counts[n] for n in COUNTS if counts[n] or n in {"runs", "right"}},
         principles=[(n, each["runs"], each["right"]) for n, each in principles.items()],
-        summary=[(name.replace("_", " "), _as_text(value)) for name, value in summary.items()],
+        summary=[(name.replace("_", " "), as_text(value)) for name, value in summary.items()],
         curves=list(_curves(cast("list[Json]", report.summary.get("curves", [])))),
         pictures=list(pictures),
         cases=rows,
         explanations=list(explanations),
     )
-
-
-def _as_text(value: object) -> str:
-    """Return a JSON value as readable text."""
-    if isinstance(value, dict):
-        pairs = cast("Json", value).items()
-        return "; ".join(f"{name.replace('_', ' ')}: {_as_text(each)}" for name, each in pairs)
-    if isinstance(value, list):
-        return ", ".join(map(_as_text, cast("list[object]", value))) or "none"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:,}" if isinstance(value, int) else str(value)
 
 
 def _curves(curves: Sequence[Json]) -> Iterator[Json]:

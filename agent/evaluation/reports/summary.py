@@ -80,24 +80,34 @@ class EvaluationReport:
         return {str(n): {"runs": len(g), "right": sum(g)} for n, g in groups.items()}
 
     def table(self) -> Table:
-        """Return a table of the cases, or of the points of the curves if there are any."""
+        """Return a table of the cases."""
         from rich.table import Table
 
         from ...presentation import console
 
-        if "curves" in self.summary:
-            return self._points(cast("list[Json]", self.summary["curves"]))
-        right = sum(result.right for result in self.results)
-        table = Table(
-            "case", "chosen", "expected", "right",
-            title=f"{self.name}: {right} of {len(self.results)} right "
-            f"(seed {self.options.get('seed', 0)})",
-            title_justify="left",
-        )  # fmt: skip
+        table = Table("case", "chosen", "expected", "right")
         for result in self.results:
             mark = "[green]yes" if result.right else "[red]no"
             table.add_row(result.key, result.found, result.expected, mark)
         return console.wrap_cells(table)
+
+    def lines(self) -> list[str]:
+        """Return the summary as lines of text: wrong cases, quantities, and last the count."""
+        counts = self.counts()
+        right, runs = counts["right"], counts["runs"]
+        principles = cast("dict[str, dict[str, int]]", counts["by_principle"]).items()
+        summary = {name: value for name, value in self.summary.items() if name != "curves"}
+        return [
+            *(f"wrong: {each}" for each in cast("list[str]", counts["wrong"])),
+            *(f"principle {n}: {each['right']} of {each['runs']} right" for n, each in principles),
+            *(f"{name.replace('_', ' ')}: {as_text(value)}" for name, value in summary.items()),
+            f"{self.name}: {right} of {runs} right (seed {counts['seed']})",
+        ]
+
+    def points(self) -> Table | None:
+        """Return a table of the points of the curves; None if there are none."""
+        curves = self.summary.get("curves")
+        return self._points(cast("list[Json]", curves)) if curves else None
 
     def _points(self, curves: Sequence[Json]) -> Table:
         from rich.table import Table
@@ -112,3 +122,15 @@ class EvaluationReport:
                     shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, str(at["decisions"]))
                     table.add_row(str(curve["curve"]), line, *shown)
         return table
+
+
+def as_text(value: object) -> str:
+    """Return a JSON value as readable text."""
+    if isinstance(value, dict):
+        pairs = cast("Json", value).items()
+        return "; ".join(f"{name.replace('_', ' ')}: {as_text(each)}" for name, each in pairs)
+    if isinstance(value, list):
+        return ", ".join(map(as_text, cast("list[object]", value))) or "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:,}" if isinstance(value, int) else str(value)
