@@ -8,9 +8,11 @@ part to the corresponding part. Similarity is Tversky's ratio model (1977) with 
 the object and the best matching of its parts have equal weight.
 
 A use is transferred only to an object that has the features on which the use rests. These are the
-features that were taught with it ("a heavy hammer is used for pounding"), or else abduced: what all
-objects with this use have in common, and no object that was denied it has. Of these the roles of
-their working parts, all but the grip, come first: a knife cuts by its edge, so a spoon does not.
+features that were taught with it ("a heavy hammer is used for pounding", or "because it is heavy",
+of which a rule about anything heavy is kept that neither asserts nor denies the use), or else
+abduced: what all objects with this use have in common, and no object that was denied it has. Of
+these the roles of their working parts, all but the grip, come first: a knife cuts by its edge, so a
+spoon does not.
 
 An induced rule is discounted by the similarity and by `CAUTION`, so that it never ranks above its
 source. It is marked as induced, and not made where anything was taught.
@@ -90,7 +92,7 @@ def induce(
     taught = list(rules)
     graph = ontology_graph(objects, classes or {})
     known = {_topic(rule) for rule in taught}
-    general = [rule for rule in taught if rule.object is None]
+    general = [r for r in taught if r.object is None and not r.interval.is_vacuous]
     found: dict[tuple[object, ...], InducedRule] = {}
     for rule in taught:
         needed = needed_features(rule, taught, objects) if rule.affordance else frozenset[str]()
@@ -177,7 +179,8 @@ def needed_features(
     have the use, and not to have it.
     """
     same = [r for r in rules if (r.argument, r.contexts) == (rule.argument, rule.contexts)]
-    for each in (rule, *(r for r in same if r.asserts and r.object is None)):
+    general = (r for r in same if r.object is None and (r.asserts or r.interval.is_vacuous))
+    for each in (rule, *general):
         told = frozenset(str(atom) for atom in each.features if atom.kind != "object")
         if told:
             return told

@@ -369,6 +369,18 @@ class Language:
         waits = any(halt and halt.control == "wait" for halt in halts.values())
         return Control("wait") if waits and is_bare else None
 
+    def reasons(self, text: str) -> tuple[str, ...]:
+        """Return the properties that a text gives as a reason: "because it is heavy"."""
+        tokens = self._tokens(text)
+        start, end = self.utterance_parser.periphery.property_clause(tokens)
+        if start == end:
+            return ()
+        names = self.offers.mentions(tokens, Discourse()).names
+        found = {each.start: each.name for each in names if each.role == "property"}
+        others = {tokens.words[n] for n in range(start, end) if n not in found}
+        is_plain = others <= {self.answers.phrases.joined}
+        return tuple(found[n] for n in range(start, end) if n in found) if is_plain else ()
+
     def short_answers(self, text: str, *, speaker: str, discourse: Discourse) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
         return self.utterance_parser.answers(text, UtteranceContext(speaker, "self", discourse))

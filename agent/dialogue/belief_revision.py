@@ -14,7 +14,14 @@ from ..execution.outcome import AnswerContent
 from .conversation import Conversation, UnderstoodTurn
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import lesson_from_statement, reporter_of, rules_to_retract, trust_in, word_to_keep
+from .teaching import (
+    lesson_from_statement,
+    reason_rules,
+    reporter_of,
+    rules_to_retract,
+    trust_in,
+    word_to_keep,
+)
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -44,11 +51,15 @@ class BeliefRevision:
         describe = conversation.knowledge(turn).describe
         echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
         spoken = " ".join(map(conversation.say, echo))
+        reasons = conversation.language.reasons(turn.understood.text)
+        grounds = reason_rules(taught.rules, reasons)
+        if grounds:
+            spoken += f" {conversation.say(AnswerContent('learned_reason', {'reasons': reasons}))}"
         self._base.believe(
             turn.understood.text,
             turn.understood.content,
             turn.speaker,
-            taught.rules,
+            (*grounds, *taught.rules),
             supersedes=[rule.id for rule in taught.supersedes],
             words=[word_to_keep(word, turn.speaker) for word in words],
             kind=turn.understood.kind,

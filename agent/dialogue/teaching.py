@@ -9,9 +9,10 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ...kb.history import IMPORT
+from ...kb.interval import VACUOUS
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned_phrases import LearnedPhrase
 from ...kb.learned_words import LearnedWord
@@ -91,6 +92,18 @@ def lesson_from_statement(
     return Lesson(
         rules, supersedes, not supersedes and all(rule.id in known for rule in rules), source
     )
+
+
+def reason_rules(rules: Sequence[Rule], reasons: Sequence[str]) -> list[Rule]:
+    """Return what says on which properties the use in a rule rests; nothing for several rules.
+
+    It is a rule about anything with these properties that neither asserts nor denies the use.
+    """
+    uses = [rule for rule in rules if rule.affordance and rule.asserts]
+    if not reasons or len(rules) != 1 or not uses:
+        return []
+    features = frozenset(Atom("property", name) for name in reasons)
+    return [replace(uses[0], features=features, interval=VACUOUS)]
 
 
 def trust_in(base: KnowledgeBase, speaker: str) -> float:

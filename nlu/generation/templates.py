@@ -49,6 +49,7 @@ class RulePhrases:
         action: an action rule, from `object`, `context` and `part`.
         holding: an action rule for whenever the object is held.
         seldom: a functional rule that holds now and then, but mostly not.
+        possible: a functional rule that is neither asserted nor denied.
         forbidden: an action rule that is denied.
         seldom_by: an action rule that holds now and then, but mostly not.
         for_material: an object that is used on a material only.
@@ -66,6 +67,7 @@ class RulePhrases:
     functional: str
     negative: str
     seldom: str
+    possible: str
     action: str
     holding: str
     forbidden: str
@@ -130,6 +132,7 @@ class AnswerTemplates:
         slots["often"] = self.adverb(rule.confidence)
         if isinstance(rule, FunctionalRule):
             text = (said.negative, said.seldom, said.functional)[at]
+            text = said.possible if rule.confidence == (0, 1) else text
             slots["affordance"] = self.use_phrase(rule.affordance, rule.material)
         else:
             text = (said.forbidden, said.seldom_by, said.action)[at]

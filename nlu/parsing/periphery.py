@@ -31,7 +31,7 @@ REQUEST, QUESTION, HOLDING, USE = "request", "question", "holding", "use"
 
 MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
 OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
-PHRASE = "phrase"
+PHRASE, PROPERTY = "phrase", "property"
 """The forms of periphery; a clause goes by its subject, and with another one it is `OTHER`.
 
 A phrase has no verb of its own, so it belongs to the core: "by the handle", "with two hands".
@@ -240,6 +240,17 @@ class PeripheryReader:
     features: FeatureReader
     markers: DiscourseMarkers
     known: KnownWords
+
+    def property_clause(self, tokens: Tokens) -> tuple[int, int]:
+        """The place of what follows "because it is" up to the next pause; (0, 0) without one."""
+        words = tokens.words
+        breaks = (place for place, word in enumerate(words) if word == BREAK)
+        ends = sorted({*tokens.pauses, *breaks, len(words)})
+        for start in range(len(words)):
+            length = self.words.begins(PROPERTY, words[start:])
+            if length:
+                return start + length, next(end for end in ends if end >= start + length)
+        return 0, 0
 
     def cores(self, tokens: Tokens, expanded: Tokens) -> Iterator[Core]:
         """Yield the cores to try, the longest first.
@@ -524,7 +535,7 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
 @lru_cache(maxsize=4)
 def load_periphery(path: Path) -> PeripheryWords:
     """Return the words of a file; `DataError` says where it is not as expected."""
-    begins = (*_LEADS, *_FORMS)
+    begins = (*_LEADS, *_FORMS, PROPERTY)
     parts = read_yaml(path).entries(required=(*begins, *_LISTS), optional=())
     patterns = {key: tuple(map(read_pattern, parts[key].items())) for key in begins}
     lists = {

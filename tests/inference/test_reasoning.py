@@ -178,3 +178,16 @@ def test_nothing_is_guessed_where_a_rule_about_anything_was_taught():
     )
     assert ("screwdriver", "pass") in induced(BLADE, grasping("*", "sole", "pass", interval=S))
     assert ("screwdriver", "pass") in induced(BLADE, grasping("*", "handle", "pickUp", interval=S))
+
+
+def test_use_rests_on_the_reason_that_was_given():
+    """Of what has it, a guess is made; a rule that asserts nothing prevents none."""
+    told = functional("knife", "opening", interval=G)
+    reason = functional("*", "opening", interval=Interval(0, 1), properties=["pointed"])
+    objects = load_household().objects
+
+    found = induce([told, reason], objects)
+
+    assert needed_features(told, [told, reason], objects) == {"property:pointed"}
+    assert found
+    assert all("pointed" in objects[each.rule.object or ""].properties for each in found)

@@ -202,6 +202,28 @@ def test_questions_are_answered_from_what_was_told(taught: Agent, question: str,
     assert taught.hear(question).said.startswith(answer)
 
 
+@pytest.mark.parametrize(
+    ("said", "reasons"),
+    [
+        ("A hammer is used for pounding because it is heavy", ["heavy"]),
+        ("A knife is used for cutting, since it is so sharp", ["sharp"]),
+        ("Because it is heavy, a hammer is used for pounding", ["heavy"]),
+        ("A hammer is used for pounding because it is nice", []),
+        ("To pass a knife, grab it by the blade because it is sharp", []),
+    ],
+)
+def test_reason_of_a_use_is_kept_and_asserts_nothing(agent: Agent, said: str, reasons: list[str]):
+    """The properties are a rule about anything with them, on which no decision rests."""
+    reply = agent.hear(said)
+
+    kept = [rule for rule in agent.base.rules() if rule.object is None]
+    assert sorted(atom.name for rule in kept for atom in rule.features) == reasons
+    assert all(rule.interval.is_vacuous for rule in kept)
+    assert len(reply.rules) == 1
+    assert ("because of being" in reply.said) == bool(reasons)
+    assert "occasionally" not in agent.hear("what do you know?").said
+
+
 def test_how_is_answered_by_the_nearest_rule(agent: Agent):
     """What is told of any object holds of those with the part, unless their own rule says more."""
     agent.hear("To pass anything, grab it by the handle")
