@@ -76,18 +76,12 @@ class Contacts:
             numbers = number, other_number, link, other_link
             self._client.call("setCollisionFilterPair", *numbers, int(enabled))
 
-    def enable_sleeping(self, body: str) -> None:
-        """Put a body that lies still to sleep: it is computed only once something touches it.
+    def set_sleeping(self, body: str, *, asleep: bool) -> None:
+        """Put a body that lies still to sleep, or wake it and compute it at every step from now on.
 
-        It falls asleep again when it has lain still for a while.
+        One that sleeps is computed once something touches it, until it has lain still for a while.
         """
-        self._activate(body, "ENABLE_SLEEPING", "SLEEP")
-
-    def disable_sleeping(self, body: str) -> None:
-        """Wake a body, and compute it at every step from now on."""
-        self._activate(body, "WAKE_UP", "DISABLE_SLEEPING")
-
-    def _activate(self, body: str, *states: str) -> None:
+        states = ("ENABLE_SLEEPING", "SLEEP") if asleep else ("WAKE_UP", "DISABLE_SLEEPING")
         for state in states:
             constant = self._client.constant(f"ACTIVATION_STATE_{state}")
             number = self._bodies.number(body)

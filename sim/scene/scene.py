@@ -268,7 +268,9 @@ def _mounted(
         free = (p for p in result if p.object == mount.support and p.name not in taken)
         support = next(free, None)
         if support is None:
-            name = _free_name(mount.support, result)
+            names = {each.name for each in result}
+            numbered = (f"{mount.support} {number}" for number in count(2))
+            name = next(n for n in chain([mount.support], numbered) if n not in names)
             support = Placement(name, mount.support, placement.at, placement.yaw)
             result.append(support)
         elif placement.at is not None or placement.yaw is not None:
@@ -279,9 +281,3 @@ def _mounted(
         index = result.index(placement)
         result[index] = replace(placement, at=None, yaw=None, within=support.name)
     return tuple(result)
-
-
-def _free_name(word: str, placements: Sequence[Placement]) -> str:
-    taken = {placement.name for placement in placements}
-    numbered = (f"{word} {number}" for number in count(2))
-    return next(name for name in chain([word], numbered) if name not in taken)

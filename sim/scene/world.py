@@ -137,7 +137,9 @@ class World(AbstractContextManager["World"]):
         for _ in range(round(limit / TIME_STEP / STILL_STEPS)):
             self.step(STILL_STEPS)
             after = self._poses()
-            if _are_close(before, after):
+            shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
+            turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])
+            if (shifts < STILL_SHIFT).all() and (turns < STILL_TURN).all():
                 return True
             before = after
         return False
@@ -184,13 +186,6 @@ class World(AbstractContextManager["World"]):
     def clearance(self, name: str) -> float:
         """Return the height of an object's lowest point above the table [m]."""
         return float(self.points(name)[:, 2].min())
-
-
-def _are_close(before: Array, after: Array) -> bool:
-    """Return whether no pose (n, 4, 4) has moved or turned between two moments."""
-    shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
-    turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])
-    return bool((shifts < STILL_SHIFT).all() and (turns < STILL_TURN).all())
 
 
 class SleepManager:
@@ -243,13 +238,13 @@ class SleepManager:
         contacts = self._world.engine.contacts
         for other in self._asleep:
             contacts.enable(name, other, enabled=False)
-        contacts.enable_sleeping(name)
+        contacts.set_sleeping(name, asleep=True)
         self._asleep[name] = self._position(name)
 
     def _wake(self, name: str) -> None:
         contacts = self._world.engine.contacts
         self._awake[name] = self._asleep.pop(name)
-        contacts.disable_sleeping(name)
+        contacts.set_sleeping(name, asleep=False)
         for other in self._asleep:
             contacts.enable(name, other, enabled=True)
 
