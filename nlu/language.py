@@ -238,6 +238,10 @@ class Language:
     ) -> Understanding | None:
         """An utterance understood without its courtesies; None where that does not help."""
         courtesy = self._courtesies.find(self._tokens(failed.text), self.offers.known)
+        if courtesy and courtesy.kind and not courtesy.rest:
+            meaning = Acknowledgement(courtesy.kind)
+            said = replace(failed, meaning=meaning, reading=None, new_words=())
+            return replace(said, discourse=context.discourse)
         if courtesy is None or courtesy.rest in {"", failed.text.strip()}:
             return None
         rest = self._understand(courtesy.rest, context, ())

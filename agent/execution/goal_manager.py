@@ -109,7 +109,7 @@ class GoalManager:
         if unable:
             return outcome_answer.unable(request.action, unable[0], decision)
         if self.motion is None:
-            return outcome_answer.decided(request.action, decision)
+            return outcome_answer.decided(request.action, decision, request.speaker, recipient)
         return outcome_answer.done(request.action, decision, request.speaker, recipient)
 
     def _missing_abilities(self, tree: str) -> list[str]:

@@ -55,12 +55,15 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
     return AnswerContent(as_told if teacher else by_part if decision.chosen_part else plain, slots)
 
 
-def decided(action: str, decision: Decision) -> AnswerContent:
+def decided(action: str, decision: Decision, speaker: str, recipient: str) -> AnswerContent:
     """Return the answer without a robot to carry out the command: what Hilt would do."""
     slots = _chosen(action, decision)
     if decision.patient:
         return AnswerContent("would_use_tool", slots)
-    return AnswerContent("would_do_by" if decision.chosen_part else "would_do", slots)
+    by_part = "_by" if decision.chosen_part else ""
+    if action == "pass" and recipient not in {speaker, ""}:
+        return AnswerContent(f"would_pass_to{by_part}", slots | {"recipient": recipient})
+    return AnswerContent(f"would_do{by_part}", slots)
 
 
 def use_slot(affordance: str, *materials: str | None) -> str | tuple[str, ...]:
