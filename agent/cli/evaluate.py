@@ -35,6 +35,10 @@ Trials = Annotated[
 ]
 Curves = Annotated[str | None, typer.Option(help="Noise curves, with commas between them.")]
 File = Annotated[Path | None, typer.Option(help="The YAML file of a custom experiment.")]
+FileArgument = Annotated[
+    Path | None,
+    typer.Argument(metavar="[FILE]", help="The file of facts or of a custom experiment."),
+]
 Workers = Annotated[
     int | None,
     typer.Option(min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."),
@@ -62,6 +66,7 @@ Cases = Annotated[bool, typer.Option("--cases", help="Print a table of all cases
 @app.command(epilog=example("evaluate paper --report paper.html"))
 def evaluate(  # noqa: PLR0917 - every option is a parameter
     what: What = None,
+    data: FileArgument = None,
     sim: Sim = False,
     scenes: Scenes = None,
     scenarios: Drawn = None,
@@ -87,7 +92,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     8 objects x 2 contexts from random poses. teachers: four who disagree. all-scenarios: every set
     of rules that can be taught, by factorisation; --out keeps the certificate. random: random sets
     of rules. noise: accuracy under failing vision, hearing and teachers, as curves. experience:
-    regret with a bad teacher. custom: objects, norms and scenes of your own, from --file.
+    regret with a bad teacher. custom: objects, norms and scenes of your own, from FILE. facts: a
+    table of object, use and share, from FILE.
 
     --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
     code 1 when they do.
@@ -113,7 +119,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         "poses": poses,
         "trials": trials,
         "curves": curves,
-        "file": str(file) if file else None,
+        "file": str(file or data) if file or data else None,
         "seed": seed,
     }
     for path in report_to or ():
@@ -142,7 +148,7 @@ def _show(report: EvaluationReport, *, cases: bool) -> None:
         if table is not None:
             terminal().print(table)
     for line in report.lines():
-        terminal().print(line, markup=False, highlight=False)
+        terminal().print(line, markup=False, highlight=False, soft_wrap=True)
 
 
 def _compare(first: Path, second: Path, *, as_json: bool) -> None:

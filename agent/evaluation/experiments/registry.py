@@ -20,6 +20,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "random": ".all_scenarios:RandomScenariosExperiment",
     "noise": ".noise_robustness:NoiseExperiment",
     "experience": ".experience:ExperienceExperiment",
+    "facts": ".facts:FactsExperiment",
     "custom": ".custom:CustomExperiment",
 }
 

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""People's own data: a table of what objects are used for, taught by sentence and decided upon.
+
+The file has tab-separated columns with the names `object`, `use` (a gerund) and `share` in [0, 1]:
+the share of people, texts or occasions that agree. Each row is said with the word of confidence
+that is nearest to its share. A row is right if exactly what was said is stored. Then decisions in
+random scenes are compared with the file.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf
+from pathlib import Path
+from random import Random
+from typing import ClassVar, cast
+
+from ....kb.rule import Rule
+from ....ontology.actions import load_actions
+from ....ontology.errors import DataError, HiltError
+from ....ontology.objects import ObjectType
+from ....sim.scene.scene import Scene, scene_with
+from ...agent import Agent
+from ...config import household, load_language, open_base
+from ...execution.embodiment import Embodiment
+from ...execution.outcome import Json
+from ..case import Case, CaseResult
+from ..experiment import Experiment
+from ..learning_scenarios import command, functional_sentence
+
+COLUMNS = ("object", "use", "share")
+WORDS = {"generally": 0.95, "often": 0.75, "sometimes": 0.5, "occasionally": 0.25, "never": 0.0}
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A row of the file: an object, a use, and the share in [0, 1] that agrees."""
+
+    object: str
+    use: str
+    share: float
+
+    @property
+    def word(self) -> str:
+        """The word of confidence that is nearest to the share; the surer one of two."""
+        return min(WORDS, key=lambda word: abs(WORDS[word] - self.share))
+
+    @property
+    def sentence(self) -> str:
+        """The sentence that states it."""
+        return functional_sentence(self.object, self.use, self.word)
+
+    def is_stated_by(self, rule: Rule) -> bool:
+        """Whether a rule says the same."""
+        bound = rule.interval.lower if self.word != "never" else 1 - rule.interval.upper
+        wanted = WORDS[self.word] if self.word != "never" else WORDS["generally"]
+        material = rule.material or ""
+        # The object of a use is stored in the singular: "opening bottles".
+        used = f"{rule.affordance} {material}".strip()
+        is_same = self.use in {used, f"{used}s"} and rule.object == self.object
+        return is_same and abs(bound - wanted) < 1e-6 and len(rule.features) == 1
+
+
+def read_facts(path: Path) -> list[Fact]:
+    """Return the rows of a file.
+
+    Raises:
+        DataError: the file cannot be read, or a row is wrong; gives the line.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = list(csv.DictReader(file, delimiter="\t"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"cannot be read: {error}.", source=str(path)) from error
+    return [_fact(row, str(path), line) for line, row in enumerate(rows, start=2)]
+
+
+def _fact(row: Mapping[str, str | None], source: str, line: int) -> Fact:
+    name, use, share = ((row.get(column) or "").strip() for column in COLUMNS)
+    try:
+        number = float(share)
+    except ValueError:
+        number = inf
+    if not name or not use or not 0 <= number <= 1:
+        problem = (
+            f"expected {', '.join(COLUMNS)}, the last one in [0, 1], found {list(row.values())}."
+        )
+        raise DataError(problem, source=source, line=line)
+    return Fact(name, use, number)
+
+
+@dataclass(frozen=True)
+class FactsExperiment(Experiment):
+    """The facts of a file, and decisions about its uses in random scenes of its objects."""
+
+    name: ClassVar[str] = "facts"
+    file: str = ""
+    scenes: int = 100
+
+    def cases(self) -> Sequence[Case]:
+        """Return a case for each row, then one for each scene, with a use drawn from the file."""
+        rng = Random(self.seed)  # noqa: S311 - scenes, not secrets
+        uses, objects = self._names("use"), self._names("object")
+        rows = [Case(self.name, f"fact/{n}", {"row": n}) for n in range(len(self._facts))]
+        for number in range(self.scenes):
+            scene = rng.sample(objects, rng.randint(1, min(8, len(objects))))
+            spec: Json = {"scene": scene, "use": rng.choice(uses)}
+            rows.append(Case(self.name, f"scene/{number}", spec))
+        return rows
+
+    def run(self, case: Case) -> CaseResult:
+        """Compare what was stored, or what is chosen, with the file."""
+        if "row" in case.spec:
+            return self._row(case, cast("int", case.spec["row"]))
+        scene, use = cast("list[str]", case.spec["scene"]), str(case.spec["use"])
+        shares = {
+            f.object: WORDS[f.word] for f in self._facts if f.use == use and f.object in scene
+        }
+        top = max(shares.values(), default=0.0)
+        right = sorted(name for name, share in shares.items() if share == top > 0)
+        agent, _ = self._taught
+        with agent.in_scene(scene_with(scene, seed=0, objects=agent.objects)) as other:
+            result = other.hear(command("pointTo", use), only="do", keep=False).result
+        best = result.decision.object.best if result and result.decision else None
+        found = best.object if best else "nothing"
+        is_right = found in (right or ["nothing"])
+        kind = "none" if not right else "unique" if len(right) == 1 else "tie"
+        return CaseResult(case.key, is_right, kind, 0, found, " or ".join(right) or "nothing")
+
+    def summary(self, results: Sequence[CaseResult]) -> Json:
+        """Return how the rows were stored, and how many decisions agree with the file."""
+        stored = Counter(result.found for result in results if result.kind == "check")
+        decided = [result.right for result in results if result.kind in {"none", "unique", "tie"}]
+        return {"facts": dict(stored), "decisions": {"all": len(decided), "right": sum(decided)}}
+
+    def _row(self, case: Case, number: int) -> CaseResult:
+        fact, (rules, said) = self._facts[number], self._taught[1][number]
+        is_same = len(rules) == 1 and fact.is_stated_by(rules[0])
+        found = "as said" if is_same else "otherwise" if rules else "refused"
+        facts: Json = {"why": [fact.sentence, said, *map(repr, rules)]}
+        return CaseResult(case.key, is_same, "check", 0, found, "as said", facts)
+
+    @cached_property
+    def _facts(self) -> list[Fact]:
+        if not self.file:
+            raise DataError("expected a file of object, use and share.", source=self.name)
+        facts = read_facts(Path(self.file))
+        if not facts:
+            raise DataError("expected at least one row.", source=self.file)
+        return facts
+
+    def _names(self, column: str) -> list[str]:
+        return list(dict.fromkeys(str(getattr(fact, column)) for fact in self._facts))
+
+    @cached_property
+    def _taught(self) -> tuple[Agent, list[tuple[Sequence[Rule], str]]]:
+        """An agent that was told all rows, with what it stored and said each time."""
+        kinds = household()
+        plain = {o: ObjectType(o, None, frozenset(), True, {}, ()) for o in self._names("object")}
+        known = replace(kinds, objects={**plain, **kinds.objects})
+        body = Embodiment(Scene((), seed=self.seed), known, simulate=False)
+        agent = Agent(open_base("memory:"), load_language(kinds), load_actions(), body)
+        return agent, [_tell(agent, fact) for fact in self._facts]
+
+
+def _tell(agent: Agent, fact: Fact) -> tuple[Sequence[Rule], str]:
+    before = {rule.id for rule in agent.base.rules()}
+    try:
+        said = agent.hear(fact.sentence, only="tell").said
+    except HiltError as error:
+        said = str(error)
+    return [rule for rule in agent.base.rules() if rule.id not in before], said
