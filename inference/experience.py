@@ -177,18 +177,18 @@ class Experience:
     """
 
     def __init__(self, base: KnowledgeBase, robot: str, *, before: int | None = None) -> None:
-        self._base, self._version = base, (-1, -1)
+        self.base, self._version = base, (-1, -1)
         self._wanted = {"robot": robot} | ({"before": str(before)} if before else {})
         self._counts: dict[str, dict[tuple[str, str], OutcomeCounts]] = {}
 
     def of(self, name: str, part: str, context: str) -> OutcomeCounts:
         """Return the outcomes of grasping an object by a part for an action."""
-        version = self._base.sequence, self._base.episodes_recorded
+        version = self.base.sequence, self.base.episodes_recorded
         if version != self._version:
             self._counts.clear()
             self._version = version
         if name not in self._counts:
-            records = read_records(self._base, object=name, **self._wanted)
+            records = read_records(self.base, object=name, **self._wanted)
             self._counts[name] = {(each.part, each.context): each.counts for each in records}
         return self._counts[name].get((part, context), NO_TRIALS)
 
