@@ -238,11 +238,16 @@ class Language:
     ) -> Understanding | None:
         """An utterance understood without its courtesies; None where that does not help."""
         courtesy = self._courtesies.find(self._tokens(failed.text), self.offers.known)
-        if courtesy and courtesy.kind and not courtesy.rest:
-            meaning = Acknowledgement(courtesy.kind)
-            said = replace(failed, meaning=meaning, reading=None, new_words=())
-            return replace(said, discourse=context.discourse)
-        if courtesy is None or courtesy.rest in {"", failed.text.strip()}:
+        if courtesy is None or courtesy.rest == failed.text.strip():
+            return None
+        if not courtesy.rest:
+            choices = failed.meaning.choices if isinstance(failed.meaning, AskBack) else ()
+            is_other = courtesy.kind and choices and not isinstance(choices[0], str)
+            said = replace(failed, meaning=Acknowledgement(courtesy.kind), reading=None)
+            return replace(said, new_words=(), discourse=context.discourse) if is_other else None
+        if not courtesy.kind and not failed.text.rstrip(" .!?").endswith(
+            courtesy.rest.rstrip(" .!?")
+        ):
             return None
         rest = self._understand(courtesy.rest, context, ())
         control = self.control(courtesy.rest)

@@ -105,6 +105,8 @@ class CourtesyPhrases:
 
     def introduction(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""
+        if not any(token.capital for token in tokens.items[2:]):
+            return None
         if not any(self._introduced(tokens.part(*span), known) for span in parts(tokens)):
             return None
         found = self.find(tokens, known)
