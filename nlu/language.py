@@ -46,10 +46,11 @@ from .offers.typing_slips import is_misspelled
 from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser, UtteranceContext
-from .parsing.periphery import PeripheryReader, load_periphery
+from .parsing.periphery import PeripheryReader
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
+from .parsing.utterance_pieces import PieceReader, load_periphery
 from .semantics.clause_features import load_features
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
@@ -409,7 +410,7 @@ class Language:
     def _periphery(self, known: KnownWords) -> PeripheryReader:
         folder, builder = _folder(self.name), self.builder
         words = load_check_words(folder / "offers.yaml")
-        return PeripheryReader(
+        reader = PieceReader(
             load_periphery(folder / "periphery.yaml"),
             {kind: words[kind] for kind in OPERATORS},
             builder.qualifier_phrases,
@@ -417,6 +418,7 @@ class Language:
             builder.discourse_markers,
             known,
         )
+        return PeripheryReader(reader, known)
 
     @property
     def learned(self) -> Collection[NewWord]:

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ..lexicon.tokenizer import BREAK, Tokens
-from ..parsing.periphery import (
+from ..parsing.periphery import PeripheryReader
+from ..parsing.utterance_pieces import (
     ASKING,
     BUT,
     COLON,
@@ -25,8 +26,8 @@ from ..parsing.periphery import (
     PHRASE,
     SO,
     STRONG,
+    TOLD,
     WEAK,
-    PeripheryReader,
     UtterancePiece,
 )
 from .mentions import Mentions
@@ -49,6 +50,7 @@ _BLOCKING: Mapping[int, frozenset[str]] = {
     SO: _PRETENDED,
     STRONG: _REPORTED,
     COLON: _DOUBTED,
+    TOLD: _DOUBTED,
     ASKING: _LIMITED,
     WEAK: _LIMITED,
     INSIDE: _LIMITED | {"modality=weak", "polarity=negative"},

@@ -11,6 +11,7 @@ segmentation      splitting at pauses, and combining the meanings of segments
 clarification     answers to utterances that have no single clear reading
 strategies        the order in which an utterance is tried: sentence, segments, ...
 understanding     the result: reading, meaning, new words, discourse state
+utterance_pieces  the pieces between pauses: their forms, and what a meaning may depend on in them
 """
 
 import lazy_loader

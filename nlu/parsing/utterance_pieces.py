@@ -1,0 +1,383 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pieces of an utterance from pause to pause: their forms, and the operators in them.
+
+"My hands are wet, so pass me the mug" has two pieces, of which a lead joins the second to what
+precedes it. A piece goes by how it begins, by its subject, or by what it announces; its signs are
+the features of its words and all else on which a meaning may depend. The words are data
+(`periphery.yaml`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+from ...ontology.yaml_reader import read_yaml
+from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
+from ..lexicon.discourse_markers import DiscourseMarkers
+from ..lexicon.tokenizer import BREAK, Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.clause_features import MAIN, ClausePosition, FeatureReader
+
+Phrase = tuple[str, ...]
+
+MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
+OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
+PHRASE, PROPERTY = "phrase", "property"
+"""The forms of pieces; a clause goes by its subject, and with another one it is `OTHER`.
+
+A phrase has no verb of its own, so it belongs to the core: "by the handle", "with two hands".
+"""
+
+INSIDE, WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER, WITHIN, TOLD = range(-1, 9)
+"""How a piece is set off: the strongest pause between it and the core, or its other place.
+
+`ASKING` is a weak pause before a question, whose beginning is as clear as after a strong one.
+`TOLD` is a piece that ends in an announcement, or precedes one.
+"""
+
+LEAST_WORDS = 3
+"""The least length of a core [words]."""
+
+FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
+_LEADS: Mapping[str, int] = {"so": SO, "but": BUT, "and": WEAK}
+_PATTERNS = (*_LEADS, *FORMS, "presenting", "temporal", PROPERTY)
+_LISTS = (
+    *("unwanted", "finite", "restricting", "auxiliary", "speaker", "speech", "knowledge"),
+    *("unreal", "person", "listener", "wanting", "possessive", "asking", "complement", "thinking"),
+    "generic",
+)
+_DASHES = frozenset(":–—")
+_QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
+_PEOPLE = ("RN", "HN")
+_PERSONS = (OWN, HEARER)
+_PLACED_NAMES = ("object", "part", "affordance", "context")
+_DENIED = frozenset({"polarity=negative", "belief=denied", "implied_negation", "unreal"})
+_OLD = frozenset({"agent=they", "agent=people", "agent=somebody", "agent=speaker"})
+
+
+@dataclass(frozen=True)
+class UtterancePiece:
+    """A piece of an utterance from pause to pause: its tokens `[start, end)`, form and operators.
+
+    Attributes:
+        pause: the pause before it.
+        lead: how many words of it only join it to what precedes: "so", "but".
+        joined: the pause that these words amount to.
+    """
+
+    start: int
+    end: int
+    pause: int
+    lead: int
+    joined: int
+    form: str
+    signs: frozenset[str]
+
+    @property
+    def core_start(self) -> int:
+        """Where a core begins that begins with this piece."""
+        return self.start + self.lead
+
+
+@dataclass(frozen=True)
+class PeripheryWords:
+    """The words of `periphery.yaml`.
+
+    Attributes:
+        patterns: how the pieces of each form begin, and what only joins a piece, by key.
+        lists: single words and phrases by key.
+    """
+
+    patterns: Mapping[str, tuple[Steps, ...]]
+    lists: Mapping[str, frozenset[Phrase]]
+
+    def begins(self, key: str, words: Phrase) -> int:
+        """The length of the longest beginning of some words that a key has, 0 without one."""
+        ends = (end for steps in self.patterns[key] for _, end in match_pattern(steps, words, 0))
+        return max(ends, default=0)
+
+    def has(self, key: str, *words: str) -> bool:
+        """Whether some words are a phrase of a list."""
+        return words in self.lists[key]
+
+
+@lru_cache(maxsize=4)
+def load_periphery(path: Path) -> PeripheryWords:
+    """Return the words of a file; `DataError` says where it is not as expected."""
+    parts = read_yaml(path).entries(required=(*_PATTERNS, *_LISTS), optional=())
+    patterns = {key: tuple(map(read_pattern, parts[key].items())) for key in _PATTERNS}
+    lists = {
+        key: frozenset(words for item in parts[key].items() for words in spellings(item))
+        for key in _LISTS
+    }
+    return PeripheryWords(patterns, lists)
+
+
+@dataclass(frozen=True, repr=False)
+class PieceReader:
+    """Splits utterances into pieces.
+
+    Attributes:
+        operators: the words on which a meaning may depend, by kind.
+        degrees: the words for degrees of confidence.
+    """
+
+    words: PeripheryWords
+    operators: Mapping[str, frozenset[Phrase]]
+    degrees: frozenset[Phrase]
+    features: FeatureReader
+    markers: DiscourseMarkers
+    known: KnownWords
+
+    def property_clause(self, tokens: Tokens) -> tuple[int, int]:
+        """Return the place of what follows "because it is" up to the next pause, or (0, 0)."""
+        words = tokens.words
+        breaks = (place for place, word in enumerate(words) if word == BREAK)
+        ends = sorted({*tokens.pauses, *breaks, len(words)})
+        for start in range(len(words)):
+            length = self.words.begins(PROPERTY, words[start:])
+            if length:
+                return start + length, next(end for end in ends if end >= start + length)
+        return 0, 0
+
+    def pieces(self, tokens: Tokens) -> list[UtterancePiece]:
+        """Return the pieces of an utterance, whose short forms are written out, in order."""
+        found: list[UtterancePiece] = []
+        start, pause = 0, WEAK
+        for end, after, next_pause in (*self._gaps(tokens), (len(tokens.items),) * 2 + (WEAK,)):
+            if next_pause == TOLD and not self._announces(tokens, start, end):
+                continue
+            if start < end:
+                found.append(self._piece(tokens, start, end, pause))
+                pause = WEAK
+            start, pause = after, max(pause, next_pause)
+        return found
+
+    def joined(self, words: Phrase) -> list[int]:
+        """The pauses that the words amount to with which some words begin: "so", "but"."""
+        return [pause for lead, pause in _LEADS.items() if self.words.begins(lead, words)]
+
+    def _gaps(self, tokens: Tokens) -> Iterator[tuple[int, int, int]]:
+        """Where a piece may end and the next one begin, and the pause between them."""
+        words = tokens.words
+        for place, word in enumerate(words):
+            if word == BREAK:
+                yield place, place + 1, STRONG
+            elif place in tokens.pauses and place and words[place - 1] != BREAK:
+                between = tokens.text[tokens.items[place - 1].end : tokens.items[place].start]
+                yield place, place, WEAK if _DASHES.isdisjoint(between) else COLON
+            elif self._may_join(tokens, place):
+                yield place, place, WEAK
+            elif self.words.has("complement", word) and not _ends_soon(tokens, place + 1):
+                yield place, place + 1, TOLD
+
+    def _may_join(self, tokens: Tokens, place: int) -> bool:
+        """Whether a clause may begin without a pause: "I am tired so pass me the mug"."""
+        is_within = place > 0 and tokens.words[place - 1] != BREAK
+        is_lead = is_within and self.words.begins("so", tokens.words[place : place + 1]) > 0
+        is_object = is_lead and self.words.has("speech", tokens.words[place - 1])
+        return is_lead and not is_object and not _ends_soon(tokens, place + 1)
+
+    def _announces(self, tokens: Tokens, start: int, end: int) -> bool:
+        """Whether the words before "that" only announce what it begins: "let me repeat that"."""
+        words = tokens.words[start:end]
+        if not words or any(self.words.has("thinking", word) for word in words[-LEAST_WORDS:]):
+            return False
+        signs = self._piece(tokens, start, end, WEAK).signs
+        return "announced" in signs and signs.isdisjoint(_DENIED)
+
+    def _piece(self, tokens: Tokens, start: int, end: int, pause: int) -> UtterancePiece:
+        part = tokens.part(start, end)
+        lead, joined = max((self.words.begins(k, part.words), p) for k, p in _LEADS.items())
+        joined = joined if lead else WEAK
+        bare = self.markers.remove_markers(part).words
+        form = MARKER if not bare else self._form(part.words, bare)
+        if form == OTHER and len(bare) > 1 and not self._has_verb(bare):
+            form = PHRASE
+        said = tokens.part(start + lead, end)
+        signs = frozenset() if form == MARKER else frozenset(self._signs(said, form))
+        return UtterancePiece(start, end, pause, lead, joined, form, signs)
+
+    def _form(self, words: Phrase, bare: Phrase) -> str:
+        lead = self.words.begins("and", bare)
+        found = (
+            form
+            for form in FORMS
+            if self.words.begins(form, words) or self.words.begins(form, bare[lead:])
+        )
+        return next(found, OTHER)
+
+    def _has_verb(self, words: Phrase) -> bool:
+        """Whether a piece may be a clause: it has a finite verb, or a form of a verb inside.
+
+        Behind a word that restricts, as "with" in "with two hands", such a form is a plural.
+        """
+        has_subject = any(
+            self.words.begins(form, (word,)) for word in words[:-1] for form in _PERSONS
+        )
+        is_finite = any(self.words.has(key, word) for word in words for key in ("finite", "speech"))
+        if has_subject or is_finite:
+            return True
+        is_restricting = words[:1] in self.words.lists["restricting"]
+        return (self._is_act(words[0]) and not is_restricting) or any(
+            self._may_be_verb(one, two)
+            for one, two in pairwise(words)
+            if not is_restricting or self._is_subject(one)
+        )
+
+    def _is_subject(self, word: str) -> bool:
+        is_pronoun = any(self.words.begins(form, (word,)) for form in (OWN, HEARER, IMPERSONAL))
+        return is_pronoun or self.words.has("person", word)
+
+    def _may_be_verb(self, before: str, word: str) -> bool:
+        """Whether a word after another one looks like a verb with a subject before it."""
+        if before in self.features.determiners:
+            return False
+        is_inflected = word.endswith(("s", "ed")) and not word.endswith("ss")
+        return is_inflected or not (self.known.has(word) or self.features.is_noun(word))
+
+    def _signs(self, tokens: Tokens, form: str) -> Iterator[str]:
+        words = tokens.words
+        if self._presents(words):
+            yield "announced"
+        if self.words.begins("presenting", words) == len(words):
+            return
+        features = self.features.features([ClausePosition(word, MAIN) for word in words], ())
+        found = {f"{name}={value}" for name, said in features.main.items() for value in said}
+        is_past = "tense=past" in found
+        yield from found
+        lead = self.words.begins(form, words) if form in FORMS else 0
+        yield from self._circumstances(words[lead:])
+        has_complement = any(self.words.has("complement", word) for word in words)
+        if is_past and (has_complement or not _OLD.isdisjoint(found)):
+            yield "custom"
+        is_memory = is_past and self.words.begins("temporal", words) > 0
+        yield from (k for k in self._dependence(words) if k != "condition" or not is_memory)
+        yield from self._speech(words, form)
+        if _QUOTED.search(tokens.text):
+            yield "quoted"
+        if self._calls(tokens):
+            yield "called"
+        if form == IMPERSONAL and self.words.has("wanting", words[-1]):
+            yield "held"
+        if words and self.words.begins(IMPERSONAL, words[-1:]):
+            yield "pointing"
+        if len(words) < LEAST_WORDS:
+            yield "short"
+        if any(map(self._is_name, words)):
+            yield "named"
+        if words and self._is_act(words[0]):
+            yield "act"
+
+    def _dependence(self, words: Phrase) -> Iterator[str]:
+        """The kinds of words on which a meaning may depend."""
+        for place, word in enumerate(words):
+            for phrase, kind in self._operators.get(word, ()):
+                end = place + len(phrase)
+                is_said = words[place:end] == phrase
+                if is_said and not (kind in {"condition", "exception"} and self._adds(words, end)):
+                    yield kind
+
+    def _adds(self, words: Phrase, start: int) -> bool:
+        """Whether what stands behind "when" or "before" is no condition: "when I say that", "."."""
+        speaks = self.words.has("speaker", *words[start : start + 1])
+        return start == len(words) or (
+            speaks and self.words.has("speech", *words[start + 1 : start + 2])
+        )
+
+    def _presents(self, words: Phrase) -> bool:
+        """Whether a piece, or its last clause, only presents what follows it: "here goes"."""
+        starts = (n for n in range(len(words)) if not n or self.joined(words[n - 1 : n]))
+        return any(self.words.begins("presenting", words[n:]) == len(words) - n for n in starts)
+
+    def _circumstances(self, words: Phrase) -> Iterator[str]:
+        """By what and when something is done: "by the rim", "in winter"."""
+        if self.words.has("restricting", *words[:1]):
+            yield "restricting"
+        for one, two in pairwise(words):
+            is_owned = two in self.features.determiners or self.words.has("possessive", two)
+            if one in self.features.holding_words and is_owned:
+                yield "held"
+            if self.words.has("restricting", one) and self.features.is_abstract(two):
+                yield "circumstance"
+
+    @cached_property
+    def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
+        """The phrases on which a meaning may depend, with their kinds, by their first word."""
+        found: dict[str, list[tuple[Phrase, str]]] = {}
+        unreal = {
+            **{key: self.words.lists[key] for key in ("unreal", "unwanted")},
+            "degree": self.degrees,
+        }
+        for kind, phrases in {**self.operators, **unreal}.items():
+            for phrase in phrases:
+                found.setdefault(phrase[0], []).append((phrase, kind))
+        return found
+
+    def _speech(self, words: Phrase, form: str) -> Iterator[str]:
+        """Whether somebody else says, knows or thinks something in a piece, or its speaker says it.
+
+        "In case nobody has told you" reports nothing, nor does who asks for a thing.
+        """
+        for place, word in enumerate(words):
+            is_said, is_known = (self.words.has(key, word) for key in ("speech", "knowledge"))
+            if self.words.has("asking", *words[place : place + 2]):
+                continue
+            if not is_said and not is_known and word not in self.features.embedding:
+                continue
+            if is_said and self.words.has("listener", *words[place + 1 : place + 2]):
+                yield "report"
+            elif self._is_own(words, place, or_of_hearer=not is_said):
+                if is_said or is_known:
+                    yield "announced"
+            elif form != PURPOSE:
+                yield "report" if is_said else "knowledge"
+
+    def _is_own(self, words: Phrase, place: int, *, or_of_hearer: bool) -> bool:
+        """Whether a verb has the speaker, or also the hearer, as subject, or is an imperative."""
+        first = place
+        while first and self.words.has("auxiliary", words[first - 1]):
+            first -= 1
+        if not first:
+            return or_of_hearer and not words[place].endswith(("s", "d"))
+        is_joined = first == 2 or bool(self.joined(words[first - 1 : first]))
+        subject = words[0] if is_joined else words[first - 1]
+        is_hearer = bool(self.words.begins(HEARER, (subject,))) or self.words.has(
+            "generic", words[0]
+        )
+        is_let = self.words.has("auxiliary", *words[first - 2 : first - 1])
+        is_speaker = self.words.begins(OWN, (subject,)) > 0
+        return (
+            is_speaker
+            or (is_let and self.words.has("speaker", subject))
+            or (or_of_hearer and is_hearer)
+        )
+
+    def _calls(self, tokens: Tokens) -> bool:
+        """Whether a piece may only call somebody: by one word, or by a name."""
+        is_name = any(map(self._is_person, tokens.words)) or any(
+            t.capital for t in tokens.items[1:]
+        )
+        return len(tokens.words) == 1 or (len(tokens.words) < LEAST_WORDS and is_name)
+
+    def _is_person(self, word: str) -> bool:
+        return self.known.lexicon.is_name(word, _PEOPLE)
+
+    def _is_name(self, word: str) -> bool:
+        return any(self.known.names(word, role) for role in _PLACED_NAMES)
+
+    def _is_act(self, word: str) -> bool:
+        return self.known.names(word, "context")
+
+
+def _ends_soon(tokens: Tokens, start: int) -> bool:
+    """Whether too few words for a core stand between a place and the next pause."""
+    near = range(start, start + LEAST_WORDS)
+    return any(
+        n >= len(tokens.items) or n in tokens.pauses or tokens.words[n] == BREAK for n in near
+    )
