@@ -280,15 +280,10 @@ class PieceReader:
             for phrase, kind in self._operators.get(word, ()):
                 end = place + len(phrase)
                 is_said = words[place:end] == phrase
-                if is_said and not (kind in {"condition", "exception"} and self._adds(words, end)):
+                # At the end they are adverbs: "before", "otherwise".
+                is_adverb = end == len(words) and kind in {"condition", "exception"}
+                if is_said and not is_adverb:
                     yield kind
-
-    def _adds(self, words: Phrase, start: int) -> bool:
-        """Whether what stands behind "when" or "before" is no condition: "when I say that", "."."""
-        speaks = self.words.has("speaker", *words[start : start + 1])
-        return start == len(words) or (
-            speaks and self.words.has("speech", *words[start + 1 : start + 2])
-        )
 
     def _presents(self, words: Phrase) -> bool:
         """Whether a piece, or its last clause, only presents what follows it: "here goes"."""
@@ -344,8 +339,9 @@ class PieceReader:
         while first and self.words.has("auxiliary", words[first - 1]):
             first -= 1
         if not first:
-            return or_of_hearer and not words[place].endswith(("s", "d"))
-        is_joined = first == 2 or bool(self.joined(words[first - 1 : first]))
+            return place > 0 or (or_of_hearer and not words[place].endswith(("s", "d")))
+        is_first = first == 2 and self.words.begins(OWN, words[:1]) > 0
+        is_joined = is_first or bool(self.joined(words[first - 1 : first]))
         subject = words[0] if is_joined else words[first - 1]
         is_hearer = bool(self.words.begins(HEARER, (subject,))) or self.words.has(
             "generic", words[0]

@@ -33,7 +33,7 @@ def test_an_offer_is_a_meaning_that_is_asked_about(language: Language) -> None:
 def test_an_offer_is_understood_as_its_speaker_says_it(language: Language) -> None:
     """What Kim asks about herself is offered as a question about Kim."""
     found = language.understand(
-        "gonna ask you something now, what have I told you", speaker="kim"
+        "So, one wonders about this, what have I told you", speaker="kim"
     ).meaning.as_json()
 
     assert found == {"ask_back": True, "choices": [{"ask": "told", "speaker": "kim"}]}
