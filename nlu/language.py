@@ -382,7 +382,7 @@ class Language:
     def reasons(self, text: str) -> tuple[str, ...]:
         """Return the properties that a text gives as a reason: "because it is heavy"."""
         tokens = self._tokens(text)
-        start, end = self.utterance_parser.periphery.property_clause(tokens)
+        start, end = self.utterance_parser.periphery.reader.property_clause(tokens)
         if start == end:
             return ()
         names = self.offers.mentions(tokens, Discourse()).names
