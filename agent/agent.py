@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 from ..inference.affordance import Affordances
 from ..inference.experience import Experience
 from ..inference.induction import InducedRuleSource
+from ..inference.norms import ALLOWED, NormChecker, NormVerdict
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
@@ -37,8 +38,9 @@ from .episodes.recorder import EpisodeRecorder
 from .episodes.serialization import embodiment_as_json, file_as_json, settings_as_choices
 from .execution.embodiment import Embodiment
 from .execution.goal_manager import GoalManager
+from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json
-from .execution.request import Request
+from .execution.request import Request, review_arguments
 from .protocols import Motion, Vision
 
 if TYPE_CHECKING:
@@ -90,6 +92,9 @@ class Agent:
             Taxonomy.from_base(base),
             Experience(base, self.robot),
         )
+        properties = (kind.properties for kind in self.objects.values())
+        self.norms = NormChecker(self.affordances, frozenset().union(*properties))
+        self._done: list[tuple[str, str]] = []
         self.simulate = embodiment.simulate and vision is None
         self.interruption = Interruption()
         self._hearing = Lock()
@@ -101,6 +106,7 @@ class Agent:
             lambda: self.goals,
             self.visible,
             self._episodes.record,
+            judge=self.judge,
             holding=self.holding,
             seed=self.scene.seed,
             other=dialogue,
@@ -198,6 +204,12 @@ class Agent:
             self._film.end(said)
         return result, said
 
+    def judge(self, request: Request) -> NormVerdict:
+        """Return what the norms say of a request, by what it names; no robot is needed."""
+        guard = NormGuard(self.norms, self.actions, request, self._done, self.holding)
+        guard.enter(request.action, review_arguments(self.actions, request.action, request))
+        return guard.verdicts[-1] if guard.verdicts else ALLOWED
+
     def circumstances(self) -> Json | None:
         """Return what is needed to make this agent again; None with vision or motion not Hilt's."""
         if self._vision or self._motion:
@@ -258,6 +270,8 @@ class Agent:
             grips=_grips(self.objects),
             parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
             interruption=self.interruption,
+            norms=self.norms,
+            done=self._done,
         )
 
     @contextmanager

@@ -96,13 +96,21 @@ class Affordances:
             return decision.ranked(found)
         return decision.ranked(found, list(self._absent_candidates(here, observations, decision)))
 
+    def rules_at(self, keys: Iterable[str]) -> list[Rule]:
+        """Return the active rules that are stored under some keys, as "pass.forbidden"."""
+        self._refresh()
+        return [rule for key in keys for rule in self._rules_at(key)]
+
     def _node_context(self, node: str, goal: Goal) -> NodeRules:
-        """Return the context of a node, after dropping cached rules that are out of date."""
+        self._refresh()
+        return NodeRules(node, goal, self._rules_at, self.taxonomy)
+
+    def _refresh(self) -> None:
+        """Drop cached rules that are out of date."""
         sequence = self.source.sequence
         if sequence != self._sequence:
             self._rules.clear()
             self._sequence = sequence
-        return NodeRules(node, goal, self._rules_at, self.taxonomy)
 
     def _rules_at(self, key: str) -> Sequence[Rule]:
         if key not in self._rules:

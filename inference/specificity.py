@@ -74,6 +74,12 @@ class Specificity:
             ]
         return found
 
+    def is_more_specific(self, one: Rule, other: Rule) -> bool:
+        """Return whether the premises and the argument of one rule entail those of another."""
+        return self._is_more_specific(
+            self._premises(one, is_asked=True), self._premises(other, is_asked=True)
+        )
+
     def _premises(self, rule: Rule, *, is_asked: bool) -> Premises:
         found = {("feature", atom) for atom in rule.features}
         for atom in rule.contexts:

@@ -146,7 +146,7 @@ class Rule:
     def _check_norm(self) -> None:
         if self.context is None:
             raise ValidationError([f"{self.functor} needs the action that it is about as context."])
-        allowed = {"part", "action"} if self.functor == OBLIGED else {"part"}
+        allowed = {"part"} if self.functor == FORBIDDEN else {"part", "action"}
         found = {self.argument.kind} if self.argument else set[str]()
         if not found <= allowed or (self.functor == OBLIGED and not found):
             expected = " or ".join(map(_article, sorted(allowed, reverse=True)))

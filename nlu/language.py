@@ -81,6 +81,7 @@ _WORD_FILES = (
     "requests.yaml",
     "conversation.yaml",
     "fragments.yaml",
+    "norms.yaml",
 )
 
 
@@ -151,7 +152,13 @@ class Language:
         adverbs[degrees.intervals[degrees.default]] = ""
         acts, tools = builder.act_names(), builder.tool_phrases()
         answers = load_answers(
-            folder / "answers.yaml", inflection, acts, tools, adverbs, mass=builder.mass
+            folder / "answers.yaml",
+            inflection,
+            acts,
+            tools,
+            adverbs,
+            mass=builder.mass,
+            roles=builder.humans,
         )
         realizer = load_realizer(folder / "sentences.yaml", answers, builder.tool_acts())
         save_cache()

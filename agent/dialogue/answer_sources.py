@@ -12,7 +12,7 @@ from ...nlu.generation.templates import AnswerTemplates
 from ...nlu.parsing.understanding import Understanding
 from ..execution.outcome import AnswerContent, Decision, Slot
 from .reply import Reply
-from .translation import meaning_from_rule
+from .translation import meaning_from_rule, norm_from_rule
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]
 
@@ -63,6 +63,9 @@ class AnswerSources:
 
     def describe(self, rule: Rule) -> str:
         """A rule in words: "to pass a knife, often grab it by the blade"."""
+        laid_down = norm_from_rule(rule)
+        if laid_down:
+            return self.words.norm_phrase(laid_down)
         said = meaning_from_rule(rule)
         return self.words.rule_phrase(said) if said else repr(rule)
 

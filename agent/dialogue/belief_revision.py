@@ -82,7 +82,7 @@ class BeliefRevision:
         is_of_told = said.is_of_told or conversation.topic_from == "deed"
         topic = () if is_of_told and not is_just_told else conversation.topic
         rules = rules_to_retract(self._base, said, turn.speaker, topic)
-        own = [rule for rule in rules if turn.speaker in self._tellers(rule)]
+        own = [rule for rule in rules if self._may_retract(turn.speaker, rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
@@ -120,9 +120,14 @@ class BeliefRevision:
         )
         return any(each.is_dismissal for each in answers)
 
-    def _tellers(self, rule: Rule) -> tuple[str, str]:
-        """Who may take a rule back: who says it, and who reported it."""
-        return rule.speaker, reporter_of(self._base, rule)
+    def _may_retract(self, speaker: str, rule: Rule) -> bool:
+        """Whether a speaker may take a rule back: who says it, who reported it.
+
+        A norm may also be taken back by somebody who is trusted more.
+        """
+        trust = (trust_in(self._base, each) for each in (speaker, rule.speaker))
+        is_trusted_more = rule.kind == "norm" and next(trust) > next(trust)
+        return is_trusted_more or speaker in {rule.speaker, reporter_of(self._base, rule)}
 
     def _new_names(self, said: meaning.Statement, turn: UnderstoodTurn) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""

@@ -164,9 +164,10 @@ class Conversation:
         Nothing changes where there are none, or where the last one cannot be said.
         """
         said = meaning_from_rule(rules[-1]) if rules else None
-        if said:
+        if said or (rules and rules[-1].kind == "norm"):
             self.topic, self.retracted, self.unanswered = rules, (), ""
             self.topic_from = "answer"
+        if said:
             self.discourse = replace(self.discourse, rule=said)
 
     # --- Answers and replies ------------------------------------------------------------------

@@ -14,6 +14,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
@@ -31,12 +32,13 @@ from ..execution.request import Request
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
 from .conversation import Conversation, UnderstoodTurn
+from .norm_dialogue import NormDialogue
 from .open_question import OpenQuestion
 from .part_agreements import PartAgreements
 from .questions import answer
 from .reply import Reply
 from .teaching import phrase_from_base, word_for_person, word_from_base
-from .translation import choosing, declined, forbids, request_from_command, use_of
+from .translation import choosing, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -56,6 +58,7 @@ class DialogueManager:
         visible: returns the names of the objects in view.
         record_episode: called with every command that was carried out and its reply, and whether
             it is to be kept.
+        judge: returns what the norms say of a request.
         holding: returns the name of the object in the hand, None when it is empty.
         seed: the seed of everything random, kept with each reply.
         other: a language part that is asked first.
@@ -72,6 +75,7 @@ class DialogueManager:
         visible: Callable[[], tuple[str, ...]],
         record_episode: Callable[[Request, Reply, bool], None],
         *,
+        judge: Callable[[Request], NormVerdict],
         holding: Callable[[], str | None] = lambda: None,
         seed: int = 0,
         other: protocols.Dialogue | None = None,
@@ -93,10 +97,11 @@ class DialogueManager:
         self._interrupted: tuple[UnderstoodTurn, Request] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._last: tuple[UnderstoodTurn, Request] | None = None  # the last command
-        self._prohibitions: dict[meaning.Command | meaning.ToolCommand, Understanding] = {}
+        self._norms = NormDialogue(base, self._conversation, judge)
         self._just_stopped: AnswerContent | None = None  # until a control has confirmed it
         self._listeners: dict[type, Callable[[UnderstoodTurn, Any], Reply]] = {
             meaning.Statement: self._beliefs.learn,
+            meaning.NormStatement: self._norms.lay_down,
             meaning.Retraction: self._beliefs.forget,
             meaning.TopicStatement: self._beliefs.open_topic,
             meaning.Command: self._carry_out_command,
@@ -185,12 +190,12 @@ class DialogueManager:
         if not self._conversation.trusts(turn.speaker):
             return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.negated:
-            self._prohibitions[replace(said, negated=False)] = turn.understood
+            reading = turn.understood.reading
+            if reading and "lasting" in reading.features.main:
+                return self._norms.forbid(turn, said)
+            self._norms.forbid_for_now(turn, said)
             self._conversation.prohibition = turn.understood
             return self._conversation.spoken(turn, declined(said))
-        prohibited = next((each for each in self._prohibitions if forbids(each, said)), None)
-        if prohibited:
-            return self._ask_whether_allowed(turn, prohibited)
         if turn.understood.unknown:
             return self._ask_what_that_is(turn, use_of(said))
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
@@ -199,21 +204,6 @@ class DialogueManager:
         return self._carry_out(
             turn, replace(request, contexts=self.contexts, excluded=self._excluded)
         )
-
-    def _ask_whether_allowed(
-        self, turn: UnderstoodTurn, prohibited: meaning.Command | meaning.ToolCommand
-    ) -> Reply:
-        """Ask whether a command counts although what it wants was forbidden before."""
-        conversation = self._conversation
-
-        def allow() -> Reply:
-            del self._prohibitions[prohibited]
-            return self._respond(turn)
-
-        earlier = conversation.prohibition = self._prohibitions[prohibited]
-        conversation.open_question = OpenQuestion(turn.speaker, allow)
-        slots = {"speaker": earlier.speaker, "texts": earlier.text}
-        return conversation.answered(turn, "prohibited", "asked", **slots)
 
     def _ask_what_that_is(self, turn: UnderstoodTurn, asked: meaning.Question) -> Reply:
         """Ask what a thing is that nobody has spoken of, or what has such a use."""
@@ -238,10 +228,11 @@ class DialogueManager:
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
         """Carry out a request; return its result and the spoken answer."""
         try:
-            result = self._goals().achieve(request)
+            result = self._goals().achieve(self._norms.lift(request))
         except UnknownNameError:
             answered = AnswerContent("cannot", {"goal": request.action}, "failed")
             result = GoalResult(answered, None, (), WorldOutcome())
+        result = self._norms.with_reason(result)
         return result, " ".join(map(self._conversation.say, (*result.setbacks, result.answer)))
 
     def _carry_out(self, turn: UnderstoodTurn, request: Request) -> Reply:
@@ -270,14 +261,29 @@ class DialogueManager:
             question = self._agreements.question(result.doubt, request, turn.speaker, again)
             conversation.open_question = question
             return reply
-        settled = request.confirmed(result)
-        if reply.ending == "asked" and settled:
+        verdict = result.forbidding
+        if verdict and verdict.forbidding:
+            conversation.set_topic((verdict.forbidding,))
+        settled, first = request.confirmed(result), self._norms.first_request(request, result)
+        if first:
+            conversation.open_question = OpenQuestion(
+                turn.speaker, lambda: self._carry_out_both(turn, first, request)
+            )
+        elif reply.ending == "asked" and settled:
             conversation.open_question = OpenQuestion(
                 turn.speaker,
                 yes=lambda: self._carry_out(turn, settled),
                 choose=lambda named: self._carry_out(turn, choosing(request, named, result)),
             )
         return reply
+
+    def _carry_out_both(self, turn: UnderstoodTurn, first: Request, then: Request) -> Reply:
+        """Carry out what must come first, and then what was asked for."""
+        reply = self._carry_out(turn, first)
+        if not reply.is_done:
+            return reply
+        last = self._carry_out(turn, then)
+        return replace(last, said=f"{reply.said} {last.said}")
 
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
         """What is said of a command, with the question what has a use that nothing is known for."""
@@ -334,7 +340,8 @@ class DialogueManager:
 
     def _answer(self, turn: UnderstoodTurn, said: meaning.Question) -> Reply:
         conversation = self._conversation
-        found, rules = answer(said, conversation.knowledge(turn))
+        about_norms = self._norms.answer(turn, said)
+        found, rules = about_norms or answer(said, conversation.knowledge(turn))
         if not rules and (said.object or said.affordance):
             conversation.topic = ()
         if found.ending == "failed":

@@ -92,7 +92,7 @@ def _grasp_rules(question: Question, known: AnswerSources) -> list[Rule]:
     kinds = Taxonomy.from_base(known.base).above(named) if named else ()
     for name in [kind.name for kind, _ in kinds] or [None]:
         rules = known.base.rules(object=name, context=question.context)
-        grasps = [rule for rule in rules if rule.part]
+        grasps = [rule for rule in rules if rule.kind == "action"]
         if grasps:
             return grasps
     if named is None or question.context is None:
@@ -307,7 +307,7 @@ def _why_not_part(part: str, known: AnswerSources) -> Answered:
 
 def _grasps(rules: Iterable[Rule]) -> tuple[Rule, ...]:
     """The rules about how a thing is held that were told in words."""
-    return tuple(rule for rule in rules if rule.part and rule.utterance)
+    return tuple(rule for rule in rules if rule.kind == "action" and rule.utterance)
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:

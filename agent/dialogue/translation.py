@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ...inference.types import Target
 from ...kb.interval import Interval
-from ...kb.rule import Rule, functional, grasping
+from ...kb.rule import Atom, Rule, functional, grasping, norm
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -62,6 +62,54 @@ def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
     return None
 
 
+def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule:
+    """Return the rule that lays down a norm, discounted by the confidence of the recogniser."""
+    act, before = said.act, said.before
+    target = act.tool if isinstance(act, meaning.ToolCommand) else act.target
+    contexts: list[Atom] = [Atom("place", said.place)] if said.place else []
+    if isinstance(act, meaning.ToolCommand):
+        is_any = act.patient == meaning.ANY_OBJECT
+        contexts += [] if is_any else [Atom("material", act.patient)]
+        argument = None
+    else:
+        contexts += [Atom("role", act.recipient)] if act.recipient else []
+        argument = Atom("part", act.part) if act.part else None
+    if before:
+        argument, thing = Atom("action", before.goal), before.target.object
+        is_other = thing not in {None, meaning.ANY_OBJECT, target.object}
+        contexts += [Atom("object", str(thing))] if is_other else []
+    return norm(
+        said.norm,
+        act.goal,
+        target.object or meaning.ANY_OBJECT,
+        argument,
+        interval=Interval(*said.confidence).discounted(heard),
+        contexts=contexts,
+        properties=target.props,
+        speaker=speaker,
+    )
+
+
+def norm_from_rule(rule: Rule) -> meaning.Norm | None:
+    """Return the norm that a rule lays down; None when no sentence can express it."""
+    names = {atom.kind: atom.name for atom in rule.contexts}
+    if rule.kind != "norm" or len(names) != len(rule.contexts):
+        return None
+    props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
+    target = meaning.ObjectReference(rule.object or meaning.ANY_OBJECT, props=props)
+    act: meaning.Command | meaning.ToolCommand
+    if rule.material:
+        act = meaning.ToolCommand(names["action"], rule.material, target)
+    else:
+        act = meaning.Command(names["action"], target, rule.part, names.get("role"))
+    before = None
+    if rule.argument and rule.argument.kind == "action":
+        thing = meaning.ObjectReference(names.get("object", target.object), props=())
+        before = meaning.Command(rule.argument.name, thing)
+    confidence = (rule.interval.lower, rule.interval.upper)
+    return meaning.Norm(rule.functor, act, confidence, names.get("place"), before)
+
+
 def request_from_command(
     command: meaning.Command | meaning.ToolCommand,
     speaker: str,
@@ -108,15 +156,6 @@ def declined(said: meaning.Command | meaning.ToolCommand) -> AnswerContent:
         )
     name = said.target.object or said.target.used_for or "thing"
     return AnswerContent("will_not", {"goal": said.goal, "object": name}, "refused")
-
-
-def forbids(
-    one: meaning.Command | meaning.ToolCommand, other: meaning.Command | meaning.ToolCommand
-) -> bool:
-    """Return whether the prohibition of one command is also that of another."""
-    if isinstance(one, meaning.Command) and isinstance(other, meaning.Command):
-        return one.target == other.target and one.goal in {other.goal, "grasp"}
-    return (one.goal, getattr(one, "patient", "")) == (other.goal, getattr(other, "patient", None))
 
 
 def action_words(actions: Actions, language: Language) -> list[NewWord]:

@@ -31,6 +31,7 @@ from ...sim.vision.percept import Percept
 from ..protocols import Motion, Vision
 from . import outcome_answer
 from .doubt import Doubt, find_doubt
+from .norm_guard import NormGuard
 from .outcome import (
     AnswerContent,
     Constraint,
@@ -59,6 +60,7 @@ class ExecutionContext:
     grips: Mapping[str, str]
     parts: Mapping[str, Collection[str]]
     interruption: Interruption
+    norms: NormGuard
     watchers: Sequence[Callable[[WalkStep], None]] = ()
 
 
@@ -104,7 +106,8 @@ class TreeExecutor:
         world = self._primitives.world if self._primitives else WorldOutcome()
         trials = self._primitives.grasps.trials if self._primitives else ()
         done = (tuple(self._steps), world, tuple(self._setbacks), trials, self._doubt)
-        return GoalResult(answer, self.decision, *done)
+        verdicts = tuple(self._context.norms.verdicts)
+        return GoalResult(answer, self.decision, *done, verdicts)
 
     def name(self, argument: Argument | None) -> str:
         """Return the kind of the object that was found for an argument, or that it names."""
@@ -119,6 +122,9 @@ class TreeExecutor:
             self._context.interruption.wait()
         except MotionInterruptedError:
             return outcome_answer.stopped(None)
+        refusal = self._context.norms.enter(node, arguments)
+        if refusal:
+            return refusal
         goal = self._goal(arguments)
         features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
@@ -137,6 +143,8 @@ class TreeExecutor:
         did = failure.key if failure else self._did(node)
         self._steps[index] = replace(self._steps[index], action=did)
         self._notify(self._steps[index])
+        if failure is None and _action(node) != FIND:
+            self._context.norms.note(_action(node), self.name(self._target(arguments)))
         return failure
 
     def _notify(self, step: WalkStep) -> None:
@@ -180,17 +188,24 @@ class TreeExecutor:
         percepts: Sequence[Percept],
         inference: Inference,
     ) -> AnswerContent | None:
-        action = _action(node)
-        if action in self._context.actions.trees:
-            return self._walk_tree(node, self._context.actions.trees[action], arguments)
+        action, target = _action(node), self._target(arguments)
         if action == FIND:
-            return self._find(arguments, percepts, inference)
-        found = self._found.get(self._target(arguments))
+            return self._find(node, arguments, percepts, inference)
+        found = self._found.get(target)
         part = None
         if action == GRASP and found:
-            part, failure = self._choose_part(found.percept, inference)
-            if failure:
-                return failure
+            part, failure = self._obliged_part(node, target, found.percept, inference), None
+            if part is None:
+                part, failure = self._choose_part(found.percept, inference)
+            if failure is None:
+                part, failure = self._permitted_part(node, target, found.percept, part, inference)
+            self._context.norms.hold_by(part)
+        else:
+            failure = self._context.norms.of_step(node, target, found and found.percept)
+        if failure:
+            return failure
+        if action in self._context.actions.trees:
+            return self._walk_tree(node, self._context.actions.trees[action], arguments)
         if self._primitives is None:
             return None
         things = {
@@ -255,7 +270,7 @@ class TreeExecutor:
         tries: Sequence[int],
     ) -> int | None:
         """The index of the first branch of a tree that handles a failure and has tries left."""
-        if failure.cause == outcome_answer.INTERRUPTED:
+        if failure.cause in {outcome_answer.INTERRUPTED, outcome_answer.FORBIDDEN}:
             return None
         for index, branch in enumerate(tree.otherwise):
             is_possible = bool(branch.steps) or tries[index] > 0
@@ -358,9 +373,14 @@ class TreeExecutor:
     # --- Choosing ----------------------------------------------------------------------------
 
     def _find(
-        self, arguments: Mapping[str, Argument], percepts: Sequence[Percept], inference: Inference
+        self,
+        node: str,
+        arguments: Mapping[str, Argument],
+        percepts: Sequence[Percept],
+        inference: Inference,
     ) -> AnswerContent | None:
         target = self._target(arguments)
+        inference, refusal = self._without_forbidden(node, target, percepts, inference)
         patient = self._patient
         if target != patient or self.decision is None:
             # The patient of a tool may be looked for too; the decision is about the tool.
@@ -370,6 +390,8 @@ class TreeExecutor:
                 patient=_named(patient),
                 rejected=tuple(self._rejected.values()),
             )
+        if refusal:
+            return refusal
         best = inference.best
         if best is None and self._excluded(arguments):
             return AnswerContent("nothing_other", {}, "failed", "not_found")
@@ -382,6 +404,60 @@ class TreeExecutor:
         if self._primitives and target != patient:
             self._primitives.tool, self._primitives.patient = best.object, _named(patient)
         return None
+
+    def _without_forbidden(
+        self, node: str, target: Target, percepts: Sequence[Percept], inference: Inference
+    ) -> tuple[Inference, AnswerContent | None]:
+        """Return the inference without objects that must not be taken, or why none may be."""
+        seen = {each.name: each for each in percepts}
+        refusals: list[AnswerContent] = []
+        for index, candidate in enumerate(inference.candidates):
+            if not candidate.accepted:
+                break
+            refusal = self._context.norms.of_object(node, target, seen[candidate.name])
+            if refusal is None:
+                allowed = replace(inference, candidates=inference.candidates[index:])
+                return (allowed if index else inference), None
+            refusals.append(refusal)
+        return inference, next(iter(refusals), None)
+
+    def _obliged_part(
+        self, node: str, target: Target, percept: Percept, inference: Inference
+    ) -> str | None:
+        """Return the part by which alone an object may be held, unless the command names one."""
+        wanted = () if self._part else self._context.norms.obliged_parts(node, target, percept)
+        part = next((self._own_part(name, percept) for name in wanted), None)
+        if part is None or self._lacks(percept, part) or self.decision is None:
+            return None
+        self.decision = replace(self.decision, part=inference, allowed_part=part)
+        return part
+
+    def _permitted_part(
+        self,
+        node: str,
+        target: Target,
+        percept: Percept,
+        part: str | None,
+        inference: Inference,
+    ) -> tuple[str | None, AnswerContent | None]:
+        """Return the part to hold by under the norms, another one if they forbid the chosen one."""
+        norms = self._context.norms
+        denied = {each.argument.name for each in inference.denied if each.argument}
+        own = (*percept.parts, *self._context.parts.get(percept.object, ()))
+        known = [name for name in dict.fromkeys(own) if name not in denied]
+        refusal = norms.of_step(node, target, percept, part)
+        if part is None:
+            refused = (norms.of_step(node, target, percept, each) for each in known)
+            refusal = refusal or next(filter(None, refused), None)
+        if refusal is None or self._part:
+            return part, refusal
+        grip = self._context.grips.get(percept.object)
+        for each in sorted(known, key=lambda name: name != grip):
+            if norms.of_step(node, target, percept, each) is None:
+                if self.decision:
+                    self.decision = replace(self.decision, allowed_part=each)
+                return each, None
+        return None, refusal
 
     def _choose_part(
         self, percept: Percept, inference: Inference

@@ -7,11 +7,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from ...inference.affordance import Affordances
 from ...inference.node_rules import FIND
+from ...inference.norms import NormChecker
 from ...ontology.actions import Actions
 from ...sim.robot.interruption import Interruption
 from ..protocols import Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .action_tree_executor import ExecutionContext, TreeExecutor
+from .norm_guard import NormGuard
 from .outcome import AnswerContent, Decision, GoalResult, WalkStep
 from .primitives import EMPTYING, empty_hand
 from .request import Request, review_arguments
@@ -32,6 +34,9 @@ class GoalManager:
             says otherwise.
         parts: object -> its known parts; the robot does not look for others.
         interruption: pauses or ends what is done, also from other threads.
+        norms: what is forbidden, and what must come first; by default by the rules of
+            `affordances`.
+        done: the acts so far, in order: action and type of object; it grows.
 
     Attributes:
         watchers: called at every node before its action is done, when `WalkStep.action` is still
@@ -48,6 +53,8 @@ class GoalManager:
         grips: Mapping[str, str] | None = None,
         parts: Mapping[str, Collection[str]] | None = None,
         interruption: Interruption | None = None,
+        norms: NormChecker | None = None,
+        done: list[tuple[str, str]] | None = None,
     ) -> None:
         self.actions = actions
         self.affordances = affordances
@@ -57,6 +64,8 @@ class GoalManager:
         self.interruption = interruption or Interruption()
         self._grips = grips or {}
         self._parts = parts or {}
+        self._norms = norms or NormChecker(affordances)
+        self._done = [] if done is None else done
 
     def achieve(self, request: Request) -> GoalResult:
         """Execute the tree of a goal to its end, or to the first failure that no branch handles.
@@ -75,6 +84,7 @@ class GoalManager:
             self._grips,
             self._parts,
             self.interruption,
+            NormGuard(self._norms, self.actions, request, self._done, lambda: self.holding),
             tuple(self.watchers),
         )
         execution = TreeExecutor(context, request)

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from ...inference.norms import NormVerdict
 from ...inference.proof import Proof
 from ...inference.types import Candidate, Inference
 from ...kb.episodes import GraspTrial
@@ -142,7 +143,7 @@ class Decision:
         """The part to act on; None when none is named, concluded, or left by a prohibition."""
         best = self.part.best if self.part else None
         concluded = best.argument.name if best and best.argument else None
-        return self.named_part or concluded or self.allowed_part
+        return self.named_part or self.allowed_part or concluded
 
     @property
     def rules(self) -> tuple[Rule, ...]:
@@ -271,6 +272,7 @@ class GoalResult:
             the answer.
         trials: what each grasp came to.
         doubt: the part that experience speaks against, if that is asked about.
+        verdicts: what norms said of it, where they forbade something or were in conflict.
     """
 
     answer: AnswerContent
@@ -280,6 +282,14 @@ class GoalResult:
     setbacks: tuple[AnswerContent, ...] = ()
     trials: tuple[GraspTrial, ...] = ()
     doubt: Doubt | None = None
+    verdicts: tuple[NormVerdict, ...] = ()
+
+    @property
+    def forbidding(self) -> NormVerdict | None:
+        """The verdict because of which it was refused, or asked about; None where it was not."""
+        norm = self.answer.slots.get("norm")
+        found = (each for each in self.verdicts if each.forbidding and each.forbidding.id == norm)
+        return next(found, None)
 
     def as_json(self) -> Json:
         """The keys of `hilt do --json` on what was decided and done."""
@@ -287,4 +297,5 @@ class GoalResult:
             "decision": self.decision.as_json() if self.decision else None,
             "steps": [step.as_json() for step in self.steps],
             "world": self.world.as_json(),
+            **({"norms": [each.as_json() for each in self.verdicts]} if self.verdicts else {}),
         }

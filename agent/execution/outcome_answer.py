@@ -15,6 +15,7 @@ from .doubt import Doubt
 from .outcome import AnswerContent, Decision, Slot
 
 INTERRUPTED = "interrupted"  # the cause of a failure: somebody asked to stop
+FORBIDDEN = "forbidden"  # the cause of a failure: a norm
 
 _DONE = {  # action -> the answer without a part, with one, and with one that was taught
     "pass": ("passed", "passed_by", "passed_as_told"),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from ...inference.types import Conclusion, Inference, Target
 from ...kb.interval import Interval
-from ...kb.rule import Atom
+from ...kb.rule import Atom, Rule
 from ...ontology.actions import Actions, ArgumentByAffordance
 from .outcome import GoalResult
 
@@ -29,6 +29,8 @@ class Request:
         assumed: the parameters that nobody mentioned; a default of the tree takes precedence.
         excluded: the names of the objects that were chosen before, when another one is wanted.
         agreed: kind of object -> the part that was agreed on, when Hilt asked.
+        momentary: norms that hold for this conversation only.
+        unheeded: the ids of norms that the speaker may lift, and has lifted for this request.
     """
 
     action: str
@@ -39,6 +41,8 @@ class Request:
     assumed: frozenset[str] = frozenset()
     excluded: frozenset[str] = frozenset()
     agreed: Mapping[str, str] = field(default_factory=dict[str, str])
+    momentary: tuple[Rule, ...] = ()
+    unheeded: frozenset[str] = frozenset()
 
     def agreed_part(self, found: Inference) -> str | None:
         """Return the part that was agreed on for the object that was found, if any."""
@@ -48,6 +52,9 @@ class Request:
         """Return this request for the object or part that Hilt asked about, after a "yes"."""
         decision = result.decision
         is_asked = result.answer.ending == "asked"
+        norm = result.forbidding and result.forbidding.forbidding
+        if norm and is_asked:
+            return replace(self, unheeded=self.unheeded | {norm.id})
         if not is_asked or decision is None or not decision.object.candidates:
             return None
         if "part" in result.answer.slots:

@@ -200,6 +200,11 @@ def explanation(reply: Reply, changes: Sequence[Counterfactual]) -> RenderableTy
     """A decision with its proofs, and what would change it."""
     decision = reply.result.decision if reply.result else None
     parts: list[RenderableType] = [turn(reply)]
+    for verdict in reply.result.verdicts if reply.result else ():
+        parts += [Text(str(each)) for each in verdict.conflicts]
+        if verdict.forbidding and verdict.proof:
+            parts.append(Text(f"forbidden by {verdict.forbidding!r}", "bold"))
+            parts.append(Text("\n".join(f"  {line}" for line in verdict.proof.lines())))
     for inference in decision.inferences if decision else ():
         for candidate in (*inference.candidates, *inference.absent):
             about = f"{candidate.name} {candidate.argument or ''}".strip()

@@ -19,7 +19,16 @@ from typing import TypeAlias
 from ...ontology.errors import UnknownNameError
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..lexicon.inflection import Inflection
-from ..semantics.meaning import ANY_OBJECT, Confidence, FunctionalRule, Rule
+from ..semantics.meaning import (
+    ANY_OBJECT,
+    Command,
+    Confidence,
+    FunctionalRule,
+    Norm,
+    ObjectReference,
+    Rule,
+    ToolCommand,
+)
 
 Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
 MOST_OF_NEVER = 0.1
@@ -62,6 +71,8 @@ class RulePhrases:
         be_many: the verb after one thing in the plural: "scissors are".
         it: the pronoun for one thing.
         it_many: the pronoun for one thing in the plural.
+        must_not, may, only_by, must_first, may_without: a norm, from `act`, `part` and `first`.
+        by_part, in_place, to_whom, with_tool: what is added to an `act`.
     """
 
     functional: str
@@ -82,6 +93,15 @@ class RulePhrases:
     be_many: str
     it: str
     it_many: str
+    must_not: str
+    may: str
+    only_by: str
+    must_first: str
+    may_without: str
+    by_part: str
+    in_place: str
+    to_whom: str
+    with_tool: str
 
 
 @dataclass(frozen=True)
@@ -96,6 +116,7 @@ class AnswerTemplates:
         tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
         adverbs: the usual adverb of each confidence, empty for the default one.
         mass: names of what is not counted: "bread".
+        roles: names of people by what they are: "child".
     """
 
     answers: Mapping[str, AnswerTemplate]
@@ -105,6 +126,7 @@ class AnswerTemplates:
     tool_acts: Mapping[str, str]
     adverbs: Mapping[Confidence, str]
     mass: frozenset[str] = frozenset()
+    roles: frozenset[str] = frozenset()
 
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer with its slots filled, beginning with a capital letter.
@@ -140,6 +162,40 @@ class AnswerTemplates:
             act = self.tool_acts.get(rule.context) or self.act(rule.context)
             slots |= {"act": act, "part": rule.part}
         return " ".join(self.fill(text, slots).split())
+
+    def norm_phrase(self, norm: Norm) -> str:
+        """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""
+        said, act = self.phrases, self._act_phrase(norm.act)
+        template = {"forbidden": said.must_not, "permitted": said.may}.get(norm.norm, said.only_by)
+        slots = {"act": act, "part": getattr(norm.act, "part", None) or ""}
+        if norm.before:
+            template = said.may_without if norm.norm == "permitted" else said.must_first
+            slots["first"] = self._act_phrase(norm.before)
+        elif slots["part"] and norm.norm != "obliged":
+            slots["act"] = self.fill(said.by_part, slots)
+        text = self.fill(template, slots)
+        return self.fill(said.in_place, {"act": text, "place": norm.place}) if norm.place else text
+
+    def _act_phrase(self, act: Command | ToolCommand) -> str:
+        """What is done: "pass a knife to Anna", "cut bread with a knife"."""
+        said, verb = self.phrases, self.act(act.goal)
+        if isinstance(act, ToolCommand):
+            patient = (
+                said.any_object if act.patient == ANY_OBJECT else self._in_general(act.patient)
+            )
+            if act.tool.object in {None, ANY_OBJECT} and not act.tool.props:
+                return f"{verb} {patient}"
+            slots = {"act": f"{verb} {patient}", "tool": self._named(act.tool)}
+            return self.fill(said.with_tool, slots)
+        text = f"{verb} {self._named(act.target)}"
+        if act.recipient is None:
+            return text
+        is_role = act.recipient in self.roles
+        person = self.inflection.with_article(act.recipient) if is_role else act.recipient.title()
+        return self.fill(said.to_whom, {"act": text, "recipient": person})
+
+    def _named(self, thing: ObjectReference) -> str:
+        return self.noun_phrase(thing.object or ANY_OBJECT, thing.props)
 
     def use_phrase(self, affordance: str, *materials: str | None) -> str:
         """Return what something is used for: "cutting", "cutting bread", "painting walls"."""
@@ -231,6 +287,7 @@ def load_answers(
     adverbs: Mapping[Confidence, str],
     *,
     mass: frozenset[str] = frozenset(),
+    roles: frozenset[str] = frozenset(),
 ) -> AnswerTemplates:
     """Load the answers of a language.
 
@@ -249,6 +306,7 @@ def load_answers(
         tool_acts,
         adverbs,
         mass,
+        roles,
     )
 
 

@@ -57,6 +57,7 @@ class Grammar:
         topic: the category of what is only named, for "it" to stand for.
         general: the category of any object of a kind, like "a knife".
         answer: the category of a short answer, like "the second one".
+        speaker: the categories of the speaker as who is given something: "me", "to me".
     """
 
     types: Mapping[str, Type]
@@ -67,6 +68,7 @@ class Grammar:
     topic: Category
     general: Category
     answer: Category
+    speaker: frozenset[Category]
 
     def entry(
         self, field: YamlNode, extra: Signature | None = None
@@ -109,7 +111,10 @@ class Grammar:
 def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     """Read the grammar of a language; the names of the degrees become constants of type `d`."""
     entries = read_yaml(path).entries(
-        required=(*("categories", "predicates", "unary", "roots"), *("topic", "general", "answer")),
+        required=(
+            *("categories", "predicates", "unary", "roots"),
+            *("topic", "general", "answer", "speaker"),
+        ),
         optional=(),
     )
     atoms = entries["categories"].entries()
@@ -126,6 +131,7 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
         topic=AtomicCategory(entries["topic"].text(choices=tuple(types))),
         general=AtomicCategory(entries["general"].text(choices=tuple(types))),
         answer=AtomicCategory(entries["answer"].text(choices=tuple(types))),
+        speaker=frozenset(map(AtomicCategory, entries["speaker"].texts(choices=types))),
     )
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])

@@ -38,6 +38,7 @@ from .vocabulary import ROLES, Vocabulary
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
 _MASS = "mass"  # the template of what is not counted
+_HUMAN = "human"  # the template of what people are
 _NOTHING = Constant("something")
 _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _N = AtomicCategory("N")
@@ -93,6 +94,7 @@ class LexiconBuilder:
         denied: words for any object, which `denying` words may precede.
         homographs: words of grammar that end names of things: "watering can".
         mass: names of what is not counted: "bread".
+        humans: names of people by what they are: "child".
         lexicon: the entries of all files.
     """
 
@@ -114,6 +116,7 @@ class LexiconBuilder:
         self.denied: frozenset[str] = frozenset()
         self.homographs: frozenset[str] = frozenset()
         self.mass: frozenset[str] = frozenset()
+        self.humans: frozenset[str] = frozenset()
         self._constructions = Lexicon()
         self.lexicon = Lexicon(base=self._constructions)
 
@@ -306,6 +309,8 @@ class LexiconBuilder:
             self.lexicon.add_all(self.noun(kind, name))
         if kind == _MASS:
             self.mass |= set(field.texts())
+        if kind == _HUMAN:
+            self.humans |= set(field.texts())
 
     def _read_verb(self, field: YamlNode) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))

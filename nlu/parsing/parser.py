@@ -25,7 +25,8 @@ from ..semantics.discourse import SOMETHING, Discourse
 from ..semantics.fragments import FRAGMENTS
 from ..semantics.interpretation import Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
-from ..semantics.meaning import Answer, Confidence, Meaning
+from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
+from ..semantics.norm_interpretation import meaning_of
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import PredicateForm, UninterpretableError, form_of
 from .chart import Chart, Derivation
@@ -163,7 +164,9 @@ class SentenceParser:
         )
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
-        meaning = interpreter.meaning(intention.form, context.discourse)
+        meaning = meaning_of(intention.form, interpreter, context.discourse)
+        if isinstance(meaning, NormStatement) and self._is_for_now(derivation):
+            raise UninterpretableError("not_a_rule")
         return Reading(
             speech_act,
             intention.form,
@@ -173,6 +176,12 @@ class SentenceParser:
             derivation,
             words,
         )
+
+    def _is_for_now(self, derivation: Derivation) -> bool:
+        """Whether what must not be done is to give the speaker a certain thing: "the knife"."""
+        parts = {part.category for part in subderivations(derivation)}
+        is_generic = self.grammar.general in parts
+        return not is_generic and not parts.isdisjoint(self.grammar.speaker)
 
     def _intention(self, speech_act: PredicateForm, recognition: Confidence) -> Intention:
         """The one intention of a speech act, as sure as the speech was recognised."""

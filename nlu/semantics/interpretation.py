@@ -43,7 +43,7 @@ _BARE_QUESTIONS = frozenset(
 )
 """The questions that name nothing."""
 
-_UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past", "noNorms": "no_norms"}
+_UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past"}
 """The answer to what is understood, but not learned."""
 
 _QUESTIONS = {
@@ -164,12 +164,12 @@ class Interpreter:
         for rule in self._rules(content):
             if rule.source:
                 raise UninterpretableError("whose_words", asks=True)
-            yield replace(rule, source=_name(person))
+            yield replace(rule, source=name_of(person))
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         """The rule that replaces an earlier one, or the retraction of a rule."""
         if form.name == "retractAbout":
-            return Retraction(about=_kind_and_properties(form.arguments[0])[0])
+            return Retraction(about=kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
             return Retraction(part=_part_name(form.arguments[0]))
         if form.name in {"retract", "retractTold"} and not form.arguments:
@@ -214,12 +214,12 @@ class Interpreter:
                 part, owner = _part_and_owner(value)
                 return replace(fragment, part=part, part_of=owner)
             case "context" | "act":
-                if not self._is_act_on_object(value.name):
+                if not self.is_act_on_object(value.name):
                     raise UninterpretableError("no_act")
                 target = self._reference(value.arguments[1])
                 return replace(fragment, context=value.name, target=target)
             case "recipient":
-                return replace(fragment, recipient=_name(value))
+                return replace(fragment, recipient=name_of(value))
             case _:
                 return replace(fragment, confidence=self.intervals[value.name])
 
@@ -233,17 +233,18 @@ class Interpreter:
             return Command("grasp", target, part=part)
         if form.name in self.tool_acts:
             return self._tool_command(form)
-        if not self._is_act_on_object(form.name):
+        if not self.is_act_on_object(form.name):
             raise UninterpretableError("one_thing_at_a_time")
         if len(form.arguments) > (3 if form.name == "pass" else 2):
             raise UninterpretableError("one_thing_at_a_time")
         target = self._reference(form.arguments[1])
         if target == ObjectReference(ANY_OBJECT, other=True):
             raise UninterpretableError("which_thing", asks=True)
-        recipient = _name(form.arguments[2]) if len(form.arguments) > 2 else None
+        recipient = name_of(form.arguments[2]) if len(form.arguments) > 2 else None
         return Command(form.name, target, recipient=recipient)
 
-    def _is_act_on_object(self, name: str) -> bool:
+    def is_act_on_object(self, name: str) -> bool:
+        """Return whether a name is that of an act on one object."""
         return name in GOALS or name in self.acts or name in self.new_acts
 
     def _reference(self, form: PredicateForm) -> ObjectReference:
@@ -254,7 +255,7 @@ class Interpreter:
             if form.name == "other":
                 other = True
             elif form.name == "having":
-                names.add(_name(form.arguments[1]))
+                names.add(name_of(form.arguments[1]))
             else:
                 used_for.append(form)
             form = form.arguments[0]
@@ -268,7 +269,7 @@ class Interpreter:
             return ObjectReference(None, None, affordance, props, material, other)
         if form.name in SOMETHING and not props and not other:
             raise UninterpretableError("which_thing", asks=True)
-        return ObjectReference(object=_kind_and_properties(form)[0], props=props, other=other)
+        return ObjectReference(object=kind_and_properties(form)[0], props=props, other=other)
 
     def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
@@ -278,7 +279,7 @@ class Interpreter:
         if place.name == "graspObject":
             place = place.arguments[1]
         if place.name != "partOf":
-            return replace(command, part=_name(place))
+            return replace(command, part=name_of(place))
         part, target = self._part_of_object(place)
         if target != command.target:
             raise UninterpretableError("one_thing_at_a_time")
@@ -287,10 +288,10 @@ class Interpreter:
     def _part_of_object(self, form: PredicateForm) -> tuple[str, ObjectReference]:
         if form.name != "partOf":
             raise UninterpretableError("no_part_named")
-        return _name(form.arguments[0]), self._reference(form.arguments[1])
+        return name_of(form.arguments[0]), self._reference(form.arguments[1])
 
     def _tool_command(self, form: PredicateForm) -> ToolCommand:
-        patient, props = _kind_and_properties(form.arguments[1])
+        patient, props = kind_and_properties(form.arguments[1])
         if patient == ANY_OBJECT or props:
             raise UninterpretableError("on_what", asks=True, goal=form.name)
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
@@ -312,7 +313,7 @@ class Interpreter:
             if use.name == "notUsedFor" or use.arguments[0].name not in SOMETHING:
                 raise UninterpretableError("say_the_use")
             use = use.arguments[1]
-        name, props = _kind_and_properties(noun)
+        name, props = kind_and_properties(noun)
         if name == ANY_OBJECT and not props:
             raise UninterpretableError("of_which_object", asks=True)
         affordance, material = _use(use)
@@ -321,14 +322,14 @@ class Interpreter:
     def _action_rule(self, form: PredicateForm) -> ActionRule:
         context, act, degree = form.arguments
         part, owner = act.arguments[1].arguments
-        if not self._is_act_on_object(context.name) and context.name not in self.tool_acts:
+        if not self.is_act_on_object(context.name) and context.name not in self.tool_acts:
             raise UninterpretableError("no_act")
-        name, props = _kind_and_properties(owner)
+        name, props = kind_and_properties(owner)
         if context.name in self.tool_acts and context.arguments[1:] == (owner,):
             raise UninterpretableError(
                 "not_a_rule"
             )  # it is the tool that is held, not what it is used on
-        return ActionRule(name, context.name, _name(part), self.intervals[degree.name], props)
+        return ActionRule(name, context.name, name_of(part), self.intervals[degree.name], props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         match form.name, form.arguments:
@@ -354,7 +355,7 @@ class Interpreter:
             case ("whyPart" | "whyNotPart", (part, *_)):
                 return Question(_QUESTIONS[form.name], part=_part_name(part))
             case ("trust" | "told" | "firstTold" | "lastTold" | "identityOf", (person, *_)):
-                return Question(_QUESTIONS[form.name], speaker=_name(person))
+                return Question(_QUESTIONS[form.name], speaker=name_of(person))
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
                 return Question("confidence", object=_kind(thing))
             case "isTrue" | "howSure", (rule, *_):
@@ -432,13 +433,13 @@ def _use(form: PredicateForm) -> tuple[str, str | None]:
     material = None
     if form.name == "of":
         form, patient = form.arguments
-        kind, props = _kind_and_properties(patient)
+        kind, props = kind_and_properties(patient)
         material = None if kind == ANY_OBJECT else " ".join((*props, kind))
         if kind == ANY_OBJECT and props:
             raise UninterpretableError("one_thing_at_a_time")
     if form.arguments:
         raise UninterpretableError("one_use_at_a_time")
-    return _name(form), material
+    return name_of(form), material
 
 
 def _question_on_use(ask: str, use: PredicateForm) -> Question:
@@ -461,35 +462,35 @@ def short_answer(form: PredicateForm) -> Answer:
     """
     if form.name in _CHOICES:
         return Answer(choice=_CHOICES[form.name])
-    name, props = _kind_and_properties(form.arguments[0])
+    name, props = kind_and_properties(form.arguments[0])
     return Answer(name, props, is_use=form.name == "chosenUse")
 
 
 def _kind(form: PredicateForm) -> str:
     """The kind of object that a form names, which must have no further properties."""
-    kind, properties = _kind_and_properties(form)
+    kind, properties = kind_and_properties(form)
     if properties or kind == ANY_OBJECT:
         raise UninterpretableError("one_thing_at_a_time")
     return kind
 
 
 def _part_name(form: PredicateForm) -> str:
-    return _name(form.arguments[0] if form.name == "partOf" else form)
+    return name_of(form.arguments[0] if form.name == "partOf" else form)
 
 
-def _kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
-    """The kind of object that a form names, or `ANY_OBJECT`, and the properties it requires."""
+def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
+    """Return the kind of object that a form names, or `ANY_OBJECT`, and its properties."""
     props: set[str] = set()
     while form.name == "having":
-        props.add(_name(form.arguments[1]))
+        props.add(name_of(form.arguments[1]))
         form = form.arguments[0]
     if form.name in SOMETHING:
         return ANY_OBJECT, tuple(sorted(props))
-    return _name(form), tuple(sorted(props))
+    return name_of(form), tuple(sorted(props))
 
 
-def _name(form: PredicateForm) -> str:
-    """The name in a form without arguments, as people spell it.
+def name_of(form: PredicateForm) -> str:
+    """Return the name in a form without arguments, as people spell it.
 
     Raises:
         RefusedError: the form has arguments, or stands for nothing with a name.
@@ -509,5 +510,5 @@ def _part_and_owner(place: PredicateForm) -> tuple[str, str | None]:
     if place.name == "graspObject":
         place = place.arguments[1]
     if place.name != "partOf":
-        return _name(place), None
-    return _name(place.arguments[0]), _kind_and_properties(place.arguments[1])[0]
+        return name_of(place), None
+    return name_of(place.arguments[0]), kind_and_properties(place.arguments[1])[0]

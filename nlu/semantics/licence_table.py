@@ -21,6 +21,7 @@ from .meaning import (
     Command,
     Confidence,
     Meaning,
+    NormStatement,
     Retraction,
     Rule,
     Statement,
@@ -33,7 +34,7 @@ ACCEPT = "accept"
 ABSENT = "none"
 """Stands in a row for the absence of a feature."""
 
-KINDS = ("use", "holding", "correction", "retraction", "command")
+KINDS = ("use", "holding", "correction", "retraction", "command", "norm")
 
 _CLAUSES = (MAIN, CONDITION, ASIDE)
 _LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
@@ -110,6 +111,8 @@ def kinds_of(meaning: Meaning) -> frozenset[str]:
     """The kinds of meaning that rows speak of; empty for what needs no licence."""
     if isinstance(meaning, Statement):
         return frozenset(map(_kind, meaning.rules))
+    if isinstance(meaning, NormStatement):
+        return frozenset({"norm"})
     if isinstance(meaning, Retraction):
         return frozenset({"retraction"})
     if isinstance(meaning, (Command, ToolCommand)) and not meaning.negated:

@@ -207,6 +207,46 @@ class ToolCommand(_Record):
 
 
 @dataclass(frozen=True)
+class Norm(_Record):
+    """What must or must not be done from now on, or may be: "never hand knives to children".
+
+    Attributes:
+        norm: `forbidden`, `obliged` or `permitted`.
+        act: what is to be done; any object is `ANY_OBJECT`, and a tool that is not named, too. An
+            obligation with a part allows no other one.
+        confidence: (lower, upper) in [0, 1].
+        place: where it holds; None for anywhere.
+        before: what must be done before the act.
+    """
+
+    norm: str
+    act: Command | ToolCommand
+    confidence: Confidence
+    place: str | None = None
+    before: Command | None = None
+
+    def as_json(self) -> Json:
+        """Return the norm as a JSON object, in which the act stands as a command does."""
+        others = {key: value for key, value in super().as_json().items() if key != "act"}
+        act = replace(self.act, negated=self.norm == "forbidden").as_json()
+        return {"norm": others.pop("norm")} | act | others
+
+
+@dataclass(frozen=True)
+class NormStatement:
+    """One or more norms that the speaker lays down, in the order they were said."""
+
+    kind: ClassVar[str] = "statement"
+    norms: tuple[Norm, ...]
+
+    def as_json(self) -> Json:
+        """Return the one norm, or `{"all": [...]}`."""
+        if len(self.norms) == 1:
+            return self.norms[0].as_json()
+        return {"all": [norm.as_json() for norm in self.norms]}
+
+
+@dataclass(frozen=True)
 class Question(_Record):
     """A question of the speaker.
 
@@ -214,10 +254,11 @@ class Question(_Record):
         ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`,
             `hearing`, `holding`, `how`, `identity`, `is_used_for`, `known`, `last_asked`,
             `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`, `see`,
-            `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`, `why`
-            or `why_not`.
+            `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`, `why`,
+            `why_not`, `forbidden` or `may`.
         object, affordance, context, part, speaker: what the question names, else None.
         material: what the affordance is asked for ("bread", for cutting), or None for anything.
+        norm: the permission that it asks for: "may you pick up the mug?".
     """
 
     kind: ClassVar[str] = "question"
@@ -228,6 +269,7 @@ class Question(_Record):
     part: str | None = None
     speaker: str | None = None
     material: str | None = None
+    norm: Norm | None = None
 
 
 @dataclass(frozen=True)
@@ -368,6 +410,7 @@ class Misunderstanding:
 
 Meaning = (
     Statement
+    | NormStatement
     | Command
     | ToolCommand
     | Question

@@ -15,6 +15,11 @@ from .predicates import PredicateForm, UninterpretableError
 IT = PredicateForm("it")
 
 
+_HILT = PredicateForm("self")
+_TWICE = frozenset({"obliged", "beforehand", "without", "whenIs"})
+"""Norms that may name an object twice, once as "it"."""
+
+
 def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """Return the form with the pronouns of each rule replaced by what the rule is about."""
     match form.name, form.arguments:
@@ -37,10 +42,18 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             if IT not in act:
                 raise UninterpretableError("one_thing_at_a_time")
             form = replace_it(act, thing)
+        case name, _ if name in _TWICE and IT in form and _acted_on(form):
+            form = replace_it(form, _acted_on(form) or IT)
         case _:
             arguments = (resolve_rules(part, discourse) for part in form.arguments)
             return PredicateForm(form.name, tuple(arguments))
     return resolve_rules(form, discourse)
+
+
+def _acted_on(form: PredicateForm) -> PredicateForm | None:
+    """The first object that a form names as that of an act of Hilt's."""
+    acts = (each.arguments for each in form if len(each.arguments) > 1)
+    return next((held for actor, held, *_ in acts if actor == _HILT and held != IT), None)
 
 
 def replace_it(form: PredicateForm, known: PredicateForm) -> PredicateForm:

@@ -114,7 +114,7 @@ def test_norm_hangs_on_its_action():
     [
         ("forbidden", Atom("action", "pass"), "forbidden takes a part, not action:pass"),
         ("obliged", None, "obliged takes a part or an action, not None"),
-        ("permitted", Atom("object", "mug"), "permitted takes a part, not object:mug"),
+        ("permitted", Atom("object", "mug"), "permitted takes a part or an action, not object:mug"),
     ],
 )
 def test_norm_is_about_a_part_or_what_comes_first(functor: str, argument: Atom | None, said: str):

@@ -23,6 +23,7 @@ roots: {%s: STATEMENT}
 topic: NP
 general: NP
 answer: S
+speaker: [S]
 """
 
 

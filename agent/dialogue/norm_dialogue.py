@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Norms in a conversation: laid down, lifted, asked about, and told when a command is refused.
+
+A norm belongs to who said it. It can be lifted by that speaker, or by somebody who is trusted more.
+A prohibition of the moment, "don't pass me the knife", holds for this conversation only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import cast
+
+from ...inference.node_rules import GRASP
+from ...inference.norms import NormVerdict
+from ...inference.types import Target
+from ...kb.interval import CERTAIN
+from ...kb.knowledge_base import KnowledgeBase
+from ...kb.rdf.rule_mapping import rule_id
+from ...kb.rule import NORMS, PERMITTED, Atom, Rule
+from ...nlu.parsing.understanding import Understanding
+from ...nlu.semantics import meaning
+from ...ontology.errors import UnknownNameError
+from ...ontology.vocabulary import Iri
+from ..execution.outcome import AnswerContent, GoalResult
+from ..execution.request import Request
+from .answer_sources import Answered, spoken
+from .conversation import Conversation, UnderstoodTurn
+from .reply import Reply
+from .teaching import trust_in, word_to_keep
+from .translation import norm_from_rule, request_from_command, rule_from_norm
+
+MOST_LISTED = 8
+
+
+class NormDialogue:
+    """What is forbidden, obliged and permitted in a conversation.
+
+    Args:
+        base: where norms are kept.
+        conversation: the conversation.
+        judge: returns what the norms say of a request.
+    """
+
+    def __init__(
+        self,
+        base: KnowledgeBase,
+        conversation: Conversation,
+        judge: Callable[[Request], NormVerdict],
+    ) -> None:
+        self._base, self._conversation, self._judge = base, conversation, judge
+        self._momentary: dict[str, tuple[Rule, Understanding]] = {}
+
+    # --- Laid down and lifted -------------------------------------------------------------------
+
+    def lay_down(self, turn: UnderstoodTurn, said: meaning.NormStatement) -> Reply:
+        """Keep norms of a trusted speaker, and return the reply that says what they are."""
+        conversation = self._conversation
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        rules = [rule_from_norm(each, turn.speaker, turn.heard) for each in said.norms]
+        contrary = [(new, old) for new in rules for old in self._contrary(new)]
+        for new, old in contrary:
+            if new.functor == PERMITTED and not self.may_lift(turn.speaker, old):
+                return conversation.spoken(turn, self._told("not_yours_to_lift", old))
+        return self._kept(turn, rules, [old.id for new, old in contrary if _is_opposite(new, old)])
+
+    def _kept(self, turn: UnderstoodTurn, rules: Sequence[Rule], ended: Sequence[str]) -> Reply:
+        conversation, words = self._conversation, turn.understood.new_words
+        describe = conversation.knowledge(turn).describe
+        active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
+        key = "known_already" if all(rule.id in active for rule in rules) else "learned"
+        slots = {"rules": tuple(map(describe, rules)), "speaker": turn.speaker}
+        text = conversation.say(AnswerContent(key, slots))
+        self._base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            rules,
+            supersedes=ended,
+            words=[word_to_keep(word, turn.speaker) for word in words],
+            answer=text,
+            heard=turn.heard,
+        )
+        conversation.learn_words(words)
+        for new in rules:
+            self._forget_momentary(new)
+        told = tuple(self._base.rule(rule.id) for rule in rules)
+        conversation.set_topic(told)
+        conversation.topic_from = "lesson"
+        return replace(conversation.reply(turn, text), rules=told)
+
+    def may_lift(self, speaker: str, rule: Rule) -> bool:
+        """Return whether a speaker may end a norm: its own, or that of one who is trusted less."""
+        return speaker == rule.speaker or trust_in(self._base, speaker) > trust_in(
+            self._base, rule.speaker
+        )
+
+    def _contrary(self, new: Rule) -> list[Rule]:
+        """The norms over which a new one prevails wherever it applies: permissions, or others."""
+        keys = [f"{action}.{functor}" for action in {new.context, GRASP} for functor in NORMS]
+        is_permission = new.functor == PERMITTED
+        return [
+            old
+            for old in self._base.rules_at_nodes(keys)
+            if (old.functor == PERMITTED) is not is_permission
+            and old.features <= new.features
+            and _circumstances(old) <= _circumstances(new)
+            and old.argument in {None, new.argument}
+        ]
+
+    # --- Prohibitions of the moment -------------------------------------------------------------
+
+    def forbid(self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand) -> Reply:
+        """Keep for good that something must not be done: "never give me the knife"."""
+        usual, acts = self._conversation.language.usual, self._named_acts(said)
+        norms = tuple(meaning.Norm("forbidden", replace(a, negated=False), usual) for a in acts)
+        return self.lay_down(turn, meaning.NormStatement(norms))
+
+    def forbid_for_now(
+        self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand
+    ) -> None:
+        """Keep in mind that something must not be done in this conversation."""
+        for act in self._named_acts(said):
+            norm = meaning.Norm("forbidden", replace(act, negated=False), (1.0, 1.0))
+            rule = rule_from_norm(norm, turn.speaker)
+            self._momentary[rule.id] = (rule, turn.understood)
+
+    def _named_acts(
+        self, said: meaning.Command | meaning.ToolCommand
+    ) -> list[meaning.Command | meaning.ToolCommand]:
+        """An act on each object that is known for the use that a command names."""
+        target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+        if target.object:
+            return [said]
+        if isinstance(said, meaning.ToolCommand):  # with any tool
+            return [replace(said, tool=meaning.ObjectReference(meaning.ANY_OBJECT))]
+        used = [
+            rule.object for rule in self._base.rules(affordance=target.used_for) if rule.asserts
+        ]
+        named = dict.fromkeys(filter(None, used)) or [meaning.ANY_OBJECT]
+        return [replace(said, target=meaning.ObjectReference(name)) for name in named]
+
+    @property
+    def momentary(self) -> tuple[Rule, ...]:
+        """The prohibitions of this conversation."""
+        return tuple(rule for rule, _ in self._momentary.values())
+
+    def lift(self, request: Request) -> Request:
+        """Return a request without the prohibitions of the moment that are no longer heeded."""
+        for lifted in request.unheeded & self._momentary.keys():
+            del self._momentary[lifted]
+        return replace(request, momentary=self.momentary)
+
+    def _forget_momentary(self, new: Rule) -> None:
+        """End the prohibitions of the moment that a norm lifts or repeats."""
+        for key, (rule, _) in list(self._momentary.items()):
+            if rule.context == new.context and rule.features == new.features:
+                del self._momentary[key]
+
+    # --- Commands that are refused ---------------------------------------------------------------
+
+    def with_reason(self, result: GoalResult) -> GoalResult:
+        """Return a result whose answer says which norm forbids it, and who said it."""
+        verdict = result.forbidding
+        rule = verdict.forbidding if verdict else None
+        if verdict is None or rule is None:
+            return result
+        slots = result.answer.slots
+        key = "prohibited" if rule.id in self._momentary else result.answer.key
+        if verdict.first:
+            named = next((atom.name for atom in rule.contexts if atom.kind == "object"), None)
+            thing = named or str(slots["object"])
+            slots = {**slots, "first": verdict.first.name, "thing": thing}
+            key = "comes_first"
+        told = self._told(key, rule)
+        slots = {**slots, **told.slots, "property": " ".join(verdict.unseen)}
+        ending = "refused" if key == "forbidden" else "asked"
+        return replace(result, answer=replace(result.answer, key=key, slots=slots, ending=ending))
+
+    def first_request(self, request: Request, result: GoalResult) -> Request | None:
+        """Return the request for what must be done before another one; None for nothing."""
+        first = result.answer.slots.get("first")
+        if not first or result.answer.ending != "asked":
+            return None
+        thing = Target(object=str(result.answer.slots["thing"]))
+        return replace(
+            request, action=str(first), arguments={"object": thing}, part=None, assumed=frozenset()
+        )
+
+    def _told(self, key: str, rule: Rule) -> AnswerContent:
+        """An answer with who said a norm, and in which words."""
+        if rule.id in self._momentary:
+            text = self._momentary[rule.id][1].text
+        elif rule.utterance is None or self._base.utterance(rule.utterance).kind == "import":
+            norm = norm_from_rule(rule)
+            text = self._conversation.language.answers.norm_phrase(norm) if norm else repr(rule)
+        else:
+            text = self._base.utterance(rule.utterance).text
+        return AnswerContent(key, {"speaker": rule.speaker, "texts": (text,)}, "refused")
+
+    # --- Questions -------------------------------------------------------------------------------
+
+    def answer(self, turn: UnderstoodTurn, asked: meaning.Question) -> Answered | None:
+        """Return the answer to a question about norms; None where it asks for something else."""
+        if asked.ask == "forbidden":
+            return self._listed(turn)
+        return self._permission(turn, asked.norm) if asked.norm else None
+
+    def _listed(self, turn: UnderstoodTurn) -> Answered:
+        rows = self._base.answer("forbidden").rows
+        rules = [self._base.rule(rule_id(cast(Iri, row[-1]))) for row in rows][:MOST_LISTED]
+        if not rules and not self._momentary:
+            return spoken("nothing_forbidden", done=True), ()
+        quote = self._conversation.knowledge(turn).quote
+        said = tuple(quote(rule) for rule in (*rules, *self.momentary))
+        return spoken("about", done=True, rules=said), tuple(rules)
+
+    def _permission(self, turn: UnderstoodTurn, norm: meaning.Norm) -> Answered:
+        tools = self._conversation.language.tool_acts
+        request = request_from_command(norm.act, turn.speaker, tools)
+        contexts = {a: CERTAIN for a in rule_from_norm(norm, "sam").contexts if a.kind == "place"}
+        try:
+            verdict = self._judge(replace(request, contexts=contexts, momentary=self.momentary))
+        except UnknownNameError:
+            return spoken("cannot", goal=request.action), ()
+        rule = verdict.forbidding
+        if rule:
+            told = self._told("may_not", rule)
+            return replace(told, ending="done"), (rule,) if rule.utterance else ()
+        return spoken("may", done=True), ()
+
+
+def _circumstances(rule: Rule) -> frozenset[Atom]:
+    """Where and to whom a norm applies."""
+    return frozenset(atom for atom in rule.contexts if atom.kind != "action")
+
+
+def _is_opposite(one: Rule, other: Rule) -> bool:
+    """Whether two norms say the opposite of the same act."""
+    premises = ((each.features, each.contexts, each.argument) for each in (one, other))
+    return next(premises) == next(premises)

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Norms: whether an act is forbidden, and what must come first.
+
+A norm applies to an act if its action is one of those that the act belongs to, and its features and
+other contexts hold. A prohibition, or an obligation that is not met, stands unless a permission
+that applies overrides it: of two norms in conflict the more specific one prevails (`specificity`),
+then the one of the more trusted speaker, then the later one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ..kb.interval import CERTAIN, Interval
+from ..kb.rule import FORBIDDEN, NORMS, OBLIGED, PERMITTED, Atom, Rule
+from .affordance import Affordances
+from .interval_operators import EPSILON, Operators
+from .node_rules import implied_atoms
+from .proof import Json, Proof, derive, rule_proof
+from .specificity import ImpliedAtoms, Specificity
+from .taxonomy import Taxonomy
+
+PUT_DOWN = "putDown"  # what empties the hand, which is no action tree
+
+
+@dataclass(frozen=True)
+class Act:
+    """What is about to be done with one object.
+
+    Attributes:
+        actions: the actions that are done, the nearest first: that of a node and those above it.
+        object: the type of the object; None where it is not chosen yet.
+        properties: the properties that it is known to have.
+        part: the part that it is held by; None where that is not known yet.
+        contexts: what else holds: places, roles of who receives it, what a tool is used on.
+        done: the acts before this one, in order: action and type of object.
+        holding: the type of the object in the hand, None when it is empty.
+    """
+
+    actions: Sequence[str]
+    object: str | None = None
+    properties: frozenset[str] = frozenset()
+    part: str | None = None
+    contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
+    done: Sequence[tuple[str, str]] = ()
+    holding: str | None = None
+
+
+@dataclass(frozen=True)
+class NormConflict:
+    """Two norms of which one forbids what the other permits, and why one of them prevails."""
+
+    prevailing: Rule
+    overruled: Rule
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.prevailing!r} prevails over {self.overruled!r}: it is {self.reason}"
+
+
+@dataclass(frozen=True)
+class NormVerdict:
+    """What the norms say of an act.
+
+    Attributes:
+        forbidding: the norm because of which it must not be done; None where it may be.
+        proof: the derivation of that norm's interval.
+        unseen: the properties that it depends on and that vision cannot report.
+        conflicts: the conflicts of norms that were resolved.
+    """
+
+    forbidding: Rule | None = None
+    proof: Proof | None = None
+    unseen: tuple[str, ...] = ()
+    conflicts: tuple[NormConflict, ...] = ()
+
+    @property
+    def first(self) -> Atom | None:
+        """The action that must come first, if that is what is missing."""
+        argument = self.forbidding.argument if self.forbidding else None
+        return argument if argument and argument.kind == "action" else None
+
+    def as_json(self) -> Json:
+        """Return the verdict as a JSON object."""
+        return {
+            "rule": self.forbidding.id if self.forbidding else None,
+            "conflicts": [
+                {"prevails": each.prevailing.id, "over": each.overruled.id, "because": each.reason}
+                for each in self.conflicts
+            ],
+        }
+
+
+ALLOWED = NormVerdict()
+
+
+@dataclass(frozen=True)
+class NormChecker:
+    """Checks acts against norms.
+
+    Attributes:
+        affordances: the rules, and the taxonomy along which they are inherited.
+        visible: the properties that vision can report.
+        momentary: norms that hold for now and are in no base.
+        unheeded: the ids of norms that are not to be heeded now.
+    """
+
+    affordances: Affordances
+    visible: frozenset[str] = frozenset()
+    momentary: Sequence[Rule] = ()
+    unheeded: Collection[str] = ()
+
+    def judge(self, act: Act) -> NormVerdict:
+        """Return whether an act may be done, and why not."""
+        judged = self._judged(act, NORMS)
+        against = [rule for rule in judged.applying if judged.is_against(rule)]
+        permitting = [rule for rule in judged.applying if rule.functor == PERMITTED]
+        conflicts = tuple(
+            judged.conflict(rule, one)
+            for rule in against
+            for one in permitting
+            if not _is_waiver(one) or one.argument == rule.argument
+        )
+        lifted = {each.overruled.id for each in conflicts}
+        standing = [rule for rule in against if rule.id not in lifted]
+        if not standing:
+            return NormVerdict(conflicts=conflicts) if conflicts else ALLOWED
+        strongest = max(standing, key=lambda rule: (not judged.unseen(rule), _rank(rule)))
+        proof = judged.proof(strongest, self.affordances.settings.operators)
+        return NormVerdict(strongest, proof, judged.unseen(strongest), conflicts)
+
+    def obliged_parts(self, act: Act) -> list[str]:
+        """Return the parts by which alone an act may be done, by the norms in their order."""
+        found = self._judged(act, (OBLIGED,)).applying
+        return [rule.part for rule in sorted(found, key=_rank, reverse=True) if rule.part]
+
+    def _judged(self, act: Act, functors: Sequence[str]) -> _JudgedAct:
+        taxonomy = self.affordances.taxonomy
+        named = (kind for name in act.actions for kind, _ in taxonomy.above(Atom("action", name)))
+        actions = tuple(dict.fromkeys(named))
+        keys = [f"{action.name}.{functor}" for action in actions for functor in functors]
+        known = [*self.affordances.rules_at(keys), *self.momentary]
+        heeded = [rule for rule in known if rule.id not in self.unheeded]
+        return _JudgedAct(act, actions, heeded, taxonomy, self.visible)
+
+
+@dataclass(frozen=True)
+class _JudgedAct:
+    """An act with the norms on its actions, which are the nearest first."""
+
+    act: Act
+    actions: tuple[Atom, ...]
+    norms: Sequence[Rule]
+    taxonomy: Taxonomy
+    visible: frozenset[str]
+
+    @cached_property
+    def applying(self) -> list[Rule]:
+        """The norms under which the act falls, as far as that can be seen."""
+        return [rule for rule in self.norms if self._applies(rule)]
+
+    @cached_property
+    def _evidence(self) -> Mapping[Atom, Interval]:
+        """What is known of the act: its object and properties are certain."""
+        seen = [Atom("property", name) for name in self.act.properties]
+        if self.act.object:
+            seen.append(Atom("object", self.act.object))
+        return {**self.act.contexts, **dict.fromkeys(seen, CERTAIN)}
+
+    @cached_property
+    def _shown(self) -> ImpliedAtoms:
+        return implied_atoms(self._evidence, self.taxonomy)
+
+    def _applies(self, rule: Rule) -> bool:
+        if Atom("action", rule.context or "") not in self.actions or not _is_likely(rule.support):
+            return False
+        unseen = self.unseen(rule)
+        needed = [atom for atom in self._premises(rule) if atom.name not in unseen]
+        if not all(atom in self._shown and _is_likely(self._of(atom)) for atom in needed):
+            return False
+        return rule.part is None or rule.functor == OBLIGED or self._is_part(rule.part)
+
+    def _premises(self, rule: Rule) -> list[Atom]:
+        """What must hold of an act beside its action; of an obligation not what comes first."""
+        others = (atom for atom in rule.contexts if atom.kind not in {"action", "object"})
+        return sorted((*rule.features, *others))
+
+    def _of(self, atom: Atom) -> Interval:
+        return self._evidence[self._shown[atom][1]]
+
+    def _is_part(self, wanted: str) -> bool:
+        """Whether the act is by a part, or a kind of it."""
+        held = self.act.part
+        kinds = self.taxonomy.above(Atom("part", held)) if held else ()
+        return any(kind.name == wanted for kind, _ in kinds)
+
+    def unseen(self, rule: Rule) -> tuple[str, ...]:
+        """Return the properties of a norm that nobody can see: whether a mug is hot."""
+        return tuple(
+            atom.name
+            for atom in sorted(rule.features)
+            if atom.kind == "property" and atom not in self._shown and atom.name not in self.visible
+        )
+
+    def is_against(self, rule: Rule) -> bool:
+        """Return whether a norm that applies speaks against the act as it is."""
+        if rule.functor != OBLIGED:
+            return rule.functor == FORBIDDEN
+        if rule.part:
+            return self.act.part is not None and not self._is_part(rule.part)
+        return not self._is_met(rule)
+
+    def _is_met(self, rule: Rule) -> bool:
+        """Whether what must come first was done, since the act itself was done last."""
+        first = rule.argument.name if rule.argument else ""
+        named = next((atom.name for atom in rule.contexts if atom.kind == "object"), None)
+        held, thing = self.act.holding, named or self.act.object
+        if first == PUT_DOWN:
+            return held is None or (thing is not None and thing not in self._kinds(held))
+        for action, done_with in reversed(self.act.done):
+            if action == first and thing in {None, *self._kinds(done_with)}:
+                return True
+            if action == rule.context and done_with == self.act.object:
+                return False
+        return False
+
+    def _kinds(self, name: str) -> frozenset[str]:
+        return frozenset(kind.name for kind, _ in self.taxonomy.above(Atom("object", name)))
+
+    def conflict(self, rule: Rule, permission: Rule) -> NormConflict:
+        """Return which of a norm against the act and a permission prevails, and why."""
+        order = Specificity(self.taxonomy, self.actions, has_material=True)
+        pairs = ((permission, rule), (rule, permission))
+        for one, other in pairs:
+            if order.is_more_specific(one, other):
+                return NormConflict(one, other, "more specific")
+        for one, other in pairs:
+            if one.trust > other.trust:
+                return NormConflict(one, other, "told by somebody who is trusted more")
+        is_later = _rank(permission) > _rank(rule)
+        return NormConflict(*pairs[0 if is_later else 1], "later")
+
+    def proof(self, rule: Rule, operators: Operators) -> Proof:
+        """Return the proof that a norm holds: modus ponens on its premises."""
+        known = [
+            Proof("given", self._of(atom), str(atom))
+            for atom in self._premises(rule)
+            if atom in self._shown
+        ]
+        premise = derive(
+            "and", known or [Proof("given", CERTAIN, f"action:{rule.context}")], operators
+        )
+        return derive("modus ponens", (premise, rule_proof(rule)), operators)
+
+
+def _is_waiver(permission: Rule) -> bool:
+    """Whether a permission only says that something need not come first."""
+    return permission.argument is not None and permission.argument.kind == "action"
+
+
+def _is_likely(interval: Interval) -> bool:
+    return interval.lower + interval.upper > 1 + EPSILON
+
+
+def _rank(rule: Rule) -> tuple[float, float, str]:
+    """The order of norms that are equally specific; what is said for now comes last."""
+    return rule.trust, math.inf if rule.utterance is None else rule.utterance, rule.id

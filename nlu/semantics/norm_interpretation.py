@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Interpretation of predicate forms as norms: what is forbidden, obliged or permitted.
+
+    forbidden(pass(self,knife,child))
+    atPlace(obliged(pass(self,knife),handle),kitchen)
+    obliged(pass(self,knife),pointTo(self,knife))
+
+A form about several objects, or a prohibition with an exception, lays down several norms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from .discourse import Discourse
+from .interpretation import Interpreter, kind_and_properties, name_of
+from .meaning import (
+    ANY_OBJECT,
+    ActionRule,
+    Command,
+    Meaning,
+    Norm,
+    NormStatement,
+    ObjectReference,
+    Question,
+    Statement,
+    ToolCommand,
+)
+from .predicates import PredicateForm, UninterpretableError
+
+_NORMS = frozenset({"forbidden", "obliged", "permitted", "beforehand", "without"})
+_PUT_DOWN = "putDown"  # what may have to come first, and is said as a control
+_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
+
+
+def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Discourse) -> Meaning:
+    """Return the meaning of an intention: norms, a question about them, or anything else.
+
+    Raises:
+        UninterpretableError: the intention is nothing that Hilt can believe, do or answer.
+    """
+    content = intention.arguments[-1]
+    if intention.name == "wantRevise" and content.name == "correct":
+        content = content.arguments[0]
+    if _is_norm(content):
+        norms = tuple(dict.fromkeys(_NormReader(interpreter, discourse).norms(content)))
+        return NormStatement(norms)
+    if content.name == "whatForbidden":
+        return Question("forbidden")
+    if content.name == "isAllowed":
+        (norm, *others) = _NormReader(interpreter, discourse).norms(content.arguments[0])
+        if others:
+            raise UninterpretableError("one_thing_at_a_time")
+        return Question("may", norm=norm)
+    return interpreter.meaning(intention, discourse)
+
+
+def _is_norm(form: PredicateForm) -> bool:
+    if form.name == "and":
+        return all(map(_is_norm, form.arguments))
+    return form.name in _NORMS or form.name in _ADDITIONS
+
+
+def _at_place(norm: Norm, place: PredicateForm) -> Norm:
+    return replace(norm, place=name_of(place))
+
+
+def _given_to(norm: Norm, person: PredicateForm) -> Norm:
+    return replace(norm, act=replace(_plain(norm), recipient=name_of(person)))
+
+
+def _when_it_is(norm: Norm, thing: PredicateForm) -> Norm:
+    act, (_, props) = _plain(norm), kind_and_properties(thing)
+    props = tuple(sorted({*act.target.props, *props}))
+    return replace(norm, act=replace(act, target=replace(act.target, props=props)))
+
+
+_ADDITIONS: Mapping[str, Callable[[Norm, PredicateForm], Norm]] = {
+    "atPlace": _at_place,
+    "givenTo": _given_to,
+    "whenIs": _when_it_is,
+}
+"""What is said of a norm besides its act."""
+
+
+@dataclass(frozen=True)
+class _NormReader:
+    """Reads norms off forms."""
+
+    interpreter: Interpreter
+    discourse: Discourse
+
+    def norms(self, form: PredicateForm) -> Iterator[Norm]:
+        """Yield the norms that a form lays down, those of several objects one after the other."""
+        several = next((part for part in form if part.name == "both"), None)
+        if several is not None:
+            for one in several.arguments:
+                yield from self.norms(_replaced(form, several, one))
+        elif form.name == "and":
+            for each in form.arguments:
+                yield from self.norms(each)
+        elif form.name in _ADDITIONS:
+            inner, added = form.arguments
+            yield from (_ADDITIONS[form.name](norm, added) for norm in self._within(inner))
+        elif len(form.arguments) == 1:
+            yield self._norm(form.name, form.arguments[0])
+        else:
+            yield self._obligation(form.name, *form.arguments)
+
+    def _obligation(self, name: str, act: PredicateForm, other: PredicateForm) -> Norm:
+        """An act to be done by one part only, or after another act, or without it."""
+        if not other.arguments:
+            return self._norm("obliged", PredicateForm("holding", (act, other)))
+        norm, first = self._norm("obliged", act), _plain(self._norm("obliged", other))
+        if name == "beforehand" and first.target != _plain(norm).target:
+            raise UninterpretableError("one_thing_at_a_time")  # that is a plan for now
+        return replace(norm, norm="permitted" if name == "without" else "obliged", before=first)
+
+    def _norm(self, name: str, act: PredicateForm) -> Norm:
+        return Norm(name, self._act(act, name), self.interpreter.intervals["high"])
+
+    def _within(self, form: PredicateForm) -> Iterator[Norm]:
+        """The norms of a form, which may deny a rule on holding: "never grab it by the blade"."""
+        if form.name == "not":
+            form = PredicateForm("forbidden", (form,))
+        if _is_norm(form):
+            yield from self.norms(form)
+            return
+        believed = PredicateForm("wantBelieve", (form,))
+        said = self.interpreter.meaning(believed, self.discourse)
+        for rule in said.rules if isinstance(said, Statement) else ():
+            if not isinstance(rule, ActionRule) or rule.confidence[1] > _LIKELY:
+                raise UninterpretableError("not_a_rule")
+            target = ObjectReference(rule.object, props=rule.props)
+            usual = self.interpreter.intervals["high"]
+            yield Norm("forbidden", Command(rule.context, target, part=rule.part), usual)
+
+    def _act(self, form: PredicateForm, name: str) -> Command | ToolCommand:
+        if form.name == "not":
+            form = form.arguments[0]
+        if form.name == "graspObject":
+            place = form.arguments[1]
+            return Command("grasp", _reference(place.arguments[1]), part=_part(place))
+        if form.name == "holding":
+            act, place = form.arguments
+            return replace(_command(self._act(act, name)), part=_part(place))
+        if form.name in self.interpreter.tool_acts:
+            patient, props = kind_and_properties(form.arguments[1])
+            if props:
+                raise UninterpretableError("one_thing_at_a_time")
+            if len(form.arguments) < 3:
+                need = self.interpreter.tool_acts[form.name]
+                return ToolCommand(form.name, patient, ObjectReference(used_for=need))
+            if patient == ANY_OBJECT or name == "permitted":  # it says what the tool is used for
+                raise UninterpretableError("say_the_use")
+            return ToolCommand(form.name, patient, _reference(form.arguments[2]))
+        is_act = form.name == _PUT_DOWN or self.interpreter.is_act_on_object(form.name)
+        if not is_act or len(form.arguments) < 2:
+            raise UninterpretableError("no_act")
+        _, thing, *others = form.arguments
+        recipient = name_of(others[0]) if others else None
+        return Command(form.name, _reference(thing), recipient=recipient)
+
+
+def _replaced(form: PredicateForm, old: PredicateForm, new: PredicateForm) -> PredicateForm:
+    return form.mapped(lambda part: new if part is old else None)
+
+
+def _plain(norm: Norm) -> Command:
+    return _command(norm.act)
+
+
+def _command(act: Command | ToolCommand) -> Command:
+    if not isinstance(act, Command):
+        raise UninterpretableError("one_thing_at_a_time")
+    return act
+
+
+def _part(place: PredicateForm) -> str:
+    place = place.arguments[1] if place.name == "graspObject" else place
+    return name_of(place.arguments[0] if place.name == "partOf" else place)
+
+
+def _reference(form: PredicateForm) -> ObjectReference:
+    """The object that a form names, or any; one described by its use cannot be told by sight."""
+    if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
+        raise UninterpretableError("norm_on_use", asks=True)
+    name, props = kind_and_properties(form)
+    return ObjectReference(name, props=props)
