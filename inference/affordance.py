@@ -114,9 +114,7 @@ class Affordances:
 
     def _rules_at(self, key: str) -> Sequence[Rule]:
         if key not in self._rules:
-            rules = self.source.rules_at_nodes([key])
-            # What asserts and denies nothing only says on what a use rests (`induction`).
-            self._rules[key] = tuple(rule for rule in rules if not rule.interval.is_vacuous)
+            self._rules[key] = tuple(self.source.rules_at_nodes([key]))
         return self._rules[key]
 
     def _object_candidate(

@@ -133,6 +133,8 @@ class NodeRules:
         self, rules: Sequence[Rule], seen: Observation, shown: ImpliedAtoms, *, is_asked: bool
     ) -> ObjectRules:
         fitting = [rule for rule in rules if features_of(rule) <= shown.keys()]
+        # What asserts and denies nothing only says on what a use rests (`induction`).
+        fitting = [rule for rule in fitting if not rule.interval.is_vacuous]
         if not fitting:
             return ObjectRules()
 
