@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The composition root: knowledge base, language, inference and robot joined into one agent.
 
 agent      knowledge base, language, inference and body, joined

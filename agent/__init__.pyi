@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .agent import Agent
 from .config import AgentConfig
 from .dialogue.reply import Reply

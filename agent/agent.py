@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The agent: knowledge base, language, inference and robot joined into one that listens and acts.
 
     with Agent.open("memory:", AgentConfig(scene="objects:knife,mug", seed=7)) as agent:

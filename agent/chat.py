@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A conversation on a terminal or through a pipe: an utterance per line, and slash commands.
 
 On a terminal `readline` gives a prompt, a history over sessions, and completion of known words. The

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 # ruff: noqa: RUF009 - `_option` returns a field
 """The configuration of an agent: each option declared once, with its default, type and help.
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The paper's running example (section 3): three sentences, and a knife is passed by the blade."""
 
 from __future__ import annotations

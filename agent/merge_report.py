@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Merging two bases, with a report of what in one contradicts what in the other."""
 
 from __future__ import annotations

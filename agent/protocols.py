@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Protocols for other vision systems, motion stacks and language parts.
 
 The simulated body of `hilt.sim` implements `Vision` and `Motion`. What they exchange are frozen

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Replay of an episode: the same request, under the same circumstances, with the same rules.
 
 A command starts from the scene that the commands before it left, so these are run again first. The

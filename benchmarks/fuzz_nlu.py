@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Random input for the language part: nothing may crash, and nothing may take long.
 
 Four kinds in turn: random characters of all of Unicode, known words in any order, good sentences

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Measure grasping: each object by each part, from many random poses.
 
     python benchmarks/grasping.py --seed 1000                       # all of it: about 900 episodes

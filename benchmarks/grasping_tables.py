@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Results of grasping episodes, and Markdown tables of them."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Which spellings of the English word files the utterances of the repository use, and how often.
 
 The count is over the derivations of all utterances that come out right: those of the test data,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Shows where the right offer is lost for utterances that are not understood at once.
 
     python benchmarks/lost_offers.py [FILE ...] [--list]

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Mutation testing of the inference and of the execution of action trees.
 
     python benchmarks/mutation.py                       every mutant, which takes hours

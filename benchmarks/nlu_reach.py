@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What each file of the English data is worth: reach and wrong meanings without it.
 
 Every data set is understood with all files, and once more with each word file left out. The table

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Measure how deep a nail is driven with a hammer, and with other tools.
 
     python benchmarks/pounding.py --runs 40 --seed 1000

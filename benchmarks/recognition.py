@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Measure the learned detector: its accuracy, and the calibration of its confidence.
 
     python benchmarks/recognition.py [--scenes 400] [--seed 0]

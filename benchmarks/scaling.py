@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How much faster an evaluation is with more worker processes.
 
 Runs `hilt evaluate WHAT...` with 1, 2, ... workers, checks that the results are the same bytes, and

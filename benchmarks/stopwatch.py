@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A stopwatch that measures the processor time of each kind of work in an episode."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Speed of inference, with ProbLog beside it where it is installed.
 
     pytest benchmarks/test_inference_speed.py --benchmark-only      the figures

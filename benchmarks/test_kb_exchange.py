@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Time and memory of large imports and exports.
 
     pytest benchmarks/test_kb_exchange.py -s

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Speed of the knowledge base by its size, with rdflib's own store beside it.
 
     pytest benchmarks/test_kb_speed.py -s --benchmark-only

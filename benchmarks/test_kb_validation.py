@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Time and memory of validation by SHACL, and of the checks that an import makes as it reads.
 
     pytest benchmarks/test_kb_validation.py -s

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How fast utterances are understood, over the test data and beside nltk's CCG parser.
 
     pytest benchmarks/test_nlu_speed.py

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Speed of the pose functions, with scipy's `Rotation` beside them.
 
     pytest benchmarks/test_sim_speed.py -s

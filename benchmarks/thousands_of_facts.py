@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Thousands of facts told to one mind: how many are stored exactly as they were said, and how fast.
 
 The sentences are "a NOUN is often used for GERUND" with nouns and gerunds of `benchmarks/data`,

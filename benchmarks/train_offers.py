@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Trains the weights of the offers ("Did you mean ..?") from the utterances of `tests/nlu/data`.
 
     python benchmarks/train_offers.py [--seed 0] [--write]

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The utterances that the repository has: its test data, what Hilt generates, and its documents."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What becomes of an utterance that loses a word: refused, the same, or something else.
 
 Each word of each utterance of the test data is left out once. What then still gives a belief or a

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The page that lists every command, made from the commands themselves.
 
     python docs/commands.py > docs/commands.md

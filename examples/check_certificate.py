@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Check a certificate of `hilt evaluate all-scenarios` by the definition, without Hilt.
 
 Everything in the file is worked out again from its names and its seed, and compared number by

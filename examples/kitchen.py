@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules of the general form and actions of one's own, from two files to what the robot would do.
 
 `kitchen_rules.yaml` concludes cutWith(X, bread) from several antecedents; `kitchen_actions.yaml`

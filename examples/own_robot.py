@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Somebody else's detector, motion stack and dialogue manager behind Hilt: no simulator needed.
 
 `Camera` stands for your detector, `Arm` for your motion stack and `Butler` for your dialogue

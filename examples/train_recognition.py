@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Train the classifiers of `hilt.sim.vision.learned_detector` on rendered scenes.
 
     python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--objects MY] [--out OUT]

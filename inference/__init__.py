@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Affordance inference: what observed objects afford, and how certain that is.
 
 interval_operators  operators on belief intervals: conjunction, modus ponens, fusion, and lambda

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .affordance import Affordances, RuleSource
 from .interval_operators import Operators
 from .settings import Settings

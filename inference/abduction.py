@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Abduction: hypotheses that would entail or explain a given conclusion.
 
 Rules are applied backwards, as in Sarathy & Scheutz (2016). "What would have to be true of an

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Affordance inference at the nodes of an action tree: getFeatures and getAffordance.
 
 Paper, section 3.3. `Affordances.features` selects the rules of a node and returns the perceptual

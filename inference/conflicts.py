@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Conflicts: pairs of rules, one of which asserts what the other denies.
 
 The weight of a conflict is the mass that Dempster's rule assigns to the empty set when both are

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The decision at a node: which candidates are certain enough to act on, and which is best."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Experience: how grasps turned out, as evidence beside what was told.
 
 Of n grasps s held. The interval of the probability that the next one holds is the envelope of the

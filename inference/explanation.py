@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Explanations of decisions: proofs, reasons for rejection, and counterfactuals.
 
 Explanations consist of the proofs of the decision itself; evaluating these again gives the same

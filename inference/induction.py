@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Induction of rules by analogy: from how a knife is passed to how a screwdriver might be.
 
 The paper's future work (section 7): "knives and screwdrivers are both tools that have pointed ends

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Evidence operators on belief intervals: AND, modus ponens, fusion, and the confidence measure.
 
 An interval [a, b] = [Bel, Pl] stands for the Dempster-Shafer masses m(true) = a, m(false) = 1 - b

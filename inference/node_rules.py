@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The rules that apply at a node of an action tree for a goal, and to an object observed there.
 
 A use may have a material, which is a context of its rule: a saw is used for cutting wood. Which

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Norms: whether an act is forbidden, and what must come first.
 
 A norm applies to an act if its action is one of those that the act belongs to, and its features and

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Proof trees: the derivation of an interval, which can be displayed and evaluated again.
 
 The leaves of a `Proof` are evidence: observations, given contexts, taught rules and experience. Its

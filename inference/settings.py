@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Inference settings: operators, fusion stage, detection model and thresholds per context.
 
 `ontology/settings.yaml` holds the defaults; a file in the same form overrides them, and

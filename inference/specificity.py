@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Specificity: which of the rules that apply to an object override others.
 
 A rule is more specific than another if its premises entail all premises of the other, but not

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The is-a hierarchy of objects, parts, actions and places, along which rules are inherited.
 
 A bread knife is a knife, so rules about knives apply to it unless there is a rule about bread

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Inputs and results of inference: goals, observations, candidates and inferences.
 
 These types are the interface of `inference` for language, vision and motion. A `Goal` is the

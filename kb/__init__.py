@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The knowledge base: interval-annotated rules on an RDF graph.
 
 Interval    bounds [lower, upper] of the probability of a statement

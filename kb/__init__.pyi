@@ -1,5 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
-
 from .interval import CERTAIN, VACUOUS, Interval
 from .knowledge_base import KnowledgeBase
 from .rule import Atom, Rule, functional, grasping

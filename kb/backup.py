@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Backup and restore: a checked copy of a base in use, and its restoration as one unit.
 
 A backup is a folder that can be opened like any base. On the same disk it shares the data files

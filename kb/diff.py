@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The rule changes of each utterance, and the difference between two bases."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Episodes: how the robot carried out a command, step by step, and by which rules.
 
 The graph `episodes` has the facts that queries ask for (goal, outcome, which rules decided what at

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The history: every utterance with its speaker, its time and the rules it changed.
 
 Utterances are numbered from 1 as they arrive; inference notices new ones by that number. A rule

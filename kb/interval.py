@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Belief intervals [lower, upper].
 
 An `Interval` bounds the probability of one statement: at least `lower` (its belief), at most

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The knowledge base: rules, their history, the domain and episodes in one store.
 
 `KnowledgeBase.open` creates or opens one. A base names its format, so that a base of a later

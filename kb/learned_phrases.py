@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Learned phrases: turns of phrase that Hilt did not understand and whose meaning was confirmed.
 
 A phrase is a node in the graph `lexicon`: a pattern of words with slots for names, and the meaning

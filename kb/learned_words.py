@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Learned words: words of the lexicon that an utterance introduced.
 
 A word is an OntoLex entry in the graph `lexicon`. It denotes an object, a part, an affordance or an

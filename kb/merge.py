@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Merging one base into another: an import of the export of the other base.
 
 It streams in bounded memory, is applied whole or not at all, and merging twice changes nothing.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reading of rules, of the history, and of the trust in speakers.
 
 `rules_at_nodes` is the most frequent query, made at every step of every action; it starts from the

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules of cognitive affordance: features and contexts imply an affordance, within an interval.
 
     r:  f1 AND f2 ... AND c1 ...  =>[lower, upper]  functor(argument)

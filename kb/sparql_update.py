@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """SPARQL updates by hand: run and checked on a copy first, then applied to the base.
 
 The text that is tried is the text that is applied, so an update must have the same effect each

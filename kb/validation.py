@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Staging of statements before they reach a base, and validation of a graph.
 
 `stage` puts the statements of a file into a store of their own, each into the graph where it

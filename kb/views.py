@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Views of the rules at an earlier time, and according to one speaker.
 
 No rule is ever deleted, so the history can be replayed: the utterances until a moment assert,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Writing of utterances into a store, with the changes of rules, words and trust they cause.
 
 Each utterance is one atomic write: the utterance, the rules it asserts, retracts or supersedes,

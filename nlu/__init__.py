@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Natural language understanding and generation: from a text to its meaning, and back.
 
 A text becomes tokens, these a chart of derivations of a categorial grammar (CCG), a derivation a

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .language import Language, Session
 from .lexicon.vocabulary import NewWord, Vocabulary
 from .parsing.understanding import Reading, Understanding

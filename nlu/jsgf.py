@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Grammar of a language for speech recognisers, in the JSpeech Grammar Format (W3C 2000).
 
 It has the sentences that Hilt itself generates, with every name in every slot that it fits, so that

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A language, loaded from data files: understands texts, and says answers and meanings.
 
 >>> language = Language.load()

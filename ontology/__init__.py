@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The domain model: vocabulary, object types, action trees and settings, as data with readers.
 
 vocabulary          namespaces, prefixes and IRIs of the RDF graph

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .actions import Actions, ActionTree, load_actions
 from .confidence import Degrees, load_degrees
 from .errors import DataError, HiltError, UnknownNameError

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Action trees, and their reader: how a goal is carried out (paper, sections 3.3, 4.2, Figure 3).
 
 The steps of a tree are executed in preorder. Each step is a primitive, which vision or motion

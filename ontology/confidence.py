@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Degrees of confidence, such as `high` or `mediumLow`, and their intervals.
 
 The words that express a degree ("often", "sometimes") belong to a language; the degrees are named

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The user's cache folder: files named by their content that are slow to compute.
 
 It is `$HILT_CACHE`, or else `hilt` in the cache directory of the user. It may be deleted.

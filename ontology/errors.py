@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The exceptions that Hilt raises, and the check that an optional package is installed.
 
     HiltError

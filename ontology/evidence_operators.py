@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Evidence operators on pairs (lower, upper) = (Bel, Pl) in [0, 1] of one proposition.
 
 A pair (a, b) stands for the Dempster-Shafer masses m(true) = a, m(false) = 1 - b and m(either) =

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The garbage collector of Python, paused while many values are made that all stay in use."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The household domain: object types, their parts and materials.
 
 `objects.yaml` contains the eight household objects of section 4.1 of the paper and the fixtures

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Geometric forms that the parts of objects are made of, read from `objects.yaml`.
 
 A part is a list of solids. A solid is one form (box, cylinder, lathe, extrusion, sweep or mesh

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The RDF vocabulary: namespaces, prefixes, and IRIs for names.
 
 `vocabulary.ttl` beside this file defines each class and property; `shapes.ttl` constrains their

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reader for YAML that keeps positions, so that errors name file, line and column.
 
 `read_yaml` returns a `YamlNode`: a value with its position. A loader requests the expected type

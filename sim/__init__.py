@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The simulated robot: a table with objects, cameras, an arm with a hand, and their physics.
 
 scene         a description of what is on the table; a placement is one object of it

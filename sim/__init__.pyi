@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .body import Body
 from .manipulation.motion_report import REASONS, MotionReport
 from .robot.models import RobotType, find_robot, load_robots

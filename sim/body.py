@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The robot's body: vision, one arm with a hand, and the world it acts in.
 
 It searches for features, takes objects by the part it is told, lifts, hands over, puts down, points

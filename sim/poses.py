@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Poses: 4 x 4 homogeneous matrices, named by frames.
 
 `world_from_part` takes points given in the frame of the part to the frame of the world, so that

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How hypothesis searches: the same examples in every run, so that the gate is repeatable.
 
 `pytest --hypothesis-profile=default` searches at random instead, `--hypothesis-seed` with a seed.

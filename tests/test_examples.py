@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Every example runs as it stands."""
 
 import runpy

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command line: `hilt COMMAND`.
 
 Every command that prints a result takes `--json`: one document on stdout and nothing else there.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Shared parts of the commands: opening bases, reading input, printing results and errors."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands that talk to the robot: demo, tell, do, ask, chat."""
 
 from __future__ import annotations

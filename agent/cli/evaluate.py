@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands that measure: evaluate."""
 
 from __future__ import annotations

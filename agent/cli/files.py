@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands on files: export, import, validate, backup, restore."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands on past utterances and episodes, and on differences between bases."""
 
 from __future__ import annotations

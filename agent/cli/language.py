@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands about the language: parse, and the lexicon."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The application object, and the options that several commands share."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands that run SPARQL: query and update."""
 
 from __future__ import annotations

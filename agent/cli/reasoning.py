@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands that show the reasoning: explain, conflicts, induce, abduce."""
 
 from __future__ import annotations

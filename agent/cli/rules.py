@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands on the rules: rules, graph, trust."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Commands about scenes: scene show."""
 
 from __future__ import annotations

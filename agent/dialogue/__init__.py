@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The dialogue manager: what is done with each utterance, and how it is answered.
 
 Statements become rules (teaching), commands become requests (translation), questions are answered

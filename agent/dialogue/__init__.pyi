@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .manager import DialogueManager
 from .questions import AnswerSources, answer
 from .reply import Reply

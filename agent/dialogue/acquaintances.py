@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Acquaintances: who the speakers of a conversation say they are.
 
 "I'm Anna" makes Anna the speaker if she is known. A name that nobody knows changes no trust: what

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What questions are answered from: the base, what is in view and in the hand, what was said."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Belief revision: statements are believed, retracted rules are no longer, topics are opened."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Clarification dialogues: what Hilt asks back, and what an answer to it leads to."""
 
 from __future__ import annotations

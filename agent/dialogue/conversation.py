@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The state of one conversation, and replies to its utterances, which the history keeps.
 
 The parts of the dialogue manager share one `Conversation`, and change its state between turns.

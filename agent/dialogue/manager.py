@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The dialogue manager: asserts statements, carries out commands, answers questions.
 
 Paper, section 3.2: the rules of a statement are asserted if its speaker is trusted, and are

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Norms in a conversation: laid down, lifted, asked about, and told when a command is refused.
 
 A norm belongs to who said it. It can be lifted by that speaker, or by somebody who is trusted more.

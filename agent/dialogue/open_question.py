@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """An open question of Hilt: who was asked, and what each answer leads to.
 
 It is answered by "yes" or "no", by a short answer ("the red one", "the second", "neither"), or not

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Agreements on the part to grasp by, where experience speaks against what was told.
 
 Hilt asks, and follows the answer from then on in the conversation, until what happens afterwards

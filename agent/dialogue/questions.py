@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Questions answered from the graph, each with the interval and the source it rests on."""
 
 from __future__ import annotations

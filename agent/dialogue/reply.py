@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The reply to one utterance: what was understood, what was learned or done, and the answer.
 
 Its JSON documents are those of `hilt tell`, `hilt do` and `hilt ask`; other programs rely on their

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Questions about Hilt itself: what it is, holds, did, and was told by whom."""
 
 from __future__ import annotations

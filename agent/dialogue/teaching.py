@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What a statement teaches: its rules, the rules that they replace, and its new words.
 
 The interval of a rule has three sources: the word of confidence in the sentence, the confidence of

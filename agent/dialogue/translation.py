@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Translation between meanings of utterances and rules, requests and words of the agent.
 
 `nlu` knows no rules and `kb` no sentences; only this module imports both.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Episodes: commands and their results, with all that is needed to run them again."""
 
 import lazy_loader

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .recorder import EpisodeRecorder, episode_from_reply
 from .serialization import (
     embodiment_as_json,

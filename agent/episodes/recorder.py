@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Recorder of episodes: a command and its result, as they are kept in the graph.
 
 The document of an episode is that of `hilt do --json`, and has under "again" what is needed to run

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """JSON forms of what an episode keeps to be run again: request, embodiment, settings, files."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Evaluation: experiments, the cases they consist of, and runners for them.
 
 case                a question with a known answer, and its result; plain JSON

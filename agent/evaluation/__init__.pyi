@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .case import Case, CaseResult, TimedResult
 from .experiment import Experiment
 from .learning_scenarios import LearningScenario, load_scenarios

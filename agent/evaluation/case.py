@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cases of an experiment and their results.
 
 Both are plain JSON, so that they can be sent to other processes and written to files. They contain

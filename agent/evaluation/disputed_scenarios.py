@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Learning scenarios in which teachers disagree, with right choices in exact fractions.
 
 Of each cell (an object and an affordance, or an object, a part and a context) there are up to five

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The base class of experiments.
 
 An experiment is a frozen dataclass of plain JSON options. It lists its cases and runs any one of

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The learning scenarios of the paper: the rules taught, their sentences, and the right choices.
 
 Section 4.1 and Table 2. The sentences follow the templates of Table 3. The right choices are read

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Execution of goals: from a request to what the robot did.
 
 A request names an action tree; the goal manager executes it with a tree executor, which searches,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .action_tree_executor import ExecutionContext, TreeExecutor
 from .embodiment import Embodiment
 from .goal_manager import GoalManager

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Execution of an action tree: a preorder walk with four operations at each node.
 
 Paper, section 3.3 and Figure 3. At each node: getFeatures (which features are relevant), visual

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Doubt about the part that was told for a grasp, when experience speaks against it.
 
 Hilt doubts the best part by what was told where experience contradicts that by more than the

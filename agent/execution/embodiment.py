@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The embodiment of an agent: its scene, its robot, and how reliably it perceives.
 
 An `Embodiment` is what an `AgentConfig` says about the robot once all names in it are resolved; it

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The goal manager: executes the action tree of a request, and chooses the answer."""
 
 from __future__ import annotations

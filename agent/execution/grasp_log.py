@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the grasps of one execution came to, from the reports of the motions."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The norms on one command: each object, part and step is checked before it is acted on.
 
 An object is checked against the norms on all that its tree is going to do with it, so that nothing

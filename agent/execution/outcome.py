@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The result of a command: the steps of its execution, the decision, and the state of the world.
 
 `hilt do --json` prints these values, and episodes keep them. They hold no sentences but the reasons

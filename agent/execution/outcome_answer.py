@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Selection of the answer to a command: its key and slots for `nlu.generation`.
 
 Each outcome of a command has an answer. The sentences are in `ontology/english/answers.yaml`.

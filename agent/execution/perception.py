@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Percepts as evidence for inference, and perfect vision for decisions without a simulator."""
 
 from __future__ import annotations

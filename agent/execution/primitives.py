@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Execution of the primitives of action trees by the motion of a robot.
 
 Each primitive is one call of `Motion`, or of `ExtraPrimitives` for the further primitives of a

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A request for a goal, and the review of its arguments (paper, section 4.2)."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Presentation for people: terminal tables, the history, pictures of proofs, and films.
 
 Nothing here prints or decides anything; each module turns values of the agent into something to

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from . import console, proof_svg
 from .video import Film
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tables and trees for the terminal: dialogue, rules, decisions, query results, history, merges.
 
 Each function turns a value of the agent into something that rich can print; rich chooses colours

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Plain text: a number with its noun, and a text without control characters."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Drawing of the proof of a decision: a tree of boxes in SVG, the conclusion on top."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Films of the robot with its decisions as captions.
 
 Every picture shows the utterance, the node of the action tree, and the constraint there with its

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Imports and exports of any size: rules and statements as streams of text.
 
 nquads_reader   N-Quads and N-Triples, read subject by subject

@@ -1,5 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
-
 from .exporter import write_statements
 from .importer import ImportObserver, import_rules, import_statements
 from .nquads_reader import RuleBlock, StatementGroup, read_groups

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Exports of any size: the statements of a store as N-Quads, N-Triples, TriG and Turtle."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The import: rules and history are checked as they stream by, and written as one unit.
 
 Each rule is checked on its own (its interval, its form, its name) and written as lines of N-Quads,

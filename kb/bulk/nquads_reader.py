@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A fast reader of N-Quads and N-Triples that groups statements by their subject.
 
 A line that is like an earlier one but for its subject, as most lines of a large base are, is not

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reconciling an import with a base: conflicts, trust, utterances, episodes and words.
 
 Rules have their ids from their content, so the same rule is recognised. What the base already knows

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules as lines of N-Quads, written from what many of them share.
 
 What rules have in common (`RuleTemplate`) and what they are about (`FeatureLines`) is worked out

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The scan of a graph, or of its rules: statements as rows of text, in one pass over the store.
 
 To look up how a term is written costs the engine more than to find its statement, and half of all

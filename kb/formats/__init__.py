@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Files: what a base is exported to and imported from.
 
 registry        the formats, by name and extension, and what each of them carries

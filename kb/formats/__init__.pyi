@@ -1,5 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
-
 from .drawing import draw_graph
 from .graphml import graph_of, read_graphml, rules_of_graph, write_graphml
 from .import_export import export_file, import_file, read_file, write_base

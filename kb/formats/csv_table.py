@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules as a table: CSV with one rule a row, for spreadsheets and for millions of rules.
 
 The columns may have any order; `features`, `functor` and `lower` are required. A semicolon

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The rule graph as a picture, SVG or PNG: features on the left, consequents on the right.
 
 Each rule is an arrow with its interval, coloured by its context; a dotted one speaks against its

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Files as streams, compressed or not, standard input and output, and limits on their size.
 
 A hostile file must not fill the memory. Document types in XML, which expand when they are read, and

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules as a networkx graph and as GraphML: atoms are nodes, each rule is an edge between them.
 
 An edge leads from each feature of a rule to its argument, with all that the rule says as

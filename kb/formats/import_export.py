@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Export and import of files: RDF in its formats, tables, graphs and the rule sheet.
 
 What is read is checked before it is written, and applied whole or not at all; reading the same file

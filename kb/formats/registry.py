@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The file formats, by name and extension, and what each of them carries."""
 
 from __future__ import annotations

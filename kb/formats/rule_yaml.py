@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The rule sheet: rules as a person writes them by hand, in YAML.
 
     speaker: sam

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Atoms, intervals, statuses and times as text: what the rule sheet and the table share.
 
 An atom is written with its kind, "property:red". The usual kind is left out: a bare feature is an

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """RDF terms, and the mapping of rules and of the household domain to statements.
 
 terms             RDF terms and statements as plain Python values

@@ -1,5 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
-
 from .annotated_turtle import expand_annotations, write_annotated
 from .domain import domain_quads
 from .rule_mapping import read_rule, rule_quads

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules as annotated edges: the RDF 1.2 dialect of Turtle, to read and to write.
 
     object:knife hilt:usedFor affordance:cutting {| hilt:lower 0.95 ; hilt:upper 1.0 |} .

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The household domain as a graph: objects with their parts and properties, and the action trees.
 
 It comes from `objects.yaml` and `actions.yaml` and is rewritten whenever they have changed. It has

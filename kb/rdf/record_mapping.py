@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Mapping of dataclasses to RDF properties, and back, by a table with one entry for each field."""
 
 from __future__ import annotations

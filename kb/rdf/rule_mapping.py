@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Mapping of rules to RDF statements, and back.
 
 RDF 1.1 cannot annotate an edge, so a rule is one node with properties, attached to the action-tree

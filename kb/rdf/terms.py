@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """RDF terms and statements as plain Python values, independent of any engine.
 
 An IRI is an `Iri`. A literal is the Python value it stands for (`str`, `bool`, `int`, `float`,

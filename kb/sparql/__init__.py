@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The text and the results of SPARQL queries, independent of any engine.
 
 query_text     variable bindings, prefixes, paging and error messages of query texts

@@ -1,5 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
-
 from .named_queries import NamedQuery, named_query, query_names, read_query
 from .query_text import Bindings, bind_variables, query_form, with_prefixes
 from .results import BooleanResult, ConstructResult, QueryLimits, QueryResult, SelectResult

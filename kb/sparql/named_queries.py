@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Named queries: commented `.rq` files with a question and declared parameters.
 
 The first comment line of a file is its question. A line `# ?name  kind  meaning` declares a

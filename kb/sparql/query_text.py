@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Processing of SPARQL texts: variable bindings, prefixes, paging, updates and error messages.
 
 Values are bound as terms in a `VALUES` block at the head of the WHERE group, written by

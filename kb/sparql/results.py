@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Query results (rows, booleans, statements), query limits, and SPARQL 1.1 Query Results JSON.
 
 Endpoints deviate from that format in details, so it is read leniently and by value.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Refusal of queries and updates that access the network or files, or are not deterministic.
 
 The engine has no option to refuse SERVICE and LOAD, so they are searched for in the text. In

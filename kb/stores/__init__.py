@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Stores of RDF statements: in memory, in a folder, or behind a SPARQL endpoint.
 
 base                            the `Store` protocol, which every store fulfils

@@ -1,5 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
-
 from .base import MEMORY, Store
 from .opening import open_store
 from .oxigraph import OxigraphStore

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The `Store` protocol: statements in named graphs, SPARQL, and atomic, durable writes.
 
 A store holds RDF 1.1 quads and knows nothing of rules. Its guarantees, tested for every backend:

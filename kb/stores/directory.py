@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The folder of a base on disk: its files, its write-ahead log, and snapshots of it.
 
 The engine puts every change into a write-ahead log (`*.log`) before it returns, and replays it when

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Translation of the errors of pyoxigraph and of the file system into Hilt's own."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """HTTP requests to a SPARQL endpoint: addresses, authentication, time-outs, retries and errors.
 
 `http://host/path` is the address of queries. After a `#` it may name the address of updates and,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Opening a store by its location: in memory, in a folder, or behind a SPARQL endpoint."""
 
 from __future__ import annotations

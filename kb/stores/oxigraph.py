@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The embedded store: pyoxigraph in memory or in a folder, behind the `Store` protocol.
 
 What pyoxigraph leaves to its user is done here. It detects no write conflicts, so one lock is held

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Queries with limits, run in another process that is killed when they exceed them.
 
 pyoxigraph cannot stop a query, so a query with limits runs in a worker process over a snapshot of

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The worker process of `query_subprocess`, run as `python -m hilt.kb.stores.query_worker`.
 
 It reads one request a line from stdin, as JSON: `source` (a snapshot's folder, or a file of

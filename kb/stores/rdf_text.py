@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Parsing and serialization of RDF text by pyoxigraph: Turtle, TriG, N-Quads, JSON-LD, ..."""
 
 from __future__ import annotations

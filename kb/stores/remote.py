@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The store behind a SPARQL 1.1 endpoint of any engine.
 
 It uses only what engines were found to agree on. Every query names the base's graphs as its

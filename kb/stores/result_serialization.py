@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Serialization of query results: JSON, CSV, TSV and XML of SPARQL 1.1, and Turtle.
 
 Rows have the first four formats, booleans JSON and XML, statements all; Turtle is for statements

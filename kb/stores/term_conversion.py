@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Conversion between Hilt's RDF terms and those of pyoxigraph."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Generation of text: meanings as sentences that parse back to them, and spoken answers.
 
 realizer   surface realisation of meanings, with the sentences of `sentences.yaml`

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .realizer import Realizer, load_realizer
 from .templates import AnswerTemplates, load_answers
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Surface realisation: sentences for meanings, which give the same meaning when parsed.
 
 The sentences are data (`sentences.yaml`), one for each shape of meaning: what is asked, and which

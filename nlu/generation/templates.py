@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Spoken answers: templates from `answers.yaml`, filled with names in the form that fits.
 
 The file lists every answer; a slot in it may ask for a form, as in

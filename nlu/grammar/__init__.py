@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Combinatory categorial grammar (CCG) with lambda terms, read from the notation of data files.
 
 categories, types  syntactic categories, and the types of their meanings

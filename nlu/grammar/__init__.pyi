@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .categories import AtomicCategory, Category, Functor
 from .combinators import BinaryRule, CombinationTable
 from .constructions import Construction

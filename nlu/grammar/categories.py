@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Categories of combinatory categorial grammar: what a word is, by what it combines with.
 
 `NP` is complete. `S/NP` gives an `S` when an `NP` follows it, `S\NP` when one goes before it;

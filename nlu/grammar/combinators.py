@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How two neighbouring categories combine: application, and harmonic composition in normal form.
 
 Of the many derivations that composition gives one and the same meaning, only one is built

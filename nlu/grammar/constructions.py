@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""Constructions: phrases with gaps as lexical entries of a categorial grammar (Steedman 2000).
 
 Of `"{a:K} is a job for {x:NP}"` the first words become an entry that takes the gaps as its

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The grammar of a language: its categories, the names in its meanings, and what is an utterance.
 
 Read from `grammar.yaml` of the language. Every line is checked when it is read: each category must

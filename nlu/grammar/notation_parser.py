@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 r"""LALR(1) parser of the notation: builds categories, terms and types straight from the text.
 
 The grammar is `notation.lark`. No tree is built in between. The lexer is contextual: it knows at

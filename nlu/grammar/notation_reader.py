@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reader of the notation for categories, lambda terms, types and pragmatic rules.
 
 The language data is written in one small grammar, `notation.lark`. A mistake becomes a `DataError`

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Lambda terms: what a word contributes to the meaning of a sentence.
 
 Bound variables are de Bruijn indices (0 is the innermost binder), so terms that differ only in

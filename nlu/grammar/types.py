@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Types of meanings, and the check of a term against the type its category demands.
 
 There are three basic types: `e`, things and their names; `t`, acts and states of affairs; `d`,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Patterns of words: `when (you|we) [want to]` stands for four spellings.
 
 A choice stands in round brackets, what may be left out in square ones, as in the paper's Table 3

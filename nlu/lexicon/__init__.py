@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The words of a language: tokens, entries, inflection, unknown words.
 
 tokenizer          texts as tokens

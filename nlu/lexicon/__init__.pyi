@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .control_phrases import ControlPhrases, load_controls
 from .discourse_markers import DiscourseMarkers
 from .immutable_index import ImmutableIndex

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Control phrases: "stop", "please wait", "put it down", which are obeyed before any parsing.
 
 An utterance is a control only as a whole, so "stop using the knife" and "never drop it" are none.

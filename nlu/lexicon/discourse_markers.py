@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Discourse markers: phrases that add no meaning, tag questions, and adverbs out of place.
 
 "Knives are, you know, really for cutting, aren't they?" is "knives are for cutting?". Only phrases

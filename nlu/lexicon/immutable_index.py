@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Shared index: an immutable mapping to which adding costs only what is added.
 
 All versions of an index write to one log and see it up to their own size (a fully persistent

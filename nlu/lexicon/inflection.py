@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Inflection: the forms of words, by rules that are data.
 
 Each form ("plural", "ing", ...) has a table of irregular words and of patterns, of which the first

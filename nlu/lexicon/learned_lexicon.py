@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Learned lexicon: a lexicon to which words are added while people speak, without any limit.
 
 The words that were learned stand in one flat index by all their forms, however they were learned.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The lexicon: the categories and lambda terms of each word, found token by token.
 
 A language has many more words than a conversation uses. So an entry is only made when its words

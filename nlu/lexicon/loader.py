@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Loader of the word files of a language, and builder of entries for new names.
 
 One line of a file may stand for hundreds of entries: the frames and inflections of a verb. All

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Misspellings: the known word that a new one is a likely slip of.
 
 A slip swaps two letters, loses one, adds one or changes one (Damerau 1964). All words that are one

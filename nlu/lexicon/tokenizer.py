@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tokenizer: a text as lower-case words, with contractions and possessives split.
 
 Quotation marks, a smile and the number of a list are dropped; commas, colons, dashes and a pair of

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Unknown words: the entries that a word which is not known may stand for.
 
 An unknown word gets an entry for every role that a name can have, and the chart finds which one

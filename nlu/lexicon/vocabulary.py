@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Vocabulary of a domain: names of objects, parts, affordances and people, and learned words.
 
 They are names only: the language does not know which object has which part or affordance. By

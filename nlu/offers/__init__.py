@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Offers: meanings to choose from for an utterance that the grammar does not understand.
 
 mentions            the names in an utterance, with the roles that they may have

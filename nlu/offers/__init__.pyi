@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .candidates import CandidateMeaning, candidates
 from .checks import OfferChecks, load_check_words
 from .choice_answers import ChoiceWords, load_choice_words

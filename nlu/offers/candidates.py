@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Candidates: the meanings that the names of an utterance allow, in every shape that fits them."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Checks on offers: a meaning may be offered only if it loses nothing that was said.
 
 People say yes to what looks right. So a negation, a condition, an exception, a degree, a doer, a

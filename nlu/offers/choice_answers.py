@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Answers to a question with numbered choices: "2", "the first one", "neither of them"."""
 
 from __future__ import annotations

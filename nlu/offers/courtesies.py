@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Courtesies: what in an utterance that is not understood only greets, thanks or praises.
 
 "Good morning, I'm your first pupil" is a greeting although nobody taught the word *pupil*. A part

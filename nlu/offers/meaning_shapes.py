@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Shapes of meanings: the meaning schema with slots in place of the names.
 
 The shape of "a knife is often used for cutting" is a functional rule with the slots `?object`,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Mentions: the names that occur in an utterance, with the roles that they may have in a meaning.
 
 A known name is found by the lexicon. An unknown word may be a new name, by its place and ending. An

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Offers for an utterance that is not understood, as a question with at most three choices.
 
 Candidates are built from the names in the utterance, ranked, and checked; the sentence that the

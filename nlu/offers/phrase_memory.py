@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Phrase memory: turns of phrase whose meaning somebody confirmed, with slots for names.
 
 A phrase is what Hilt did not understand, with a slot instead of each name. When somebody says it

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The ranker: a log-linear model of which candidate was meant, or none of them.
 
 A candidate's score is the sum of the weights of its features: a trait of the meaning together with

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Typing slips: the utterances meant by one with misspelled words, "pas me teh mug".
 
 Every unknown word that is one slip away from known ones is replaced by one of them: two letters

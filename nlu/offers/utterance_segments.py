@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Segments: spans of an utterance that may be all that it means, by what stands around them.
 
 "Old trick of my trade: you cut with a knife" is understood after its colon. What precedes a segment

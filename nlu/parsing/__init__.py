@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Parsing: from the text of an utterance to its readings, or to the clarification it needs.
 
 chart             the CCG chart of a token sequence, and its derivations

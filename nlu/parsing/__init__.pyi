@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .chart import Chart, Derivation
 from .clarification import Clarifier
 from .derivation_views import DerivationStep, draw_svg

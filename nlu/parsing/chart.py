@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The CCG chart of a token sequence, filled by the CKY algorithm (Cocke, Kasami, Younger) in O(n³).
 
 A cell holds the categories of one span, each with back pointers to the cells it was built from.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Clarification: what Hilt answers when an utterance has no single clear reading.
 
 The answer names the reason (a word that is not known, the longest span understood, two different

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Clauses: which words of a derivation belong to the main clause and which to its condition.
 
 Every leaf that is a function word, a verb or a turn of phrase gives the features of the words in

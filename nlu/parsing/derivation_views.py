@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Derivation trees for people: as indented text, as JSON and as an SVG drawing.
 
 Every step shows its words, its category and its lambda term in normal form.

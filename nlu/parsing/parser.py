@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The parser: from the tokens of one sentence to its readings, the likeliest first.
 
 Only derivations of the whole token sequence count, so that no word is ever dropped. A derivation

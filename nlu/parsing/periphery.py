@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Periphery: what surrounds the core of an utterance, by its form, its pause and its operators.
 
 "My hands are wet. Pass me the mug" has a core, a request, and before it a clause behind a strong

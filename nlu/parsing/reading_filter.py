@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The filter for readings: which new words a reading may introduce, and what "no" in it negates.
 
 A statement may teach new words; a question may be about them, and an action may be requested on

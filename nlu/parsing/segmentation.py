@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Segmentation of an utterance at its pauses, and the combination of the segments' meanings.
 
 "Hello. That hammer, could I have it, please?" has three segments. Every segment must be understood,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The strategies for understanding an utterance, tried in order until one finds a meaning.
 
 1. as one sentence, by the grammar;

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The result of understanding one utterance, with every stage from the text to its meaning.
 
 `text -> tokens -> chart -> predicate form -> speech act -> intention -> meaning`. An utterance that

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The pieces of an utterance from pause to pause: their forms, and the operators in them.
 
 "My hands are wet, so pass me the mug" has two pieces, of which a lead joins the second to what

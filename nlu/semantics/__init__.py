@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Semantics and pragmatics: from the term of a derivation to what an utterance means to Hilt.
 
 predicates       predicate forms, and patterns over them: `pass(self,knife)`

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .clause_features import FeatureReader, UtteranceFeatures, load_features
 from .coreference import resolve
 from .discourse import Discourse

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Features of a clause: who does it, when, how surely, on whose word; read off its small words.
 
 The meaning of a sentence leaves out most of its small words: "you might pass a knife by the blade"

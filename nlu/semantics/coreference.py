@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Coreference: resolving "it", "they", "one" and "the former" from what was said before.
 
 Outside a rule, "it" refers to the object mentioned last, "they" to all objects that the last turn

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The discourse state: what a conversation mentioned so far, and can refer to."""
 
 from __future__ import annotations

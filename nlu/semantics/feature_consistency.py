@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Features of the spellings of a word file: a pattern has at most one value of each feature.
 
 "(you|they) hold it" says in one spelling that the robot does it and in another that others do. What

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Fragments: what is said instead of a sentence completes the last rule, question or command.
 
 "And a mug?", "the same for spoons", "by the handle, I mean", "to Kim", "what about passing it?":

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Interpretation of predicate forms as meanings: rules, commands, questions, corrections, replies.
 
 A form must express exactly one meaning that Hilt has; otherwise it is rejected with a reason. No

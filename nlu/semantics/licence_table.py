@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The licence: what a sentence with a meaning may become, by the features of its clauses.
 
 "You might pass a knife by the blade" and "children pass a knife by the blade" have the meaning of a

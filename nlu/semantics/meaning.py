@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The meanings of utterances: rules, commands, questions, corrections, replies, controls.
 
 These frozen values are all that other packages get. Names are lower-case words in the singular,

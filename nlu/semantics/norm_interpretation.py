@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Interpretation of predicate forms as norms: what is forbidden, obliged or permitted.
 
     forbidden(pass(self,knife,child))

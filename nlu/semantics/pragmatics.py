@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pragmatic rules: from a speech act to the speaker's intention.
 
 `STATEMENT(A,B,X) => wantBelieve(A,B,X)`: a person who states something to an agent wants the agent

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Predicate forms, the closed terms in which the paper writes meanings, and pattern matching.
 
 An example is `implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high)`. In the pattern

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Coreference within a rule: "it" in one half is the object of the other half.
 
 "To pass a knife grab it by the blade" is about one knife. A rule about two different objects is

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Grasp planning: from the percept of an object to the grasp to execute.
 
 In the order of the data: `context` has the points that matter, `sampling` proposes candidates,

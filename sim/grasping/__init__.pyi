@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .context import GraspContext, LabelledPointCloud
 from .planner import RankedGrasps, plan_grasps
 from .sampling import GraspCandidates, sample_grasps

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The input of grasp planning: an object, the part to grasp it by, and the points round it."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Grasp planning for one part of an object: sample candidates, score, refine, and rank them.
 
 The part constraint is a filter: both contact bands must lie wholly on the part. When no grasp is

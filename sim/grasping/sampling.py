@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Sampling of grasp candidates: hand poses with room for a finger on both sides of the part.
 
 From points spread over the part and a fixed set of orientations, each pose is judged by one row of

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Scoring of grasp candidates by the contact profiles of the pads and by obstacles.
 
 For each pose of the hand the points between the pads are sorted into cells of the pad's face. The

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Selection of the grasp to execute: the best one that can be reached and has not failed before."""
 
 from __future__ import annotations

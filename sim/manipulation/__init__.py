@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Manipulation: grasping, lifting, handing over, putting back, pointing and striking.
 
 `hand_motions` has the motions of the hand, `pick_and_place` the actions made of them, with retries,

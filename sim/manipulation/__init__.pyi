@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .hand_motions import HandMotion, HeldObject
 from .motion_report import REASONS, MotionReport
 from .pick_and_place import PickAndPlace

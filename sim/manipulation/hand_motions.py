@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Motions of the hand: grasp, lift, hold, carry, hand over, put down and point at objects.
 
 Success is judged by the contacts of the fingers and the height of the object, never by what was

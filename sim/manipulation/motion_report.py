@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reports of motions, with the reasons of failures."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pick and place: grasp an object by a part, lift it, hand it over, put it down, or point at it.
 
 Each action returns a `MotionReport`. A failed grasp is followed by another one until the attempts

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Striking: drive an object such as a nail into another one with a face of the held object.
 
 A good face is wide, level, the lowest of hand and object, and near below the hand: a blow far from

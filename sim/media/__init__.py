@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Media: pictures of a scene for people, and recordings of what happens in it.
 
 `pictures` renders, draws grasps and labels, and writes captions; `recording` makes animations.

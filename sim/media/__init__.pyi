@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .pictures import GraspMark, save_picture, take_picture
 from .recording import WorldRecorder
 

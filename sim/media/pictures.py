@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures of a scene for people: rendering, tints, drawn grasps, name labels and captions.
 
 A picture is rendered at twice the size and reduced (Lanczos), which smooths all edges. The white

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Recordings of a world: GIF or MP4 animations, or some moments side by side in a PNG.
 
 A `WorldRecorder` takes a picture of a world at regular intervals while its `with` block runs; the

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Models: object types and robots as files that the simulator loads.
 
 `solids` turns the forms of a part into a visual surface and convex collision pieces, both made by

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .object_models import ObjectModel, object_model
 from .urdf import HandFile, robot_file
 

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Triangle meshes: lofts through rings of points, convex pieces, shading, Wavefront OBJ text.
 
 A loft joins rings of equally many points, one after the other, and closes both ends: lathes, sweeps

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Object models: the files by which the simulator knows an object type, built once and cached.
 
 Each part becomes one link of a URDF, named after the part and fixed to the first one; all links

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Solids as geometry: for each form a visual surface and convex pieces for collisions.
 
 The surface is fine and shaded; the pieces are convex and few. Both come from the same rings of

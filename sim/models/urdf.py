@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """URDF files: text for the models of objects, and robots assembled from an arm and a hand.
 
 Arms and hands come in files of their own: one link of the hand's file is added to the arm, with all

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Physics: the PyBullet simulator, spoken to by the names of bodies, links and joints.
 
 `engine` is one simulator with its four parts: `bodies` (loading and poses), `joints` (positions and

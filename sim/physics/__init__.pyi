@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .contacts import Contact
 from .engine import PhysicsEngine
 from .rendering import Lighting

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rigid bodies by name: loaded from URDF files, placed, and asked where they are.
 
 A body's frame is the frame of its URDF, not the centre of mass that PyBullet uses.

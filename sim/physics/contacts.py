@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Contacts between bodies: which there are, with which friction, and which are computed at all."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The physics engine: one simulator whose bodies, links and joints are spoken of by name.
 
 Poses are 4 x 4 matrices (`world_from_link`); lengths, angles and forces are in [m], [rad], [N].

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Joints and motors: joint positions, motor targets, gears, and joints between bodies."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A connection to one PyBullet simulator; the only module that imports PyBullet.
 
 Several connections can live in one process: each call carries the number of its own. What PyBullet

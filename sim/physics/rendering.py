@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rendering: camera images of the bodies, and what is hidden or tinted in them."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The robot: its model, kinematics, collision checks and paths.
 
 `models` reads robots from data, `kinematics` solves their forward and inverse kinematics, `robot`

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .grasp_poses import Grasp
 from .kinematics import KinematicChain, read_chain
 from .models import Gripper, RobotType, find_robot, load_robots

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Collision checks of an arm: spheres on its links against seen points, the table and itself.
 
 The robot knows its surroundings only from its cameras, so paths are checked against points, not

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Poses of the gripper: a grasp as a value, and the orientations in which grasps are sought."""
 
 from __future__ import annotations

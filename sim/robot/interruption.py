@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Interruption of motions from any thread: a motion that runs can be paused, resumed or ended.
 
 The robot checks it before every simulated step, so the arm comes to rest at once.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Forward and inverse kinematics of an arm, vectorised over postures and targets.
 
 A `KinematicChain` is read from the URDF file of a robot. `solve` is damped least squares (Wampler

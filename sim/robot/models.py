@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Robot models: arm, gripper and collision spheres, read from `robots.yaml`.
 
 The head of that file describes its entries. Joint limits come from the robot's URDF file.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Collision-free paths of an arm: to grasps, through free space, and straight in task space.
 
 A path to a grasp has three parts: a transit through free space to a pose before the grasp, a

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A robot in the simulator: its arm follows paths, its gripper closes and senses contacts.
 
 A path is a list of postures. `time_path` executes it with a speed that starts and ends at zero

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Scenes: what is on the table, where, and the simulated world made of it.
 
 `scene` reads descriptions of scenes, `placement` finds a free place for each object, and `world` is

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .placement import DropPose, place_objects
 from .scene import Placement, Scene, parse_scene
 from .world import SleepManager, World

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Placement of the objects of a scene on the table, so that none touches another.
 
 An object covers a convex footprint on the table. Positions are drawn at random until each footprint

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Descriptions of scenes: which objects are on the table, and where, as far as it is given.
 
 A scene is what `--scene` names: a YAML file, `objects:knife,mug`, `random:SEED` (with a number of

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The simulated world: a table, the objects of a scene, and time; sleeping of still objects.
 
 A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Vision: from camera images to percepts, objects with the point clouds of their parts.
 
 `camera` renders images, `region_of_interest` only the part of them that shows objects.

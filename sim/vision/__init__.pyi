@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .camera import Camera, CameraImage
 from .learned_detector import LearnedDetector, Recogniser
 from .mask_detector import MaskDetector

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pinhole cameras, the images they deliver, and the points in the world behind the pixels.
 
 Cameras follow OpenGL: they look along their -z axis, x points right and y up; pixel rows count

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Object detection by trained classifiers, from colours and depths only.
 
 Depths are segmented into objects; one classifier recognises each segment, another assigns its

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Object detection with the simulator's segmentation mask, as a perfect detector would give it.
 
 An object is searched for only when one of the requested features names its type, one of its parts

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A calibrated neural classifier with one hidden layer, and detection of novel inputs.
 
 Both are trained by `examples/train_recognition.py`. Inputs are standardised, hidden units are tanh,

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Percepts: detected objects with the point clouds of their parts.
 
 They hold points and numbers, never a reference into the simulator.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Seeded perception noise: missed and confused objects, lower confidence, noisy depths.
 
 Section 4.1 of the paper measures without sensor noise and attributes further errors in the world to

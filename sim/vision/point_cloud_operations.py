@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Point clouds: voxel downsampling, farthest point sampling, principal direction."""
 
 from __future__ import annotations

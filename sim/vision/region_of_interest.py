@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rendering of the region of interest: only the window with the objects, and what may hide them.
 
 A preview image of few pixels, without room and robot, shows where the objects are. The window

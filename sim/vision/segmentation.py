@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Segmentation of depth images into objects on the table, and descriptors of the segments.
 
 The depths of all cameras become points of the world; the table and what is not on it are removed,

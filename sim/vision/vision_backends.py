@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The vision sensors that `--vision mask|learned` chooses from, used alike.
 
 `mask` uses the simulator's segmentation mask, as a perfect detector; `learned` uses only colours

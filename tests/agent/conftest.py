@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Agents that decide without a robot, over a base in memory."""
 
 from collections.abc import Iterator

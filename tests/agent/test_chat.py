@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A conversation on a terminal: prompt, history, completion."""
 
 import os

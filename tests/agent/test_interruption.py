@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Control words: what runs is interrupted at once, and the next command works."""
 
 import time

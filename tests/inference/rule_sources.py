@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A source of rules without a knowledge base."""
 
 from __future__ import annotations

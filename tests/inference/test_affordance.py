@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """getFeatures and getAffordance at the nodes of an action tree."""
 
 from collections.abc import Sequence

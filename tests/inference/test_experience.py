@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The interval of experience, and how it discounts what was told."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Proofs have the numbers of the inference, and explanations are made from proofs."""
 
 from collections.abc import Sequence

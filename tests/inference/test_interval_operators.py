@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The laws of the evidence operators, and the values that the theory predicts."""
 
 from fractions import Fraction

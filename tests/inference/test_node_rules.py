@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules about any object apply to those that have the part they name."""
 
 import pytest

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Which of two norms in conflict prevails, and when a norm applies at all."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Conflicts, abduction, and induction by similarity."""
 
 import pytest

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Settings of the inference: accepted names, and mistakes reported with their position."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A more specific rule overrides a general one; equal and incomparable ones are fused."""
 
 from collections.abc import Sequence

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The sixteen sets of the paper's four levels, fused by every rule, against exact fractions.
 
 The table of the theory gives three digits; here each column is worked out again with fractions and

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
 import pytest

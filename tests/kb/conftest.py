@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Bases and rules that the tests of the knowledge base share."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Real SPARQL servers on the loopback, started for tests and stopped after them."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Rules of every form, for laws that hold for all of them."""
 
 from __future__ import annotations

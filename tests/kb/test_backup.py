@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about backups, and about reading a base that another process has open."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about what utterances did, and about how two bases differ."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the page on stores and questions shows is what happens."""
 
 from __future__ import annotations

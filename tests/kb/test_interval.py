@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about belief intervals."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about what is believed, how that changes, and what the base answers."""
 
 from __future__ import annotations

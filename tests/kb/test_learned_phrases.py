@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Learned phrases in the base: kept, listed, exported, merged and forgotten."""
 
 from __future__ import annotations

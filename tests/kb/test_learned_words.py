@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Learned words are kept with their teacher, and can be revoked."""
 
 import pytest

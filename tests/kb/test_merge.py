@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about merging one base into another."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about bases that an earlier version of Hilt wrote."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about the package as a whole."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about rules and their atoms."""
 
 from __future__ import annotations

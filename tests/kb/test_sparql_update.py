@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about SPARQL updates by hand."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about validation: what is valid passes, and everything that is not is found."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about the base as it was, and about one person's view."""
 
 from __future__ import annotations

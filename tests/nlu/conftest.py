@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the tests of the language part share."""
 
 from __future__ import annotations

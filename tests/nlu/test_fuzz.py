@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Any text is taken: a slice of `benchmarks/fuzz_nlu.py`."""
 
 from __future__ import annotations

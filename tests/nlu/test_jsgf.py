@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The grammar for a speech recogniser allows only what is understood."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A language as a whole: loading, the vocabulary, the examples, the cost of importing it."""
 
 from __future__ import annotations

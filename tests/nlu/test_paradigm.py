@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Lexical rules: every verb of the paradigm is understood in every form."""
 
 from __future__ import annotations

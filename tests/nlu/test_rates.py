@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """How much of what people say is understood at once, a rate for each file; and nothing wrongly.
 
 What is not understood is refused or asked about. These files were used to widen the grammar, so

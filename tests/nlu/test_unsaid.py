@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What nobody said is not believed and not done: families of utterances, each with near twins.
 
 What one time, one person, one condition or another speaker is said of gives no rule, no command and

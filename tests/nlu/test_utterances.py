@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Utterances and their meanings, as data: one check for all."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Action trees from files: what is read, and what is refused."""
 
 from pathlib import Path

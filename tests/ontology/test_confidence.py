@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Degrees of confidence."""
 
 from __future__ import annotations

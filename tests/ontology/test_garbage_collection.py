@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The pause of the garbage collector."""
 
 import gc

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The objects of the household: their data, and the reports of mistakes in the file."""
 
 from pathlib import Path

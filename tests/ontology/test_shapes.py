@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The vocabulary and its SHACL shapes: they are complete, and each constraint can be violated."""
 
 from __future__ import annotations

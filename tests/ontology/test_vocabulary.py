@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Names and IRIs."""
 
 from __future__ import annotations

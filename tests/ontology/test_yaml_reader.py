@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """YAML is read with positions, and mistakes are reported with theirs."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The body acts in the world, and says truly what came of it."""
 
 from __future__ import annotations

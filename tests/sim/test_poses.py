@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Poses: composition, inversion and the way between two of them."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What `docs/seeing.md` shows can be read."""
 
 import re

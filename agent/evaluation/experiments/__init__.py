@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Experiments: what is taught and asked, and which answers are right.
 
 registry            the experiments by name

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .all_scenarios import AllScenariosExperiment
 from .command_experiment import DecisionExperiment
 from .custom import CustomExperiment

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Verification of all 3840 · 2^288 pairs of problem situation and learning scenario.
 
 The paper calls them infeasible to test (section 4.1). They factorise: if (H1) the beliefs depend on

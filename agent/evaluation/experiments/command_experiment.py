@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Base class of experiments that give commands to an agent that was taught a scenario.
 
 A scenario is taught once, by sentence, in the order of its tables. Each case is a new agent over

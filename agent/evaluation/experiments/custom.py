@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Experiments defined in a YAML file: objects, affordances, levels, grasps and scenes.
 
     household     objects that Hilt does not have, in the form of `ontology/objects.yaml`; optional

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Regret with a deliberately bad teacher, with and without experience.
 
 The model: each part of each object holds with a probability of its own, drawn uniformly from [0, 1]

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """People's own data: a table of what objects are used for, taught by sentence and decided upon.
 
 The file has tab-separated columns with the names `object`, `use` (a gerund) and `share` in [0, 1]:

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The grasps of section 4.1: 16 grasp rules, each taught by sentence and executed in simulation."""
 
 from __future__ import annotations

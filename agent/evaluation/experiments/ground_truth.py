@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Ground truth of commands, and results of what the agent decided and did.
 
 The ground truth is read from the scenario alone, by the four principles of section 4.1: (1) the

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The curves of the noise experiment, and confidence intervals for clustered samples.
 
 A curve varies one kind of noise; its points have a 95 % confidence interval: Wilson's score

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Accuracy under noise: imperfect sensors, misrecognised words, and teachers who are wrong.
 
 The paper expects that all errors are due to sensor noise (section 4.1). This experiment measures

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The evaluation of the paper (section 4.1), and its extension to all scenes.
 
 The paper evaluates 2 scenarios x 10 scenes x 15 commands. Its scenes are drawn at random: the first

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The registry of experiments by name."""
 
 from __future__ import annotations

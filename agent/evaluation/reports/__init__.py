@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reports of evaluations: counts, tables, pages and comparisons.
 
 summary     the results of a run, counted

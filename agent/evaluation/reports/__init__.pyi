@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .comparison import EvaluationComparison, compare
 from .export import write_report
 from .summary import EvaluationReport

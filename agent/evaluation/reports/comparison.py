@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Comparison of two evaluations, from the output of `--json` or `--report FILE.json`."""
 
 from __future__ import annotations

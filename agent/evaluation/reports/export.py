@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Export of reports to files: an HTML page, JSON with counts and results, or CSV by case."""
 
 from __future__ import annotations

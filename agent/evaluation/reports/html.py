@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The report of a run as a self-contained HTML page: no scripts, fonts or separate pictures.
 
 It contains counts, curves, pictures of simulated scenes, all cases, and their explanations. Equal

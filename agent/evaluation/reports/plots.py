@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Plots of curves with confidence bands, as SVG for embedding in HTML."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The results of a run, counted, as JSON or as a table for the console."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runners: they run the cases of an experiment, and give the same results wherever they do.
 
 base            the protocol of a runner, and running one case in any process

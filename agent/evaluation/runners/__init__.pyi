@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .base import Runner
 from .experiment_run import make_runner, run_experiment
 from .journal import RunJournal

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The protocol of a runner, and running cases in this or in a worker process.
 
 A worker process gets the name and options of an experiment and constructs it again; cases and

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Running an experiment: choice of the runner, the journal, and a progress bar."""
 
 from __future__ import annotations

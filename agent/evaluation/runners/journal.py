@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The journal of a run: results are written to disk as they come, so that a run can be resumed.
 
 The folder of a run contains `journal.jsonl`: a header that identifies the run, then a line for each

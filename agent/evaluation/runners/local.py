@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runners on this machine: in this process, or in a pool of processes that may die or hang."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runner on a Ray cluster, whose nodes may fail.
 
 Hilt must be installed on every node. Ray runs the cases of a failed node again on another one;

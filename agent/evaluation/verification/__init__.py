@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Verification of all learning scenarios by finitely many cases.
 
 scenario_space  the space of learning scenarios: cells, levels and codes

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 from .certificate import count_totals, make_certificate
 from .finite_cases import VerbalizedSpace
 from .scenario_space import RuleKey, ScenarioSpace

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The certificate: the results of all finite cases in one document that others can check.
 
 `examples/check_certificate.py` computes it again from the definition, without Hilt, and compares

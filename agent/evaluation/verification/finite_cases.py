@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The finite cases of the verification, run with the code under test.
 
 Each function returns its results as plain JSON, and a line for each deviation from the definition.

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tests of the hypotheses of the verification.
 
 teaching    H1: a random learning scenario taught by sentence, shuffled and with every sentence

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The space of all learning scenarios: every set of rules that can be taught (section 4.1).
 
 A *cell* is the topic of a rule: an object and an affordance, or an object, one of its parts and the

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """An agent that was taught one learning scenario: its decisions, and the rules read for each.
 
 It is the goal manager with perfect vision and a knowledge base in memory, without language and

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Enumeration of all weak orders of the objects in a scene, with the choice made from each.
 
 Each object of a scene is absent, present without an applicable rule, or ranked. With k ranked

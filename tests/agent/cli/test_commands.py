@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The command line: contracts of its JSON and exit codes, and what bad input does."""
 
 import io

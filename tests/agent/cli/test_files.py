@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The commands on files: export, import, validate, backup and restore."""
 
 from __future__ import annotations

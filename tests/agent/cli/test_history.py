@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The commands on what was said, how bases differ, and whom to believe."""
 
 import json

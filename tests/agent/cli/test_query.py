@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The commands query and update: names, arguments, formats, limits, and what is refused."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """`hilt scene show`: a picture of a scene, and what stands where."""
 
 import json

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Who speaks after an introduction, and whom that lets nobody become."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Whole conversations, which are data: what each answer has and has not."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Dialogue: what is believed, done and answered, and what is not."""
 
 from pathlib import Path

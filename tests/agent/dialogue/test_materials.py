@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about uses on a material: what is taught, answered and chosen."""
 
 import pytest

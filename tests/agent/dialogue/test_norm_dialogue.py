@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Norms in conversations: kept, told, lifted by whom they belong to, and asked about."""
 
 from __future__ import annotations

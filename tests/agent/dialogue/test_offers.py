@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A choice among meanings that were offered, in a conversation."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What is concluded depends on the set of what was told: not on its order, nor on repetition."""
 
 import random

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The question about a part that was told and did not hold, and what follows from the answer."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Abduction by sentence: what would have to be true, which context explains; and reasons why."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What somebody told the speaker: a rule of that person, as sure as both are trusted."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Makes the helper modules of these tests importable, also in the worker processes they start."""
 
 import sys

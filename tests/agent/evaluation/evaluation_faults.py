@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """An experiment whose cases go wrong on purpose, the first few times that they are begun."""
 
 import os

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A Ray cluster of two nodes on this machine, one of which is killed in the middle of a run.
 
 Run it in a network namespace of its own (`unshare --net`), because Ray binds the address of the

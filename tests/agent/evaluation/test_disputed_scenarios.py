@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Scenarios in which teachers disagree: the exact reference, and that the agent agrees with it."""
 
 from __future__ import annotations

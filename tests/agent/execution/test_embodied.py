@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The running example in the simulated world: what the fingers touch is what was said."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Section 4.2 through sentences: tools chosen by what they afford, and what comes next.
 
 The hands are scripted: they say which thing cannot be had and why, so that each way in which a walk

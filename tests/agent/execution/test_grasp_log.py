@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What the reports of motions leave as evidence."""
 
 from __future__ import annotations

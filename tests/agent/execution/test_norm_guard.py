@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Nothing that is forbidden is done, whatever is asked for in whatever order."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What a person sees on the terminal is whole."""
 
 import io

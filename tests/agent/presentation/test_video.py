@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Films of what the robot does: what is written, tinted and drawn in them."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about exports: every statement and every rule is written, as it stands in the base."""
 
 from __future__ import annotations

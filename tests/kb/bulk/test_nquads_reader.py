@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about the fast reader of lines: it finds what the engine's parser finds."""
 
 from __future__ import annotations

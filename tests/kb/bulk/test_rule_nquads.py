@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about rules as lines of N-Quads: they are what the naive mapping writes."""
 
 from __future__ import annotations

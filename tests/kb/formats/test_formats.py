@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about the formats of files: what comes back, and what is refused."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about exporting and importing."""
 
 from __future__ import annotations

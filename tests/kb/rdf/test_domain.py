@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about the household domain in the graph."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about RDF terms as Python values."""
 
 from __future__ import annotations

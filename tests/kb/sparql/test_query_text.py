@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about SPARQL texts."""
 
 from __future__ import annotations

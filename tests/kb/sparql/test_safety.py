@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about what queries and updates may not do."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims that every store keeps: in memory, in a folder, and behind two real endpoints."""
 
 from __future__ import annotations

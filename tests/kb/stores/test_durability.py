@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about what a dying process leaves behind: everything acknowledged, nothing torn.
 
 Each kind of writing is killed a few times in every run of the tests; a hundred times by

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about what is told when a folder cannot be opened."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about talking to an endpoint: logging in, trying again, and what failures say."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about how a location selects a store."""
 
 from __future__ import annotations

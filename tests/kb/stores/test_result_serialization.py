@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Claims about results as documents, checked by rdflib's readers of the same formats."""
 
 from __future__ import annotations

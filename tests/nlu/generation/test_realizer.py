@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Round trip: the sentence generated for a meaning is parsed to that meaning."""
 
 from __future__ import annotations

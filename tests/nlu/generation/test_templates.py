@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Answers and phrases from templates."""
 
 from __future__ import annotations

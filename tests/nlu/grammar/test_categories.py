@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Categories, their types, and how two of them combine."""
 
 from __future__ import annotations

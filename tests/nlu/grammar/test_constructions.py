@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Constructions as entries of a categorial grammar."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Grammar and lexicon files: every wrong line is reported with its position."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The notation of the language data, the messages about mistakes in it, and the cache on disk."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Lambda terms: binding, normal forms, printing; evaluation against step-by-step reduction."""
 
 from __future__ import annotations

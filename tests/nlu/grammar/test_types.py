@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Types, and the check of terms against them."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Patterns: optional words, choices and gaps."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Discourse markers are removed, and nothing else is."""
 
 from __future__ import annotations

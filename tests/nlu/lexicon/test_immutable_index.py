@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A mapping that grows without being copied, and whose versions stay as they were."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """English word forms, forwards and backwards."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The lexicon that grows: any number of words, in any order, without any change to the old one."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Lookup of entries by their words, and their creation on first use."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Which new words are likely slips of known ones."""
 
 from __future__ import annotations

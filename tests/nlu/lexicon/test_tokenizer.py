@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tokenizer: words, breaks, pauses and spans."""
 
 from __future__ import annotations

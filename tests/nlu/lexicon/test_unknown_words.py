@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Unknown words: their roles, their forms, and misspellings of known ones."""
 
 from __future__ import annotations

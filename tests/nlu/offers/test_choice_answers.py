@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Answers to numbered choices."""
 
 from __future__ import annotations

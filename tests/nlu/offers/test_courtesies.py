@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Courtesies: which utterances are polite, and which only have polite words."""
 
 from __future__ import annotations

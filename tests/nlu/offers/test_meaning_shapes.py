@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Shapes of meanings."""
 
 from __future__ import annotations

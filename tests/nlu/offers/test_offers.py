@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Offers for what is not understood: which meanings, and what keeps one from being offered."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Turns of phrase whose meaning somebody confirmed: what they mean of other names."""
 
 from __future__ import annotations

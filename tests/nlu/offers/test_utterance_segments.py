@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Segments of an utterance that are offered as all that it means."""
 
 from __future__ import annotations

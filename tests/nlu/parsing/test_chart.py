@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The chart: one derivation per meaning, all words used, bounded time."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Utterances with something around what they mean."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The scope of "no": it negates a thing, or corrects what was said before."""
 
 from __future__ import annotations

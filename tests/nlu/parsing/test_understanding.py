@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The result of an utterance: every stage, the JSON object, and failure messages."""
 
 from __future__ import annotations

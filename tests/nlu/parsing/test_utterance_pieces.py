@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The pieces of an utterance, and what they announce."""
 
 from __future__ import annotations

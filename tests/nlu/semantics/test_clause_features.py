@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Features of clauses, read off their words."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What is said in a conversation means what it means after the turns before it."""
 
 import json

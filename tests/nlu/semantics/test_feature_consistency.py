@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """No pattern of a word file stands for two values of one feature."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The licence: which features of a sentence let it become a rule, and how sure it is then."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Meanings as values and as JSON."""
 
 from __future__ import annotations

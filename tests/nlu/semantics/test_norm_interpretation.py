@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Norms in the words of people: the same meaning however it is said."""
 
 from __future__ import annotations

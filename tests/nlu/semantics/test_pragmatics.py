@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pragmatic rules: speech acts and intentions."""
 
 from __future__ import annotations

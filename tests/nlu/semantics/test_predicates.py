@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Predicate forms, patterns and what they stand for."""
 
 from __future__ import annotations

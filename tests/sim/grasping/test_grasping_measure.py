@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """A slice of `benchmarks/grasping.py`: every setting, and the tables that are made of it."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Grasps planned on synthetic clouds: of the target part only, clear of everything else."""
 
 from __future__ import annotations

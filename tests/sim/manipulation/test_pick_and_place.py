@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Impossible grasps are reported without trying; lost objects are grasped again."""
 
 from __future__ import annotations

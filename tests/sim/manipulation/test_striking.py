@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Striking with a held object."""
 
 from __future__ import annotations

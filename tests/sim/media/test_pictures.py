@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """What is drawn into pictures is where it belongs in the world."""
 
 from dataclasses import replace

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Pictures and recordings for people."""
 
 from collections.abc import Iterator

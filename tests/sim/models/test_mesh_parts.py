@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Objects of one's own with a mesh file for each part."""
 
 from pathlib import Path

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Models of objects: built once, kept, and never half written."""
 
 import os

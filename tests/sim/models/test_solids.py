@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The geometry of solids: visual surfaces and convex collision pieces."""
 
 from math import pi

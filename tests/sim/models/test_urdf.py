@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Tests for robot files made of an arm and a hand."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The physics engine behind names."""
 
 from collections.abc import Iterator

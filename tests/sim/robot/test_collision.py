@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Clearance: gaps between an arm made of spheres and what it may hit."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Kinematics: forward agrees with the simulator, inverse undoes forward."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Robots as data."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Paths of the arm: they hit no seen point, however thin the object is."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The robot in the simulator: it follows paths, and senses what its gripper closes on."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Scenes: what `--scene` may say, and where things are put."""
 
 from math import radians

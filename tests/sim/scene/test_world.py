@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The world: objects settle where scenes put them, and stay."""
 
 from collections.abc import Iterator

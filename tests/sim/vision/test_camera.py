@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Cameras: pixels and the points behind them."""
 
 from collections.abc import Iterator

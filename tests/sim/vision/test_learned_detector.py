@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The learned detector: types and parts from images alone, with calibrated confidence."""
 
 from collections.abc import Iterator

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The mask detector: percepts of the requested features, and smoothing of depths."""
 
 from collections.abc import Iterator

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The classifier gives probabilities, novel inputs are told, and both are read from arrays."""
 
 import numpy as np

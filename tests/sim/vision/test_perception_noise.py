@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Noise: objects are missed, confused and doubted as often as asked, and from the seed."""
 
 from collections.abc import Sequence

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The region of interest shows objects as the whole image does."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Vision sensors are interchangeable and agree on the names of objects."""
 
 from collections.abc import Iterator

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The verification of all learning scenarios: its cases, its hypotheses and its certificate."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Experiments of one's own: what a file says is run, and what is wrong in it is told where."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The experiment on experience: less regret with it, and questions where the interval says."""
 
 from __future__ import annotations

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Facts of a table: what is said, stored and decided."""
 
 from pathlib import Path

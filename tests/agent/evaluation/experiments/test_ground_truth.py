@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The judge of decisions and grasps, with a hand whose failures are known."""
 
 from collections.abc import Iterator

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Accuracy against noise: its trials, its curves, and their confidence bands."""
 
 from __future__ import annotations

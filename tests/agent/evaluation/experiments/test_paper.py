@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The paper's evaluation: what is asked, what is right, and that it is what the agent does."""
 
 import json

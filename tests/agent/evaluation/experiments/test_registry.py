@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The registry of experiments."""
 
 import pytest

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Reports of evaluations: the page, the files, and two runs compared."""
 
 from __future__ import annotations

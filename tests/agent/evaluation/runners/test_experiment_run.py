@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """The bar of a run: how far it is, how fast, and for how long."""
 
 import io

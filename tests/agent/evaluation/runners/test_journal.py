@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Journals: a run that is stopped at any moment goes on, and ends as if nothing had happened.
 
 The command is killed a few times; `HILT_KILLS=30` in the environment makes it thirty.

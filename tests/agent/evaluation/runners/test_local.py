@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Engines: the same results whatever happens to the workers."""
 
 from collections.abc import Sequence

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: Apache-2.0
 """Runs on a Ray cluster. Ray is an extra, and these tests say so where it is missing."""
 
 import importlib.util
