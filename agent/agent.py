@@ -106,6 +106,7 @@ class Agent:
             self.visible,
             self._episodes.record,
             judge=self.judge,
+            actions=actions,
             holding=self.holding,
             seed=self.scene.seed,
             other=dialogue,

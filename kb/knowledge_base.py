@@ -83,6 +83,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     history = _delegated("reader", RuleReader.history)
     words = _delegated("reader", RuleReader.words)
     phrases = _delegated("reader", RuleReader.phrases)
+    actions = _delegated("reader", RuleReader.actions)
     trust = _delegated("reader", RuleReader.trust)
     trust_by_speaker = _delegated("reader", RuleReader.trust_by_speaker)
     speakers = _delegated("reader", RuleReader.speakers)
@@ -95,6 +96,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     forget_word = _delegated("writer", RuleWriter.forget_word)
     learn_phrase = _delegated("writer", RuleWriter.learn_phrase)
     forget_phrase = _delegated("writer", RuleWriter.forget_phrase)
+    forget_action = _delegated("writer", RuleWriter.forget_action)
     forget_trials = _delegated("writer", RuleWriter.forget_trials)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:

@@ -17,8 +17,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
 from .interval import Interval
-from .learned_phrases import LearnedPhrase, read_phrases
-from .learned_words import LearnedWord, read_words
+from .learned_words import LearnedPhrase, LearnedWord, read_phrases, read_words
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Term, as_sparql
@@ -26,6 +25,7 @@ from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query, node_iri
 from .sparql.query_text import bind_variables
 from .stores.base import Store
+from .taught_actions import TaughtAction, read_actions
 
 BASE_NODE = Iri("https://w3id.org/hilt/base")
 BASE_GRAPH = iri("graph", "base")
@@ -152,6 +152,10 @@ class RuleReader:
     def phrases(self) -> list[LearnedPhrase]:
         """The learned phrases that were not revoked."""
         return read_phrases(self.store)
+
+    def actions(self) -> list[TaughtAction]:
+        """The taught actions that were not revoked, one of each name."""
+        return read_actions(self.store)
 
     @property
     def sequence(self) -> int:

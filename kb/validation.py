@@ -36,6 +36,7 @@ from .reader import BASE_GRAPH, TRUST_LOWER, TRUST_UPPER
 from .rule import Rule
 from .stores.base import MEMORY, Store
 from .stores.opening import open_store
+from .taught_actions import ACTIONS
 from .writer import speaker_quads
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ _GRAPHS = {
     "GraspTrial": EPISODES,
     "Word": LEXICON,
     "Phrase": LEXICON,
+    "TaughtAction": ACTIONS,
     "Base": BASE_GRAPH,
 }
 BASE_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)

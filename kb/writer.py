@@ -18,13 +18,21 @@ from ..ontology.vocabulary import Iri, iri, term
 from .episodes import EPISODES, FORGOTTEN_BY, trial_nodes
 from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
 from .interval import Interval
-from .learned_phrases import LearnedPhrase, phrase_iri, phrase_quads
-from .learned_words import LEXICON, LearnedWord, word_iri, word_quads
+from .learned_words import (
+    LEXICON,
+    LearnedPhrase,
+    LearnedWord,
+    phrase_iri,
+    phrase_quads,
+    word_iri,
+    word_quads,
+)
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, TRUST_LOWER, TRUST_UPPER, RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
+from .taught_actions import ACTIONS, TaughtAction, action_node, action_quads
 
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 
@@ -60,6 +68,7 @@ class RuleWriter:
         retracts: Iterable[str] = (),
         supersedes: Iterable[str] = (),
         words: Iterable[LearnedWord] = (),
+        actions: Iterable[TaughtAction] = (),
         kind: str = "statement",
         answer: str = "",
         heard: float = 1.0,
@@ -72,8 +81,9 @@ class RuleWriter:
         speaker is to be believed (`trust`).
 
         The arguments are those of `Utterance`; its time is now by default. The rules are
-        attributed to its speaker, or to the `source` whose words the speaker reports; `words` are
-        new words that were learned from it. `heard` is already part of the intervals of the rules.
+        attributed to its speaker, or to the `source` whose words the speaker reports; `words` and
+        `actions` are what else was learned from it. `heard` is already part of the intervals of
+        the rules.
 
         Raises:
             UnknownNameError: a rule to retract does not exist.
@@ -99,6 +109,9 @@ class RuleWriter:
             change.insert += speaker_quads(source, BELIEFS) if source else []
             for word in words:
                 change.insert += word_quads(word, self._reader.sequence + 1)
+            for action in actions:
+                self._end_actions(change, action.name)
+                change.insert += action_quads(action, self._reader.sequence + 1)
             return self._write(utterance, list(asserted.values()), change)
 
     def record(
@@ -234,6 +247,29 @@ class RuleWriter:
             moment = to_milliseconds(self.clock())
             self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
         return len(found)
+
+    def forget_action(
+        self, name: str, text: str, speaker: str, *, answer: str = ""
+    ) -> TaughtAction:
+        """Retract a taught action, whose node stays; NotFoundError if none has that name.
+
+        `text` is the utterance that retracts it, for the history.
+        """
+        with self._store.writing():
+            known = {action.name: action for action in self._reader.actions()}
+            if name not in known:
+                raise NotFoundError("taught action", name, known)
+            change, moment = _Change(), to_milliseconds(self.clock())
+            self._end_actions(change, name)
+            said = Utterance(0, text, "", speaker, moment, "correction", answer=answer)
+            self._write(said, [], change)
+        return known[name]
+
+    def _end_actions(self, change: _Change, name: str) -> None:
+        """Retract the taught actions of a name, whose nodes stay."""
+        for action in (each for each in self._reader.actions() if each.name == name):
+            kept = action_quads(action, action.utterance or 0, status="retracted")
+            change.replace(self._store.quads(action_node(action), None, None, ACTIONS), kept)
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None

@@ -46,6 +46,8 @@ from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser, UtteranceContext
 from .parsing.periphery import PeripheryReader
+from .parsing.procedure_words import load_procedure_words
+from .parsing.procedures import ProcedureReader
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
@@ -92,6 +94,7 @@ class Language:
         name: its folder.
         examples: sentences that are understood, each with its words.
         phrases: turns of phrase that the grammar does not have, and whose meaning was confirmed.
+        frames: the taught actions on several objects or none, with the words between them.
     """
 
     name: str
@@ -104,6 +107,7 @@ class Language:
     degrees: Degrees
     controls: ControlPhrases
     phrases: PhraseMemory = NO_PHRASES
+    frames: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
 
     @classmethod
     @paused_garbage_collection()
@@ -306,6 +310,10 @@ class Language:
         """Return this language with further turns of phrase."""
         return replace(self, phrases=self.phrases.with_phrases(phrases))
 
+    def with_frames(self, frames: Mapping[str, tuple[str, ...]]) -> Language:
+        """Return this language with these taught actions, whose names it has as words."""
+        return replace(self, frames=frames)
+
     def _tokens(self, text: str) -> Tokens:
         return tokenize(text, self.builder.contractions)
 
@@ -409,9 +417,10 @@ class Language:
             self.parser, known, self.inflection, self.answers, self.realizer, self.examples
         )
         reading_filter = ReadingFilter(known, self.inflection, self.parser.features)
-        return UtteranceParser(
-            self.parser, self.builder, known, reading_filter, clarification, self._periphery(known)
-        )
+        words = load_procedure_words(_folder(self.name) / "procedures.yaml")
+        procedures = ProcedureReader(words, self.parser, known, self.controls, self.frames)
+        parts = (known, reading_filter, clarification, self._periphery(known), procedures)
+        return UtteranceParser(self.parser, self.builder, *parts)
 
     def _periphery(self, known: KnownWords) -> PeripheryReader:
         folder, builder = _folder(self.name), self.builder

@@ -34,11 +34,12 @@ RECORD_KINDS = (
     "trial",
     "word",
     "phrase",
+    "taught",
 )
 KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")
 
 # The named graphs of a knowledge base; `base` holds its format version and sequence number.
-GRAPH_NAMES = ("base", "domain", "beliefs", "history", "lexicon", "episodes")
+GRAPH_NAMES = ("base", "domain", "beliefs", "history", "lexicon", "episodes", "actions")
 
 _FOREIGN = {
     "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",

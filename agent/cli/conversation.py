@@ -127,6 +127,16 @@ def chat(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> Non
         run(agent, terminal(), sys.stdin, speaker)
 
 
+@app.command(epilog=example("actions --json"))
+def actions(*, kb: Kb = None, as_json: AsJson = False) -> None:
+    """List the actions that were taught, with their steps and their teachers."""
+    from ..presentation import console
+
+    with open_for_reading(kb) as base:
+        found = base.actions()
+    show(found, console.actions, as_json=as_json)
+
+
 @app.command(epilog=example("words --json"))
 def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the words and the turns of phrase that were learned, with their teachers."""

@@ -64,9 +64,10 @@ def forget(
     what: Annotated[
         list[str],
         typer.Argument(
-            metavar="RULE|last|word WORD|phrase PHRASE|experience [OBJECT [PART]]",
+            metavar="RULE|last|word WORD|phrase PHRASE|action ACTION|experience [OBJECT [PART]]",
             help='A rule by its id or the first digits of it (see "hilt rules"), the last sentence '
-            "that taught something, a learned word or phrase, or what grasping an object came to.",
+            "that taught something, a learned word, phrase or action, or what grasping an object "
+            "came to.",
         ),
     ],
     *,
@@ -74,7 +75,7 @@ def forget(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Take back a rule, what was told last, a word, a phrase or experience; history keeps it."""
+    """Take back a rule, what was told last, a word, an action, ..; the history keeps it."""
     from ...kb.diff import rule_changes
 
     with open_base(kb) as base:
@@ -227,6 +228,9 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
         case ["phrase", *words]:
             phrase = base.forget_phrase(" ".join(words), said, speaker)
             return f'Forgot the phrase "{phrase.pattern}".'
+        case ["action", *words] if words:
+            action = base.forget_action(" ".join(words), said, speaker)
+            return f'Forgot the action "{action.name}".'
         case ["experience", *names] if len(names) <= 2:
             name, part = (*names, None, None)[:2]
             number = base.forget_trials(said, speaker, of=name, part=part)
@@ -237,7 +241,8 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
             gone = [find_rule(base.reader, name)]
         case _:
             raise typer.BadParameter(
-                'Expected RULE, "last", "word" and a word, "phrase" and a phrase, or "experience".'
+                'Expected RULE, "last", "word" and a word, "phrase" and a phrase, "action" and an '
+                'action, or "experience".'
             )
     over = [rule for rule in gone if rule.status != "active"]
     if over:

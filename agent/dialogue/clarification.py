@@ -56,6 +56,9 @@ class ClarificationDialogue:
         insisted = self._insists(text, speaker)
         if insisted:
             return insisted()
+        told = open_question.tell(text) if open_question.tell else None
+        if told:
+            return told
         for answered in self._short_answers(text, open_question):
             if answered.is_dismissal:
                 conversation.open_question = None

@@ -8,7 +8,7 @@ also one that is refused or not understood.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -22,12 +22,14 @@ from ...nlu.language import Language
 from ...nlu.offers.courtesies import answer_to
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
+from ...ontology.actions import Actions
 from ...ontology.errors import UnknownNameError
 from .. import protocols
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import AnswerContent, GoalResult, WorldOutcome
 from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
+from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
 from .conversation import Conversation, UnderstoodTurn
@@ -58,11 +60,13 @@ class DialogueManager:
         record_episode: called with every command that was carried out and its reply, and whether
             it is to be kept.
         judge: returns what the norms say of a request.
+        actions: those that the robot comes with.
         holding: returns the name of the object in the hand, None when it is empty.
         seed: the seed of everything random, kept with each reply.
         other: a language part that is asked first.
 
     Attributes:
+        lessons: the actions that are taught.
         contexts: what holds now beside the current action: places and roles, with their intervals.
     """
 
@@ -75,6 +79,7 @@ class DialogueManager:
         record_episode: Callable[[Request, Reply, bool], None],
         *,
         judge: Callable[[Request], NormVerdict],
+        actions: Actions,
         holding: Callable[[], str | None] = lambda: None,
         seed: int = 0,
         other: protocols.Dialogue | None = None,
@@ -87,13 +92,14 @@ class DialogueManager:
             base, known, visible, holding=holding, seed=seed, other=other
         )
         self._beliefs = BeliefRevision(base, self._conversation)
+        self.lessons = ActionLessons(base, self._conversation, actions)
         self._clarification = ClarificationDialogue(self._conversation, self.hear, self._respond)
         self._agreements = PartAgreements(lambda: goals().affordances)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
         self._record_episode = record_episode
         self._accepted: frozenset[str] = frozenset()  # words that were said to be new
-        self._interrupted: tuple[UnderstoodTurn, Request] | None = None  # the command to continue
+        self._interrupted: Callable[[], Reply] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._last: tuple[UnderstoodTurn, Request] | None = None  # the last command
         self._norms = NormDialogue(base, self._conversation, judge)
@@ -101,7 +107,10 @@ class DialogueManager:
         self._listeners: dict[type, Callable[[UnderstoodTurn, Any], Reply]] = {
             meaning.Statement: self._beliefs.learn,
             meaning.NormStatement: self._norms.lay_down,
-            meaning.Retraction: self._beliefs.forget,
+            meaning.Retraction: self._forget,
+            meaning.ActionDefinition: self.lessons.learn,
+            meaning.ActionCommand: self._carry_out_plan,
+            meaning.Plan: self._carry_out_plan,
             meaning.TopicStatement: self._beliefs.open_topic,
             meaning.Command: self._carry_out_command,
             meaning.ToolCommand: self._carry_out_command,
@@ -181,6 +190,9 @@ class DialogueManager:
         self._conversation.last_said = reply.said
         return reply
 
+    def _forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
+        return (self.lessons if said.action else self._beliefs).forget(turn, said)
+
     # --- Commands -----------------------------------------------------------------------------
 
     def _carry_out_command(
@@ -200,9 +212,35 @@ class DialogueManager:
         request = request_from_command(said, turn.speaker, self.language.tool_acts)
         target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
         self._excluded = self._excluded | self._last_chosen() if target.other else frozenset()
-        return self._carry_out(
-            turn, replace(request, contexts=self.contexts, excluded=self._excluded)
+        return self._start(turn, [replace(request, excluded=self._excluded)])
+
+    def _carry_out_plan(
+        self, turn: UnderstoodTurn, said: meaning.Plan | meaning.ActionCommand
+    ) -> Reply:
+        """Carry out several commands in order, up to the first that fails."""
+        if not self._conversation.trusts(turn.speaker):
+            return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
+        steps = said.steps if isinstance(said, meaning.Plan) else (said,)
+        unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
+        acts = self.language.tool_acts
+        return unknown or self._start(
+            turn, [request_from_command(each, turn.speaker, acts) for each in steps]
         )
+
+    def _start(self, turn: UnderstoodTurn, requests: Sequence[Request]) -> Reply:
+        """Carry out requests, unless a taught action was told for objects of another kind."""
+        conversation = self._conversation
+        first, *rest = (replace(each, contexts=self.contexts) for each in requests)
+        for each in requests:
+            if self.lessons.lacks_objects(each):
+                return conversation.answered(turn, "on_what", "asked", goal=each.action)
+            other = self.lessons.other_kind(each, self._goals().affordances.taxonomy)
+            if other:
+                conversation.open_question = OpenQuestion(
+                    turn.speaker, lambda: self._carry_out(turn, first, rest)
+                )
+                return conversation.answered(turn, "taught_for", "asked", **other)
+        return self._carry_out(turn, first, rest)
 
     def _ask_what_that_is(self, turn: UnderstoodTurn, asked: meaning.Question) -> Reply:
         """Ask what a thing is that nobody has spoken of, or what has such a use."""
@@ -227,26 +265,43 @@ class DialogueManager:
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
         """Carry out a request; return its result and the spoken answer."""
         try:
-            result = self._goals().achieve(self._norms.lift(request))
+            goals = self._goals()
+            goals.actions = self.lessons.actions
+            result = goals.achieve(self._norms.lift(request))
         except UnknownNameError:
             answered = AnswerContent("cannot", {"goal": request.action}, "failed")
             result = GoalResult(answered, None, (), WorldOutcome())
         result = self._norms.with_reason(result)
         return result, " ".join(map(self._conversation.say, (*result.setbacks, result.answer)))
 
-    def _carry_out(self, turn: UnderstoodTurn, request: Request) -> Reply:
+    def _carry_out(
+        self,
+        turn: UnderstoodTurn,
+        request: Request,
+        rest: Sequence[Request] = (),
+        before: GoalResult | None = None,
+    ) -> Reply:
+        """Carry out a request after those that have the result `before`, and then the rest."""
         conversation = self._conversation
         request = self._agreements.applied_to(request)
         result, spoken = self.attempt(request)
+        if before:
+            result = result.after(before)
+            spoken = " ".join(map(conversation.say, (*result.setbacks, result.answer)))
         spoken = self._asking_for_use(turn, result, spoken)
         self._last = (turn, request)
         reply = replace(
             conversation.reply(turn, spoken), ending=result.answer.ending, result=result
         )
-        conversation.record(reply, turn)
+        has_more = rest and reply.is_done
+        if not has_more:
+            conversation.record(reply, turn)
         self._record_episode(request, reply, turn.keep)
+        if has_more:
+            return self._carry_out(turn, rest[0], rest[1:], result)
         conversation.last_done, conversation.control_done = reply, None
-        self._interrupted = (turn, request) if reply.is_interrupted else None
+        again = partial(self._carry_out, turn, request, rest, before)
+        self._interrupted = again if reply.is_interrupted else None
         self._just_stopped = result.answer if reply.is_interrupted else None
         conversation.topic = ()
         conversation.set_topic(result.decision.rules if result.decision else ())
@@ -263,26 +318,38 @@ class DialogueManager:
         verdict = result.forbidding
         if verdict and verdict.forbidding:
             conversation.set_topic((verdict.forbidding,))
-        settled, first = request.confirmed(result), self._norms.first_request(request, result)
+        first = self._norms.first_request(request, result)
         if first:
             conversation.open_question = OpenQuestion(
-                turn.speaker, lambda: self._carry_out_both(turn, first, request)
+                turn.speaker, lambda: self._carry_out(turn, first, (request, *rest))
             )
-        elif reply.ending == "asked" and settled:
-            conversation.open_question = OpenQuestion(
-                turn.speaker,
-                yes=lambda: self._carry_out(turn, settled),
-                choose=lambda named: self._carry_out(turn, choosing(request, named, result)),
-            )
+        elif reply.ending == "asked":
+            self._wait_for_answer(turn, request, result, partial(self._carry_out, turn), rest)
         return reply
 
-    def _carry_out_both(self, turn: UnderstoodTurn, first: Request, then: Request) -> Reply:
-        """Carry out what must come first, and then what was asked for."""
-        reply = self._carry_out(turn, first)
-        if not reply.is_done:
-            return reply
-        last = self._carry_out(turn, then)
-        return replace(last, said=f"{reply.said} {last.said}")
+    def _wait_for_answer(
+        self,
+        turn: UnderstoodTurn,
+        request: Request,
+        result: GoalResult,
+        carry_out: Callable[[Request, Sequence[Request]], Reply],
+        rest: Sequence[Request],
+    ) -> None:
+        """Wait for the answer to what Hilt asked about a request."""
+        is_so, is_not = (request.told(result, is_so=each) for each in (True, False))
+        settled = is_so or request.confirmed(result)
+
+        def choose(named: meaning.Answer) -> Reply:
+            return carry_out(choosing(request, named, result), rest)
+
+        if settled:
+            self._conversation.open_question = OpenQuestion(
+                turn.speaker,
+                yes=lambda: carry_out(settled, rest),
+                no=(lambda: carry_out(is_not, rest)) if is_not else None,
+                choose=None if is_so else choose,
+                needs_yes=is_so is not None,
+            )
 
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
         """What is said of a command, with the question what has a use that nothing is known for."""
@@ -326,7 +393,7 @@ class DialogueManager:
         if pending and pending.yes and pending.asked == turn.speaker:
             return pending.yes()
         if self._interrupted:
-            return self._carry_out(*self._interrupted)
+            return self._interrupted()
         last = self._last
         if last and last[0].speaker == turn.speaker:
             self._conversation.open_question = OpenQuestion(

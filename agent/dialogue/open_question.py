@@ -24,6 +24,7 @@ class OpenQuestion:
         choices: called after the number of a choice, by number from 1 on.
         choose: called with an answer that names something; it returns None where the answer does
             not fit, which must change nothing.
+        tell: called with the text of any other answer; it returns None where it does not fit.
         needs_yes: whether "okay" only acknowledges it, and does not agree.
         word: the word that may be a slip, if it is asked about one.
     """
@@ -33,6 +34,7 @@ class OpenQuestion:
     no: Callable[[], Reply] | None = None
     choices: tuple[Callable[[], Reply], ...] = ()
     choose: Callable[[Answer], Reply | None] | None = None
+    tell: Callable[[str], Reply | None] | None = None
     needs_yes: bool = False
     word: str = ""
 

@@ -79,6 +79,10 @@ def _best_for(question: Question, known: AnswerSources) -> Answered:
 
 def _how(question: Question, known: AnswerSources) -> Answered:
     grasps = _strongest(_grasp_rules(question, known), "part")
+    taught = {each.name: each for each in known.base.actions()}.get(question.context or "")
+    if taught:
+        said = spoken("source", done=True, speaker=taught.speaker, texts=taught.said)
+        return said, tuple(grasps[:1])
     if not grasps:
         key = "no_how_with" if question.context in known.words.tool_acts else "no_how"
         return spoken(key, goal=question.context or "grasp", object=question.object), ()

@@ -27,6 +27,14 @@ def _fixed(key: str, _: Question, __: AnswerSources) -> Answered:
     return spoken(key, done=True), ()
 
 
+def _capabilities(_: Question, known: AnswerSources) -> Answered:
+    """What Hilt can do, the actions included that it was taught."""
+    taught = tuple(each.name for each in known.base.actions())
+    if not taught:
+        return spoken("capabilities", done=True), ()
+    return spoken("capabilities_taught", done=True, actions=taught), ()
+
+
 def _identity(question: Question, known: AnswerSources) -> Answered:
     """Who Hilt is, or who somebody is, of whom it knows what they told and whether to trust it."""
     if question.speaker is None:
@@ -152,7 +160,7 @@ def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Ru
 
 
 SELF_REPORTS: Mapping[str, Callable[[Question, AnswerSources], Answered]] = {
-    "capabilities": partial(_fixed, "capabilities"),
+    "capabilities": _capabilities,
     "exceptions": _exceptions,
     "first_told": partial(_told_at_an_end, newest_first=False),
     "hearing": partial(_fixed, "hearing"),

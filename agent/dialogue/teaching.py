@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 from ...kb.history import IMPORT
 from ...kb.interval import VACUOUS
 from ...kb.knowledge_base import KnowledgeBase
-from ...kb.learned_phrases import LearnedPhrase
-from ...kb.learned_words import LearnedWord
+from ...kb.learned_words import LearnedPhrase, LearnedWord
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape

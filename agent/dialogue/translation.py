@@ -18,6 +18,7 @@ from ...nlu.semantics.interpretation import GOALS
 from ...ontology.actions import Actions
 from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Argument, Request
+from ..execution.taught_trees import PARAMETERS
 
 
 def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
@@ -110,7 +111,7 @@ def norm_from_rule(rule: Rule) -> meaning.Norm | None:
 
 
 def request_from_command(
-    command: meaning.Command | meaning.ToolCommand,
+    command: meaning.Act,
     speaker: str,
     tool_acts: Mapping[str, str] | None = None,
 ) -> Request:
@@ -127,6 +128,12 @@ def request_from_command(
         arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
         return Request(
             command.goal, arguments, speaker, assumed=frozenset({"tool"} if is_assumed else ())
+        )
+    if isinstance(command, meaning.ActionCommand):
+        return Request(
+            command.goal,
+            dict(zip(PARAMETERS, map(_target, command.objects), strict=False)),
+            speaker,
         )
     arguments = {"object": _target(command.target)}
     if command.recipient:

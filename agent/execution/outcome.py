@@ -290,6 +290,16 @@ class GoalResult:
         found = (each for each in self.verdicts if each.forbidding and each.forbidding.id == norm)
         return next(found, None)
 
+    def after(self, before: GoalResult) -> GoalResult:
+        """Return this result and that of the goal before it as one."""
+        return GoalResult(
+            self.answer,
+            self.decision or before.decision,
+            (*before.steps, *self.steps),
+            self.world if self.world.executed else before.world,
+            (*before.setbacks, before.answer, *self.setbacks),
+        )
+
     def as_json(self) -> Json:
         """The keys of `hilt do --json` on what was decided and done."""
         return {

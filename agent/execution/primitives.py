@@ -127,7 +127,9 @@ class PrimitiveExecutor:
         wanted = task.arguments.get("object")
         named = wanted.object if isinstance(wanted, Target) else wanted
         failure = empty_hand(self._motion, task.action, named)
-        if failure.ending == "failed":
+        # To point at something the robot puts down what it holds, so that it is down already.
+        is_down = failure.key == "nothing_held" and self.holding is not None
+        if failure.ending == "failed" and not is_down:
             return failure
         self.holding = None
         self.world = replace(self.world, executed=True)

@@ -28,12 +28,12 @@ from ...kb.diff import BaseDifference, UtteranceChanges
 from ...kb.episodes import Episode
 from ...kb.history import Utterance
 from ...kb.interval import Interval
-from ...kb.learned_phrases import LearnedPhrase
-from ...kb.learned_words import LearnedWord
+from ...kb.learned_words import LearnedPhrase, LearnedWord
 from ...kb.rdf.terms import Iri, Term
 from ...kb.rule import Rule
 from ...kb.sparql.named_queries import NamedQuery
 from ...kb.sparql.results import BooleanResult, SelectResult
+from ...kb.taught_actions import TaughtAction
 from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
 from ..dialogue.reply import Reply
@@ -264,6 +264,12 @@ def words(found: Sequence[LearnedWord | LearnedPhrase]) -> Table:
     keys = ("word", "kind", "said", "speaker", "utterance")
     rows = ([str(each[key]) for key in keys] for each in (one.as_json() for one in found))
     return _table(("word", "is", "said as", "speaker", "utterance"), rows, "entry", "entries")
+
+
+def actions(found: Sequence[TaughtAction]) -> Table:
+    """Taught actions with what taught them and their teachers."""
+    rows = ((each.name, each.said, each.speaker, str(each.utterance)) for each in found)
+    return _table(("action", "said as", "speaker", "utterance"), rows, "action", "actions")
 
 
 def results(found: SelectResult | BooleanResult) -> RenderableType:

@@ -22,6 +22,7 @@ from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import Quad
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule
+from ..taught_actions import ACTIONS
 from ..writer import speaker_quads, trust_quads
 
 
@@ -146,9 +147,9 @@ def plan_history(
 
 
 def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> None:
-    """Add episodes and words, and the domain where the base has none."""
+    """Add episodes, words and taught actions, and the domain where the base has none."""
     renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
-    for graph in (EPISODES, LEXICON):
+    for graph in (EPISODES, LEXICON, ACTIONS):
         plan.insert += (
             _renumbered(quad, renumbered) for quad in other.store.quads(None, None, None, graph)
         )

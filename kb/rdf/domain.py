@@ -84,17 +84,22 @@ def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
     for name, above in actions.kinds.items():
         yield atom_iri(Atom("action", name)), IS_A, atom_iri(Atom("action", above))
     for path in actions.nodes:
-        node, (above, _, action) = _node(path), path.rpartition("/")
-        yield node, TYPE, term("Node")
-        yield node, LABEL, _key(path)
-        yield node, DOES, atom_iri(Atom("action", action))
-        if above:
-            yield node, UNDER, _node(above)
-        for context in (*actions.contexts(path), None):
-            key = f"{context}.{action}" if context else action
-            yield node, HEEDS, iri("node", key)
-            yield iri("node", key), TYPE, term("Node")
-            yield iri("node", key), LABEL, key
+        yield from node_statements(path)
+
+
+def node_statements(path: str) -> Iterator[tuple[Iri, Iri, Term]]:
+    """Yield the statements about the node of an action tree with this path."""
+    node, (above, _, action) = _node(path), path.rpartition("/")
+    yield node, TYPE, term("Node")
+    yield node, LABEL, _key(path)
+    yield node, DOES, atom_iri(Atom("action", action))
+    if above:
+        yield node, UNDER, _node(above)
+    for context in (*reversed(above.split("/") if above else ()), None):
+        key = f"{context}.{action}" if context else action
+        yield node, HEEDS, iri("node", key)
+        yield iri("node", key), TYPE, term("Node")
+        yield iri("node", key), LABEL, key
 
 
 def _node(path: str) -> Iri:

@@ -16,11 +16,14 @@ from ...ontology.yaml_reader import read_yaml
 from ..semantics.meaning import (
     ANY_OBJECT,
     Acknowledgement,
+    ActionCommand,
+    ActionDefinition,
     Command,
     Confidence,
     FunctionalRule,
     Meaning,
     ObjectReference,
+    Plan,
     Question,
     Retraction,
     Rule,
@@ -49,7 +52,7 @@ class Realizer:
     uses: Mapping[str, str]
     giving: str = "pass"
 
-    def realize(self, meaning: Meaning) -> str:
+    def realize(self, meaning: Meaning) -> str:  # noqa: PLR0911 - a case per kind
         """Return a sentence with this meaning, without capital letter and full stop.
 
         Raises:
@@ -60,6 +63,13 @@ class Realizer:
                 return self._statement(rules)
             case Command() | ToolCommand():
                 return self._command(meaning)
+            case ActionCommand(goal, objects):
+                things = self.answers.join([self._target(each) for each in objects])
+                return f"{self.answers.act(goal)} {things}".rstrip()
+            case Plan(steps):
+                return f"{self._say('rules', 'then')} ".join(map(self.realize, steps))
+            case ActionDefinition(only_if=(), if_fails=()):
+                return self._say("rules", "way", **self._way(meaning))
             case Question():
                 return self._question(meaning)
             case Retraction() | TopicStatement():
@@ -68,6 +78,10 @@ class Realizer:
                 return self._say("replies", ack)
             case _:
                 raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
+
+    def _way(self, meaning: ActionDefinition) -> Mapping[str, str]:
+        things = self.answers.act_on(meaning.action, *meaning.parameters, links=meaning.links)
+        return {"action": things, "steps": self.realize(Plan(meaning.steps))}
 
     def _turn(self, meaning: Retraction | TopicStatement) -> str:
         """A sentence that retracts rules or opens a topic."""

@@ -35,7 +35,7 @@ MOST_OF_NEVER = 0.1
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
-_LISTED = frozenset({"list", "those", "clauses", "things", "kinds", "quotes", "names"})
+_LISTED = frozenset({"list", "those", "acts", "clauses", "things", "kinds", "quotes", "names"})
 _SLOT_FORMS = frozenset({"a", "the", "be", "it", "many", "to", "done", "name", "use"}) | _LISTED
 
 
@@ -241,6 +241,12 @@ class AnswerTemplates:
         """Return the verb of an act: "pick up" for `pickUp`."""
         return self.acts.get(name, name)
 
+    def act_on(self, act: str, *objects: str, links: Sequence[str] = ()) -> str:
+        """Return an act on some objects of a kind each: "swap a knife and a spoon"."""
+        named = [self.noun_phrase(each) for each in objects]
+        linked = [f"{link} {name}" for link, name in zip(links, named[1:], strict=False)]
+        return " ".join((self.act(act), *named[:1], *linked))
+
     def join(self, items: Sequence[str], comma: str = "") -> str:
         """Join several items: "a knife, a mug and a shoe"; clauses have a `comma` before "and"."""
         if len(items) < 2:
@@ -264,6 +270,7 @@ class AnswerTemplates:
             "name": _capitalised,
             "list": str,
             "clauses": str,
+            "acts": self.act,
             "those": lambda word: f"the {word}",
             "things": self.inflection.with_article,
             "kinds": lambda word: self.inflection.form(word, "plural"),

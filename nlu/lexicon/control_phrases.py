@@ -72,6 +72,13 @@ class ControlPhrases:
                 return control, end, kind
         return None
 
+    def after_polite(self, words: Sequence[str]) -> int:
+        """Return the place after the phrases that change nothing at the beginning of some words."""
+        place = 0
+        while place < len(words) and (step := self._polite(words, place)):
+            place = step[1]
+        return place
+
     def _polite(self, words: Sequence[str], start: int) -> tuple[str, int, None] | None:
         ends = [end for steps in self.polite for end, _ in self._ends(steps, words, start)]
         return ("", max(ends), None) if ends else None

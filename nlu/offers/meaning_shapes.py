@@ -11,11 +11,17 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from ..semantics.meaning import (
     Acknowledgement,
+    Act,
+    ActionCommand,
+    ActionCondition,
+    ActionDefinition,
     ActionRule,
     Command,
+    FailureReaction,
     FunctionalRule,
     Json,
     Meaning,
@@ -218,6 +224,10 @@ def meaning_from_json(json_object: Json) -> Meaning:  # noqa: PLR0911 - a case p
             return ToolCommand(**{**json_object, "tool": _reference(tool)})  # pyright: ignore
         case {"goal": str(), "target": dict(target)}:
             return Command(**{**json_object, "target": _reference(target)})  # pyright: ignore
+        case {"action": str(), "parameters": list()}:
+            return _definition(json_object)
+        case {"goal": str()}:
+            return _act(json_object)
         case {"ask": str()}:
             return Question(**json_object)  # pyright: ignore
         case {"ack": str(ack)}:
@@ -228,6 +238,39 @@ def meaning_from_json(json_object: Json) -> Meaning:  # noqa: PLR0911 - a case p
             return Retraction(_rule(rule) if isinstance(rule, dict) else None)
         case _:
             raise ValueError(f"There is no shape for {json_object}.")
+
+
+def _act(json_object: Json) -> Act:
+    """A command; one with neither target nor patient is that of a taught action."""
+    if "target" not in json_object and "patient" not in json_object:
+        objects = tuple(map(_reference, json_object.get("objects", ())))  # pyright: ignore
+        return ActionCommand(str(json_object["goal"]), objects)
+    kind = ToolCommand if "tool" in json_object else Command
+    names = {"target": _reference, "tool": _reference}
+    return kind(**{k: names.get(k, _tuple)(v) for k, v in json_object.items()})  # pyright: ignore
+
+
+def _definition(json_object: Json) -> ActionDefinition:
+    values: dict[str, Any] = json_object
+    given: list[dict[str, Any]] = values.get("if_fails", [])
+    reactions = (
+        FailureReaction(
+            tuple(each["after"]), each.get("again", 0), each.get("other", False), _acts(each)
+        )
+        for each in given
+    )
+    return ActionDefinition(
+        values["action"],
+        tuple(values["parameters"]),
+        _acts(values),
+        tuple(ActionCondition(**each) for each in values.get("only_if", ())),
+        tuple(reactions),
+        tuple(values.get("links", ())),
+    )
+
+
+def _acts(values: Mapping[str, Any]) -> tuple[Act, ...]:
+    return tuple(map(_act, values.get("steps", ())))
 
 
 def _rule(json_object: Json) -> Rule:

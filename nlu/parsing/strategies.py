@@ -3,7 +3,9 @@
 1. as one sentence, by the grammar;
 2. as a sequence of segments, split at the pauses, which have one meaning together;
 3. both again without discourse markers, and with a qualifier moved to the front;
-4. as a core beside what says nothing more of it: "my hands are wet, so pass me the ladle".
+4. as the steps of an action that is taught: "to serve a mug, pick it up and point to it";
+5. as a core beside what says nothing more of it: "my hands are wet, so pass me the ladle";
+6. as several commands in order: "pick up the mug and then point to it".
 
 Each of them accounts for all words of the utterance.
 """
@@ -21,11 +23,16 @@ from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import update_discourse
 from ..semantics.meaning import (
     Acknowledgement,
+    ActionCommand,
+    ActionDefinition,
     Answer,
     AskBack,
     Command,
     Meaning,
     Misunderstanding,
+    Plan,
+    Question,
+    Retraction,
     Statement,
     ToolCommand,
     TopicStatement,
@@ -35,6 +42,7 @@ from .chart import Chart
 from .clarification import Clarifier
 from .parser import SentenceParser, UtteranceContext, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
+from .procedures import Procedure, ProcedureReader
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
 from .understanding import Reading, Understanding
@@ -55,6 +63,7 @@ class UtteranceParser:
     reading_filter: ReadingFilter
     clarification: Clarifier
     periphery: PeripheryReader
+    procedures: ProcedureReader
 
     def understand(
         self, text: str, context: UtteranceContext, accepted: Collection[str]
@@ -68,9 +77,11 @@ class UtteranceParser:
         if problem is not None:
             return _failed(_understanding(tokens, context, problem))
         found = _Attempt(self, accepted).understand(tokens, context)
-        if found.reading is None:
+        if _is_procedure(found) and self.parser.pragmatics.is_enough(context.recognition):
+            return found
+        if found.reading is None and not _is_procedure(found):
             return _failed(found) if self._may_name(tokens) else found
-        if self.parser.pragmatics.is_enough(found.reading.interval):
+        if found.reading and self.parser.pragmatics.is_enough(found.reading.interval):
             return found
         return _understanding(tokens, context, self.clarification.of_recognition(found.text))
 
@@ -108,18 +119,56 @@ class _Attempt:
         untagged = self._markers.remove_tag(tokens)
         return self._understand(tokens if untagged.asks else untagged, context)
 
+    def _by_name(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """As what is asked or taken back of an action that was taught."""
+        found = self._tools.procedures.about(tokens, context.discourse)
+        return self._of_procedure(found, tokens, context) if found else None
+
+    def _by_definition(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """As an action that is taught."""
+        found = self._tools.procedures.definition(tokens, context, self._sentence)
+        return self._of_procedure(found, tokens, context) if found else None
+
+    def _by_plan(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
+        """As several commands, or as that of a taught action."""
+        found = self._tools.procedures.plan(tokens, context, self._sentence)
+        return self._of_procedure(found, tokens, context) if found else None
+
+    def _of_procedure(
+        self, found: Procedure, tokens: Tokens, context: UtteranceContext
+    ) -> Understanding:
+        whole = _understanding(tokens, context, found.meaning)
+        return replace(whole, new_words=found.new_words, discourse=found.discourse)
+
     def _understand(
         self, tokens: Tokens, context: UtteranceContext, *, is_core: bool = False
     ) -> Understanding:
         """The first result with a meaning, else the first question, else the first failure."""
         problem = self._tools.clarification.of_too_many_unknown_words(tokens)
         if problem is not None:
-            found = None if is_core else self._by_core(tokens, context)
-            return found or _understanding(tokens, context, problem)
+            return self._first_of(
+                ()
+                if is_core
+                else (self._by_definition, self._by_name, self._by_core, self._by_plan),
+                _understanding(tokens, context, problem),
+                tokens,
+                context,
+            )
         result = self._as_sentence(tokens, context)
-        for strategy in self._strategies_after(result, is_core=is_core):
+        strategies = self._strategies_after(result, is_core=is_core)
+        return self._first_of(strategies, result, tokens, context)
+
+    def _first_of(
+        self,
+        strategies: Sequence[Strategy],
+        result: Understanding,
+        tokens: Tokens,
+        context: UtteranceContext,
+    ) -> Understanding:
+        """The first result of some strategies with a meaning, else the first that is no failure."""
+        for strategy in strategies:
             found = strategy(tokens, context)
-            if found is not None and found.reading is not None:
+            if found is not None and (found.reading is not None or _is_procedure(found)):
                 return found
             if found is not None and isinstance(result.meaning, Misunderstanding):
                 result = found
@@ -128,7 +177,8 @@ class _Attempt:
     def _strategies_after(self, result: Understanding, *, is_core: bool) -> Sequence[Strategy]:
         """The strategies to try after the one that takes the utterance as one sentence."""
         by_grammar = (self._by_segments, self._without_markers)
-        strategies = by_grammar if is_core else (*by_grammar, self._by_core)
+        whole = (*by_grammar, self._by_definition, self._by_name, self._by_core, self._by_plan)
+        strategies = by_grammar if is_core else whole
         if result.reading is not None:
             return ()
         match result.meaning:
@@ -136,7 +186,8 @@ class _Attempt:
                 return strategies
             case AskBack(choices=(_,)):
                 # With one word corrected it would be a sentence: there is no need to guess.
-                return by_grammar if result.readings else strategies
+                taught = () if is_core else (self._by_definition, self._by_plan)
+                return (*by_grammar, *taught) if result.readings else strategies
             case _:
                 return ()
 
@@ -340,6 +391,13 @@ class _Attempt:
             guesses = self._tools.known_words.guesses(tokens, unknown)
             chart = self._charts[key] = self._tools.parser.chart(tokens, guesses)
         return chart
+
+
+def _is_procedure(found: Understanding) -> bool:
+    """Whether the meaning is one that no single reading has."""
+    meant = found.meaning
+    is_about = isinstance(meant, (Question, Retraction)) and found.reading is None
+    return is_about or isinstance(meant, (Plan, ActionDefinition, ActionCommand))
 
 
 def _has_words(tokens: Tokens) -> bool:

@@ -33,7 +33,7 @@ from .meaning import (
 )
 from .predicates import PredicateForm, UninterpretableError, UnlearnableError
 
-GOALS = ("pass", "pickUp", "pointTo", "grasp", "use")
+GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "release")
 
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
@@ -240,11 +240,16 @@ class Interpreter:
         if target == ObjectReference(ANY_OBJECT, other=True):
             raise UninterpretableError("which_thing", asks=True)
         recipient = name_of(form.arguments[2]) if len(form.arguments) > 2 else None
-        return Command(form.name, target, recipient=recipient)
+        return Command(act_name(form.name), target, recipient=recipient)
+
+    def has_act(self, name: str) -> bool:
+        """Return whether an act is known: on an object, or with a tool."""
+        return name in GOALS or name in self.acts or name in self.tool_acts
 
     def is_act_on_object(self, name: str) -> bool:
         """Return whether a name is that of an act on one object."""
-        return name in GOALS or name in self.acts or name in self.new_acts
+        said = act_name(name)
+        return name in GOALS or said in self.acts or said in self.new_acts
 
     def _reference(self, form: PredicateForm) -> ObjectReference:
         names: set[str] = set()
@@ -328,7 +333,8 @@ class Interpreter:
             raise UninterpretableError(
                 "not_a_rule"
             )  # it is the tool that is held, not what it is used on
-        return ActionRule(name, context.name, name_of(part), self.intervals[degree.name], props)
+        confidence = self.intervals[degree.name]
+        return ActionRule(name, act_name(context.name), name_of(part), confidence, props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         match form.name, form.arguments:
@@ -407,9 +413,11 @@ class Interpreter:
             return Question(ask, object=_kind(place.arguments[1]), part=_part_name(place))
         if act.name in self.tool_acts:
             # The last argument is the tool, or what it is used on where no tool is named.
-            return Question(ask, object=_kind(act.arguments[-1]), context=act.name, part=part)
+            return Question(
+                ask, object=_kind(act.arguments[-1]), context=act_name(act.name), part=part
+            )
         target = self._reference(act.arguments[1])
-        return replace(_question_on_target(ask, target), context=act.name, part=part)
+        return replace(_question_on_target(ask, target), context=act_name(act.name), part=part)
 
     def _question_on_reason(
         self, ask: str, form: PredicateForm | None = None, *_: PredicateForm
@@ -477,8 +485,17 @@ def _part_name(form: PredicateForm) -> str:
     return name_of(form.arguments[0] if form.name == "partOf" else form)
 
 
+def act_name(name: str) -> str:
+    """Return the name of an act in a form as people spell it: "show off" for `show_off`."""
+    return name.replace("_", " ")
+
+
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
-    """Return the kind of object that a form names, or `ANY_OBJECT`, and its properties."""
+    """Return the kind of object that a form names, or `ANY_OBJECT`, and its properties.
+
+    Raises:
+        UninterpretableError: it names no object.
+    """
     props: set[str] = set()
     while form.name == "having":
         props.add(name_of(form.arguments[1]))

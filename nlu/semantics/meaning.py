@@ -28,7 +28,7 @@ class _Record:
 def _plain(value: object) -> object:
     match value:
         case tuple():
-            return list[object](value)
+            return [_plain(each) for each in list[object](value)]
         case _Record():
             return value.as_json()
         case _:
@@ -246,6 +246,95 @@ class NormStatement:
 
 
 @dataclass(frozen=True)
+class ActionCommand(_Record):
+    """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up".
+
+    Attributes:
+        goal: the name of the action.
+        objects: what to act on, in the order of its parameters.
+    """
+
+    kind: ClassVar[str] = "command"
+    goal: str
+    objects: tuple[ObjectReference, ...] = ()
+
+
+Act = Command | ToolCommand | ActionCommand
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Several commands to be carried out in order: "pick up the mug and then point to it"."""
+
+    kind: ClassVar[str] = "command"
+    steps: tuple[Act, ...]
+
+    def as_json(self) -> Json:
+        """Return the commands as `{"plan": [...]}`."""
+        return {"plan": [step.as_json() for step in self.steps]}
+
+
+@dataclass(frozen=True)
+class ActionCondition(_Record):
+    """What must be so before an action: "only if it is empty", "unless you hold a knife".
+
+    Attributes:
+        state: `is`, `sees` or `holds`.
+        object: the kind of object that it is about.
+        property: the property that it must have, for `is`.
+        negated: whether it must not be so.
+    """
+
+    state: str
+    object: str
+    property: str | None = None
+    negated: bool = False
+
+
+@dataclass(frozen=True)
+class FailureReaction(_Record):
+    """What to do when a step of an action fails: exactly one of the last three is set.
+
+    Attributes:
+        after: the failures, of those that branches of action trees handle, or `any`.
+        again: how often to try again.
+        other: whether to take another object.
+        steps: what to do instead.
+    """
+
+    after: tuple[str, ...]
+    again: int = 0
+    other: bool = False
+    steps: tuple[Act, ...] = ()
+
+
+@dataclass(frozen=True)
+class ActionDefinition(_Record):
+    """An action that is taught: "to serve a mug, first pick it up, then put it down".
+
+    Attributes:
+        action: its verb, with its particle.
+        parameters: the kinds of the objects that it is about, in order; `ANY_OBJECT` for any.
+        steps: the commands that it consists of, in order.
+        only_if: what must be so before the first of them.
+        if_fails: what to do when one of them fails.
+        links: the words between its objects: "and" in "swap a knife and a spoon".
+    """
+
+    kind: ClassVar[str] = "statement"
+    action: str
+    parameters: tuple[str, ...]
+    steps: tuple[Act, ...]
+    only_if: tuple[ActionCondition, ...] = ()
+    if_fails: tuple[FailureReaction, ...] = ()
+    links: tuple[str, ...] = ()
+
+    def as_json(self) -> Json:
+        """Return the action as a JSON object, which names its parameters also if it has none."""
+        return {"action": self.action, "parameters": list(self.parameters)} | super().as_json()
+
+
+@dataclass(frozen=True)
 class Question(_Record):
     """A question of the speaker.
 
@@ -280,6 +369,7 @@ class Retraction:
         about: the object all of whose rules are retracted instead, or `ANY_OBJECT`.
         part: the part that the last rule to hold something by it is retracted instead.
         is_of_told: whether it names what the speaker told: "forget what I said".
+        action: the taught action that is retracted instead: "forget how to serve".
     """
 
     kind: ClassVar[str] = "correction"
@@ -287,9 +377,12 @@ class Retraction:
     about: str | None = None
     part: str | None = None
     is_of_told: bool = False
+    action: str | None = None
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
+        if self.action:
+            return {"retract": {"action": self.action}}
         if self.about:
             return {"retract": {"about": self.about}}
         if self.part:
@@ -412,6 +505,9 @@ Meaning = (
     | NormStatement
     | Command
     | ToolCommand
+    | ActionCommand
+    | Plan
+    | ActionDefinition
     | Question
     | Retraction
     | TopicStatement

@@ -8,7 +8,7 @@ import pytest
 
 from hilt.kb import KnowledgeBase
 from hilt.kb.formats.import_export import export_file, import_file
-from hilt.kb.learned_phrases import LearnedPhrase
+from hilt.kb.learned_words import LearnedPhrase
 from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import NotFoundError
 

@@ -57,6 +57,8 @@ WORD = """word:ladle a hilt:Word ; rdfs:label "ladle" ; hilt:denotes object:ladl
     prov:wasAttributedTo speaker:sam ."""
 PHRASE = """phrase:0123abcd a hilt:Phrase ; hilt:pattern "you cut with a ?object" ;
     hilt:meaning "{}" ; prov:wasAttributedTo speaker:sam ."""
+TAUGHT = """taught:0123abcd a hilt:TaughtAction ; hilt:denotes action:serve ;
+    hilt:meaning "{}" ; prov:wasAttributedTo speaker:sam ."""
 BASE = """<https://w3id.org/hilt/base> a hilt:Base ; hilt:formatVersion 1 ; hilt:sequence 3 ;
     hilt:domainHash "x" ."""
 EXAMPLES = {
@@ -74,6 +76,7 @@ EXAMPLES = {
     "Speaker": TRUST,
     "Word": WORD,
     "Phrase": PHRASE,
+    "TaughtAction": TAUGHT,
     "Base": BASE,
     "Status": "hilt:active a hilt:Status .",
     "Functor": 'functor:moveTo a hilt:Functor ; rdfs:label "moveTo" .',
@@ -173,6 +176,9 @@ BREAKS = [
     (PHRASE, "phrase:0123abcd a", "phrase:x a", "A phrase is a node"),
     (PHRASE, 'hilt:pattern "you cut with a ?object" ;', "", "A phrase has one hilt:pattern"),
     (PHRASE, 'hilt:meaning "{}" ;', "", "A phrase has one hilt:meaning"),
+    (TAUGHT, "taught:0123abcd a", "taught:x a", "A taught action is a node"),
+    (TAUGHT, "hilt:denotes action:serve ;", "", "A taught action has one hilt:denotes"),
+    (TAUGHT, 'hilt:meaning "{}" ;', "", "A taught action has one hilt:meaning"),
     (BASE, "hilt:formatVersion 1 ;", "", "one hilt:formatVersion"),
     (BASE, "hilt:sequence 3", 'hilt:sequence "3"', "at most one hilt:sequence"),
     (BASE, 'hilt:domainHash "x"', "hilt:domainHash 1", "at most one hilt:domainHash"),

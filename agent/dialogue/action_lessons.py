@@ -1,0 +1,231 @@
+"""Lessons of actions: what a definition teaches, and what Hilt asks about steps it does not know.
+
+A definition is stored as a whole or not at all: while one of its steps is unknown, it waits for the
+answer to the question how that is done, which is a definition, too.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from ...inference.taxonomy import Taxonomy
+from ...inference.types import Target
+from ...kb.knowledge_base import KnowledgeBase
+from ...kb.rule import Atom
+from ...kb.taught_actions import TaughtAction
+from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.offers.meaning_shapes import meaning_from_json
+from ...nlu.semantics.meaning import (
+    ANY_OBJECT,
+    Act,
+    ActionCommand,
+    ActionDefinition,
+    Command,
+    ObjectReference,
+    Retraction,
+    ToolCommand,
+)
+from ...ontology.actions import Actions
+from ..execution.outcome import AnswerContent
+from ..execution.request import Request
+from ..execution.taught_trees import tree_from_definition
+from .conversation import Conversation, UnderstoodTurn
+from .open_question import OpenQuestion
+from .reply import Reply
+from .teaching import word_to_keep
+
+
+class ActionLessons:
+    """Learns, lists and forgets actions that people teach.
+
+    Args:
+        base: where they are kept.
+        conversation: the conversation in which they are taught.
+        actions: those that Hilt comes with.
+
+    Attributes:
+        actions: these and the taught ones.
+    """
+
+    def __init__(self, base: KnowledgeBase, conversation: Conversation, actions: Actions) -> None:
+        self._base, self._conversation, self._own = base, conversation, actions
+        self.actions = actions
+        self._read()
+
+    def _read(self) -> None:
+        """Take over the taught actions of the base."""
+        found = {each.name: definition_of(each) for each in self._base.actions()}
+        self._definitions = {
+            name: each for name, each in found.items() if name not in self._own.trees
+        }
+        uses = self._conversation.language.tool_acts
+        trees = {name: tree_from_definition(each, uses) for name, each in self._definitions.items()}
+        self.actions = replace(self._own, trees={**self._own.trees, **trees})
+        frames = {n: d.links for n, d in self._definitions.items() if len(d.parameters) != 1}
+        words = [NewWord(name, "context", name) for name in self._definitions]
+        conversation = self._conversation
+        conversation.learn_words(words)
+        conversation.language = conversation.language.with_frames(frames)
+
+    def learn(self, turn: UnderstoodTurn, said: ActionDefinition) -> Reply:
+        """Learn an action from a trusted speaker, or ask how its first unknown step is done."""
+        conversation = self._conversation
+        if not conversation.trusts(turn.speaker):
+            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
+        if said.action in self._reached(said):
+            return conversation.answered(turn, "calls_itself", "refused", goal=said.action)
+        unknown = next(self._unknown(said), None)
+        if unknown:
+            return self._ask(turn, said, unknown)
+        words = turn.understood.new_words
+        spoken = " ".join(map(conversation.say, self._echo(said)))
+        nodes = self._with(said).nodes
+        taught = TaughtAction(
+            Atom("action", said.action),
+            json.dumps(said.as_json()),
+            turn.understood.text,
+            turn.speaker,
+            nodes=tuple(each for each in nodes if each.split("/")[0] == said.action),
+        )
+        self._base.believe(
+            turn.understood.text,
+            turn.understood.content,
+            turn.speaker,
+            (),
+            words=[word_to_keep(word, turn.speaker) for word in words],
+            actions=[taught],
+            answer=spoken,
+            heard=turn.heard,
+        )
+        conversation.learn_words(words)
+        self._read()
+        return conversation.reply(turn, spoken)
+
+    def lacks_objects(self, request: Request) -> bool:
+        """Whether a request names too few or too many objects for a taught action."""
+        tree = self.actions.trees.get(request.action)
+        if tree is None or tree.objects is None:
+            return False
+        return {*tree.parameters} != {*request.arguments}
+
+    def other_kind(self, request: Request, taxonomy: Taxonomy) -> Mapping[str, str] | None:
+        """Return the slots of the question about an object of another kind than was told of."""
+        tree = self.actions.trees.get(request.action)
+        for parameter, kind in (tree.objects or {}).items() if tree else ():
+            argument = request.arguments.get(parameter)
+            name = argument.object if isinstance(argument, Target) else None
+            above = [atom.name for atom, _ in taxonomy.above(Atom("object", name))] if name else []
+            if name and kind not in {ANY_OBJECT, name, *above}:
+                return {"goal": request.action, "other": kind, "object": name}
+        return None
+
+    def ask_how(self, turn: UnderstoodTurn, step: Act) -> Reply | None:
+        """Ask how a command is carried out that is no known action; None if it is known."""
+        return None if step.goal in self.actions.trees else self._ask(turn, None, step)
+
+    def forget(self, turn: UnderstoodTurn, said: Retraction) -> Reply:
+        """Forget a taught action, if it is the speaker's own; return the reply."""
+        conversation, name = self._conversation, said.action or ""
+        taught = {each.name: each for each in self._base.actions()}.get(name)
+        if taught is None:
+            return conversation.answered(turn, "cannot", "failed", goal=name)
+        if taught.speaker != turn.speaker:
+            return conversation.answered(turn, "not_yours", "failed", speaker=taught.speaker)
+        spoken = conversation.say(AnswerContent("forgotten_action", {"goal": name}))
+        self._base.forget_action(name, turn.understood.text, turn.speaker, answer=spoken)
+        self._read()
+        return conversation.reply(turn, spoken)
+
+    def _ask(self, turn: UnderstoodTurn, said: ActionDefinition | None, unknown: Act) -> Reply:
+        """Ask how a step is done; the answer is told as the body of its definition."""
+        conversation, act = self._conversation, self._infinitive(unknown)
+
+        def told(text: str) -> Reply | None:
+            found = (self._told(each, text, turn, unknown) for each in (text, f"to {act}, {text}"))
+            taught = next(filter(None, found), None)
+            if taught is None or said is None or unknown.goal not in self.actions.trees:
+                return taught
+            after = self.learn(turn, said)
+            return replace(after, said=f"{taught.said} {after.said}")
+
+        reply = conversation.answered(turn, "how_to_do", "asked", action=act)
+        conversation.open_question = OpenQuestion(turn.speaker, tell=told)
+        return reply
+
+    def _told(self, text: str, said: str, turn: UnderstoodTurn, unknown: Act) -> Reply | None:
+        """The reply to a text that teaches the unknown step; None for any other text."""
+        understood = self._conversation.understand(text, turn.speaker, heard=turn.heard)
+        meant = understood.meaning
+        if not isinstance(meant, ActionDefinition) or meant.action != unknown.goal:
+            return None
+        self._conversation.open_question = None
+        return self.learn(replace(turn, understood=replace(understood, text=said)), meant)
+
+    def _infinitive(self, act: Act) -> str:
+        """A command as what one does with any object of the kind: "rinse a mug"."""
+        return self._conversation.language.answers.act_on(act.goal, *_names(act))
+
+    def _echo(self, said: ActionDefinition) -> Iterator[AnswerContent]:
+        """What was learned, as it was understood."""
+        language = self._conversation.language
+        frame = language.answers.act_on(said.action, *said.parameters, links=said.links)
+        steps = tuple(language.generate(_about_a_thing(each)) for each in said.steps)
+        yield AnswerContent("learned_action", {"action": frame, "steps": steps})
+        for each in said.only_if:
+            if each.property:
+                key = "required_not" if each.negated else "required"
+                yield AnswerContent(key, {"object": each.object, "property": each.property})
+        if said.if_fails:
+            yield AnswerContent("learned_reaction")
+
+    # --- What a definition needs ----------------------------------------------------------------
+
+    def _with(self, said: ActionDefinition) -> Actions:
+        tree = tree_from_definition(said, self._conversation.language.tool_acts)
+        return replace(self._own, trees={**self.actions.trees, said.action: tree})
+
+    def _unknown(self, said: ActionDefinition) -> Iterator[Act]:
+        """The steps whose actions are not known, in order."""
+        return (each for each in _acts(said) if each.goal not in self.actions.trees)
+
+    def _reached(self, said: ActionDefinition) -> set[str]:
+        """The actions that a definition uses, directly or through others."""
+        found: set[str] = set()
+        waiting = [said]
+        while waiting:
+            goals = {each.goal for each in _acts(waiting.pop())} - found
+            found |= goals
+            waiting += [self._definitions[goal] for goal in goals if goal in self._definitions]
+        return found
+
+
+def definition_of(taught: TaughtAction) -> ActionDefinition:
+    """Return the definition of a taught action of the base."""
+    found = meaning_from_json(json.loads(taught.meaning))
+    if not isinstance(found, ActionDefinition):
+        raise TypeError(f"The meaning of {taught.name} is no action.")
+    return found
+
+
+def _acts(said: ActionDefinition) -> Sequence[Act]:
+    return (*said.steps, *(step for each in said.if_fails for step in each.steps))
+
+
+def _names(act: Act) -> Sequence[str]:
+    """The kinds of the objects of a command."""
+    match act:
+        case ToolCommand():
+            return (act.patient,)
+        case ActionCommand():
+            return tuple(each.object or "thing" for each in act.objects)
+        case Command():
+            return (act.target.object or "thing",)
+
+
+def _about_a_thing(act: Act) -> Act:
+    """A command with "the thing" for any object."""
+    if isinstance(act, Command) and act.target.object == ANY_OBJECT and not act.target.props:
+        return replace(act, target=ObjectReference("thing"))
+    return act

@@ -1,0 +1,491 @@
+"""Procedures: several steps in order, as a plan or as an action that is taught.
+
+"To serve a mug, first pick it up, then put it down" has a head, the action that is taught, and a
+body of clauses. A clause ends at a pause, a full stop or a word of order, and is a command to the
+grammar; so are the steps of "pick up the mug and point to it", which has no head. A clause may
+also say what must be so before ("only if it is empty"), or what to do after a failure ("if it
+slips, try again"). A clause can refer to what the clauses before it mentioned. All words belong to
+a clause, or there is no procedure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from ..lexicon.control_phrases import ControlPhrases
+from ..lexicon.tokenizer import BREAK, Token, Tokens
+from ..lexicon.unknown_words import KnownWords, is_word
+from ..lexicon.vocabulary import NewWord
+from ..semantics.discourse import Discourse
+from ..semantics.interpretation import kind_and_properties
+from ..semantics.meaning import (
+    ANY_OBJECT,
+    Act,
+    ActionCommand,
+    ActionCondition,
+    ActionDefinition,
+    Command,
+    FailureReaction,
+    ObjectReference,
+    Plan,
+    Question,
+    Retraction,
+    ToolCommand,
+)
+from ..semantics.predicates import PredicateForm, UninterpretableError
+from .parser import SentenceParser, UtteranceContext
+from .procedure_words import ProcedureWords
+from .understanding import Understanding
+
+MAX_CLAUSE_WORDS = 20
+
+_EMPTYING = ("putDown", "putBack", "release")  # controls that are steps, too
+_TAKING = ("pickUp", "grasp", "use")
+_TIMES = {"twice": 2, "two": 2, "three": 3, "four": 4, "five": 5}
+_ACTS = ("CP", "(CP", "((CP", "C/", "B/", "(B", "UV", "CG", "K")  # how those of acts begin
+_ANYTHING = "anythingNamed"  # the object of an action that is taught for any
+_NOBODY = UtteranceContext("speaker", "self", Discourse())
+
+Thing = tuple[str, tuple[str, ...]]
+"""A kind of object, and its properties."""
+
+Clause = Act | ActionCondition | FailureReaction
+Sentence = Callable[[Tokens, UtteranceContext], Understanding]
+
+
+@dataclass(frozen=True)
+class ClauseState:
+    """The discourse state after a clause, and what is in the hand then."""
+
+    discourse: Discourse
+    held: ObjectReference | None = None
+
+
+@dataclass(frozen=True)
+class Procedure:
+    """What an utterance of several steps means, and the state after it."""
+
+    meaning: Plan | ActionDefinition | ActionCommand | Question | Retraction
+    discourse: Discourse
+    new_words: tuple[NewWord, ...] = ()
+
+
+@dataclass(frozen=True)
+class ActionHead:
+    """The action that a procedure teaches.
+
+    Attributes:
+        name: its verb, with its particle.
+        things: the objects that it is about.
+        links: the words between the objects.
+        new_words: the verb, and the objects that were not known.
+    """
+
+    name: str
+    things: tuple[Thing, ...]
+    links: tuple[str, ...]
+    new_words: tuple[NewWord, ...]
+
+    @property
+    def discourse(self) -> Discourse:
+        """The discourse state of the body: "it" is the object of the action."""
+        kinds = (_ANYTHING if kind == ANY_OBJECT else kind for kind, _ in self.things)
+        named = [PredicateForm(kind.replace(" ", "_")) for kind in kinds]
+        return Discourse().naming(*named) if named else Discourse()
+
+
+@dataclass(frozen=True, repr=False)
+class ProcedureReader:
+    """Finds the procedure that an utterance is.
+
+    Attributes:
+        frames: the taught actions on several objects or none, with the words between them.
+    """
+
+    words: ProcedureWords
+    parser: SentenceParser
+    known: KnownWords
+    controls: ControlPhrases
+    frames: Mapping[str, tuple[str, ...]]
+
+    def definition(
+        self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
+    ) -> Procedure | None:
+        """Return the action that an utterance teaches, None if it teaches none.
+
+        `sentence` understands a clause by itself.
+        """
+        for head, body in self._heads(replace(tokens, asks=False)):
+            meaning = self._definition(head, body, _Clauses(self, context, sentence))
+            if meaning:
+                return Procedure(meaning, head.discourse, head.new_words)
+        return None
+
+    def plan(
+        self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
+    ) -> Procedure | None:
+        """Return the plan, or the command of a taught action, that an utterance is; else None."""
+        state = ClauseState(context.discourse)
+        clauses = _Clauses(self, context, sentence)
+        found = clauses.read(replace(tokens, asks=False), state) or []
+        steps = tuple(each for each, _ in found if isinstance(each, Act))
+        is_said_again = any(_is_of_same(one, other) for one, other in pairwise(steps))
+        if is_said_again or len(steps) < len(found):
+            return None
+        match steps:
+            case (ActionCommand() as own,):
+                return Procedure(own, context.discourse)
+            case () | (_,):
+                return None
+            case _:
+                is_known = any(self.is_act(each.goal) for each in steps)
+                return Procedure(Plan(steps), found[-1][1].discourse) if is_known else None
+
+    def _definition(
+        self, head: ActionHead, body: Tokens, clauses: _Clauses
+    ) -> ActionDefinition | None:
+        found = [each for each, _ in clauses.read(body, ClauseState(head.discourse)) or ()]
+        steps = tuple(each for each in found if isinstance(each, Act))
+        parameters = tuple(kind for kind, _ in head.things)
+        if not self._is_way(steps, parameters):
+            return None
+        wanted = [ActionCondition("is", kind, p) for kind, props in head.things for p in props]
+        conditions = [each for each in found if isinstance(each, ActionCondition)]
+        reactions = tuple(each for each in found if isinstance(each, FailureReaction))
+        return ActionDefinition(
+            head.name, parameters, steps, (*wanted, *conditions), reactions, head.links
+        )
+
+    def _is_way(self, steps: Sequence[Act], parameters: Sequence[str]) -> bool:
+        """Whether some steps are how something is done, and not only with what."""
+        if not any(self.is_act(each.goal) for each in steps):
+            return False
+        only = steps[0] if len(steps) == 1 and parameters else None
+        return not isinstance(only, Command) or only.target.object in parameters
+
+    def about(self, tokens: Tokens, discourse: Discourse) -> Procedure | None:
+        """Return the question about a learned action, or its retraction, that an utterance is."""
+        for key in ("how", "forget"):
+            for end, slots in self.words.matches(key, tokens):
+                for name, place in slots.items() if end == len(tokens.items) else ():
+                    head = self._head(tokens.part(*place), is_gerund=name == "HEADING")
+                    if head and self._is_learned(head.name):
+                        asked = Question("how", context=head.name)
+                        meant = asked if key == "how" else Retraction(action=head.name)
+                        return Procedure(meant, discourse)
+        return None
+
+    # --- The head -----------------------------------------------------------------------------
+
+    def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
+        """Yield the heads that an utterance may have, each with its body."""
+        for key, name, place, body in self._places(tokens):
+            head = self._head(tokens.part(*place), is_gerund=name == "HEADING")
+            if head and not (key == "asked" and self._is_known_verb(head.name)):
+                yield head, tokens.part(*body)
+
+    def _places(
+        self, tokens: Tokens
+    ) -> Iterator[tuple[str, str, tuple[int, int], tuple[int, int]]]:
+        """Where heads may be: the pattern, its slot, and the places of the slot and the body."""
+        count = len(tokens.items)
+        for key in ("heads", "asked"):
+            for end, slots in self.words.matches(key, tokens):
+                for name, place in slots.items() if end < count else ():
+                    yield key, name, place, (end, count)
+        for start in self.words.starts(tokens)[:-1]:
+            begin = start + (tokens.words[start] == BREAK)
+            for end, slots in self.words.matches("tails", tokens, begin):
+                for name, place in slots.items() if end == count else ():
+                    yield "tails", name, place, (0, start)
+
+    def _is_known_verb(self, name: str) -> bool:
+        return not self._is_learned(name) and self.known.has(name.partition(" ")[0])
+
+    def _is_learned(self, name: str) -> bool:
+        return ("context", name) in self.known.lexicon.learned
+
+    def _head(self, tokens: Tokens, *, is_gerund: bool) -> ActionHead | None:
+        bare = self.bare(tokens) if is_gerund else tokens
+        if bare is None or bare.pauses or not is_word(bare.items[0]):
+            return None
+        for length in (2, 1):
+            name = " ".join(bare.words[:length])
+            has_particle = bare.words[1] in self.words.particles if len(bare.words) > 1 else False
+            if (length == 2 and not has_particle) or self._is_other(name):
+                continue
+            found = self.things(bare.part(length, len(bare.items)), may_be_new=True)
+            if found:
+                things, links, words = found
+                new = NewWord(name, "context", bare.span(0, length))
+                return ActionHead(name, things, links, (new, *words))
+        return None
+
+    def is_act(self, name: str) -> bool:
+        """Whether an act of this name is one that Hilt knows, taught or not."""
+        interpreter = self.parser.interpreter
+        return interpreter.has_act(name) or name in self.frames
+
+    def _is_other(self, name: str) -> bool:
+        """Whether a name is no verb, or that of an act that Hilt comes with."""
+        if self._is_learned(name):
+            return False
+        kinds = self.known.lexicon.name_categories(name)
+        return name in self.known.builder.closed or any(each.startswith(_ACTS) for each in kinds)
+
+    # --- Words --------------------------------------------------------------------------------
+
+    def bare(self, tokens: Tokens) -> Tokens | None:
+        """Return some words with the gerund that they begin with as a bare verb; else None."""
+        first, *rest = tokens.items
+        if not self.known.inflection.origins(first.word, "ing"):
+            return None
+        word = self.known.builder.bare_verb(first.word)
+        return replace(tokens, items=(Token(word, first.start, first.end), *rest))
+
+    def things(
+        self, tokens: Tokens, *, may_be_new: bool = False
+    ) -> tuple[tuple[Thing, ...], tuple[str, ...], tuple[NewWord, ...]] | None:
+        """Return the objects that some words list, the words between them, and the new words."""
+        if not tokens.items:
+            return (), (), ()
+        first = self._thing(tokens, may_be_new=may_be_new)
+        if first:
+            return (first[0],), (), first[1]
+        for start, end in self._links(tokens):
+            one = self._thing(tokens.part(0, start), may_be_new=may_be_new)
+            rest = tokens.part(end, len(tokens.items))
+            others = self.things(rest, may_be_new=may_be_new) if one and rest.items else None
+            if one and others:
+                link = " ".join(tokens.words[start:end])
+                return (one[0], *others[0]), (link, *others[1]), (*one[1], *others[2])
+        return None
+
+    def _links(self, tokens: Tokens) -> Iterator[tuple[int, int]]:
+        for start in range(1, len(tokens.items) - 1):
+            for end in range(min(start + 3, len(tokens.items) - 1), start, -1):
+                if " ".join(tokens.words[start:end]) in self.words.links:
+                    yield start, end
+
+    def _thing(
+        self, tokens: Tokens, *, may_be_new: bool
+    ) -> tuple[Thing, tuple[NewWord, ...]] | None:
+        form = self.parser.topic(self.parser.chart(tokens, {}), _NOBODY)
+        if form is not None:
+            try:
+                return kind_and_properties(form), ()
+            except UninterpretableError:
+                return None
+        builder, (first, *names) = self.known.builder, tokens.words
+        is_named = may_be_new and builder.is_determiner(first) and 0 < len(names) < 3
+        if not is_named or any(map(builder.is_of_grammar, names)):
+            return None
+        last = next(iter(self.known.inflection.origins(names[-1], "plural")), names[-1])
+        name = " ".join((*names[:-1], last))
+        return (name, ()), (NewWord(name, "object", " ".join(names)),)
+
+
+class _Clauses:
+    """The clauses of one utterance; what is tried again is read once."""
+
+    def __init__(
+        self, reader: ProcedureReader, context: UtteranceContext, sentence: Sentence
+    ) -> None:
+        self._reader, self._words = reader, reader.words
+        self._context, self._sentence = context, sentence
+        self._found: dict[tuple[Tokens, ClauseState], list[tuple[Clause, ClauseState]] | None] = {}
+
+    def read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
+        """Return the clauses of an utterance with the state after each; None if one is none."""
+        key = (tokens, state)
+        if key not in self._found:
+            self._found[key] = self._read(tokens, state)
+        return self._found[key]
+
+    def _read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
+        start, count = self._words.skip(tokens, 0), len(tokens.items)
+        if start == count:
+            return [] if all(word == BREAK for word in tokens.words) else None
+        for end in self._words.starts(tokens):
+            # "And the knife" is a clause only with the word before it.
+            for begin in dict.fromkeys((start, 0)) if end > start else ():
+                clause = tokens.part(begin, end)
+                found = self._clause(clause, state)
+                rest = self.read(tokens.part(end, count), found[1]) if found else None
+                if found and rest is not None:
+                    return [found, *rest]
+        return None
+
+    def _clause(self, tokens: Tokens, state: ClauseState) -> tuple[Clause, ClauseState] | None:
+        if not tokens.items or len(tokens.items) > MAX_CLAUSE_WORDS:
+            return None
+        aside = self._condition(tokens, state) or self._reaction(tokens, state)
+        if aside:
+            return aside, state
+        variants = [tokens, *(tokens.part(0, end) for end in self._ends_before_order(tokens))]
+        for each in variants:
+            bare = self._reader.bare(each)
+            found = self._act(each, state) or (self._act(bare, state) if bare else None)
+            if found:
+                return found
+        for each in variants:
+            found = self._unknown_act(self._reader.bare(each) or each, state)
+            if found:
+                return found, state
+        return None
+
+    def _ends_before_order(self, tokens: Tokens) -> Iterator[int]:
+        """Where a clause ends before words of order: "pick it up first"."""
+        for start in range(1, len(tokens.items)):
+            if len(tokens.items) in self._words.ends("behind", tokens, start):
+                yield start
+
+    # --- Steps --------------------------------------------------------------------------------
+
+    def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
+        """The command that a clause is, and the state after it."""
+        control = self._reader.controls.match(
+            tokens.words,
+            lambda start, end: self._reader.parser.named_object(tokens.part(start, end)),
+        )
+        if control:
+            return self._control(*control, state)
+        taught = self._taught(tokens)
+        if taught:
+            return taught, state
+        found = self._sentence(tokens, replace(self._context, discourse=state.discourse))
+        act = found.meaning
+        if not isinstance(act, (Command, ToolCommand)) or act.negated or found.unknown:
+            return None
+        if act.goal in self._reader.frames:
+            return None  # it is done with several objects, or with none
+        act = _generalised(act)
+        held = act.target if isinstance(act, Command) and act.goal in _TAKING else state.held
+        return act, ClauseState(found.discourse, held)
+
+    def _control(
+        self, control: str, name: str | None, state: ClauseState
+    ) -> tuple[Act, ClauseState] | None:
+        if control not in _EMPTYING or not (name or state.held or state.discourse.object):
+            return None
+        target = ObjectReference(name) if name else state.held or self._last(state)
+        discourse = state.discourse.about(name) if name else state.discourse
+        return Command(control, target), ClauseState(discourse)
+
+    def _last(self, state: ClauseState) -> ObjectReference:
+        """What "it" refers to."""
+        kind, props = kind_and_properties(state.discourse.object or PredicateForm("something"))
+        return ObjectReference(ANY_OBJECT if kind == _ANYTHING else kind, props=props)
+
+    def _taught(self, tokens: Tokens) -> ActionCommand | None:
+        """The command of a taught action on several objects or none."""
+        polite = self._reader.controls.after_polite
+        tokens = tokens.part(polite(tokens.words), len(tokens.items))
+        count = len(tokens.items)
+        ends = (end for end in range(1, count) if polite(tokens.words[end:]) == count - end)
+        tokens = tokens.part(0, next(ends, count))
+        for name, links in self._reader.frames.items():
+            length = name.count(" ") + 1
+            if tokens.words[:length] != tuple(name.split()):
+                continue
+            found = self._reader.things(tokens.part(length, len(tokens.items)))
+            if found and found[1] == links and len(found[0]) != 1:
+                objects = (ObjectReference(kind, props=props) for kind, props in found[0])
+                return ActionCommand(name, tuple(objects))
+        return None
+
+    def _unknown_act(self, tokens: Tokens, state: ClauseState) -> Act | None:
+        """The command that a clause would be if its verb were known: "rinse it"."""
+        reader, (verb, *rest) = self._reader, tokens.words
+        is_other = reader.is_act(verb) or reader.known.builder.is_of_grammar(verb)
+        if not rest or is_other or not is_word(tokens.items[0]):
+            return None
+        if (*rest,) in reader.controls.pronouns:
+            return Command(verb, self._last(state)) if state.discourse.object else None
+        found = reader.things(tokens.part(1, len(tokens.items)))
+        if not found or len(found[0]) != 1 or not reader.known.builder.is_determiner(rest[0]):
+            return None
+        return Command(verb, ObjectReference(found[0][0][0], props=found[0][0][1]))
+
+    # --- Conditions and failures --------------------------------------------------------------
+
+    def _named(self, tokens: Tokens, state: ClauseState) -> str | None:
+        """The kind of object that some words name or refer to."""
+        if tokens.words in self._reader.controls.pronouns:
+            return self._last(state).object if state.discourse.object else None
+        return self._reader.parser.named_object(tokens)
+
+    def _condition(self, tokens: Tokens, state: ClauseState) -> ActionCondition | None:
+        for key in ("only_if", "unless"):
+            for end, slots in self._words.matches(key, tokens):
+                if end < len(tokens.items):
+                    continue
+                said = tokens.part(*slots["STATE"])
+                for name, places in self._words.whole("states", said):
+                    thing = self._named(said.part(*places["THING"]), state)
+                    word = said.words[places["WORD"][0]] if "WORD" in places else None
+                    if thing:
+                        negated = (key == "unless") != (name == "not")
+                        kind = "is" if name == "not" else name
+                        return ActionCondition(kind, thing, word, negated)
+        return None
+
+    def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
+        count = len(tokens.items)
+        for end, slots in self._words.matches("if", tokens):
+            causes = self._causes(tokens.part(*slots["FAILURE"]), state)
+            if causes and end < count:
+                return self._response(tokens.part(end, count), causes, state)
+        for start in range(2, count):
+            for end, slots in self._words.matches("if", tokens, start):
+                causes = self._causes(tokens.part(*slots["FAILURE"]), state)
+                if causes and end == count:
+                    return self._response(tokens.part(0, start), causes, state)
+        return None
+
+    def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:
+        for names, places in self._words.whole("failures", tokens):
+            thing = places.get("THING")
+            if thing is None or self._named(tokens.part(*thing), state):
+                return tuple(names.split())
+        return ()
+
+    def _response(
+        self, tokens: Tokens, causes: tuple[str, ...], state: ClauseState
+    ) -> FailureReaction | None:
+        count = len(tokens.items)
+        for end in self._words.ends("again", tokens):
+            times = (last for last in self._words.ends("times", tokens, end) if last == count)
+            if end == count or any(times):
+                words = tokens.words[end:]
+                number = next((_TIMES[word] for word in words if word in _TIMES), 1)
+                return FailureReaction(causes, again=number)
+        if count in self._words.ends("another", tokens):
+            return FailureReaction(causes, other=True)
+        bare = replace(tokens, items=tokens.items[: count - (tokens.words[-1] == "instead")])
+        found = self.read(bare, state)
+        steps = tuple(each for each, _ in found or () if isinstance(each, Act))
+        return FailureReaction(causes, steps=steps) if len(steps) == len(found or "-") else None
+
+
+def _generalised(act: Command | ToolCommand) -> Act:
+    """A command with any object for the placeholder of one."""
+    if isinstance(act, Command) and act.target.object == _ANYTHING:
+        return replace(act, target=replace(act.target, object=ANY_OBJECT))
+    return act
+
+
+def _is_of_same(one: Act, other: Act) -> bool:
+    """Whether a command says more of the one before: "hold the mug, by the barrel".
+
+    To take something and do something with it is one act.
+    """
+    if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _TAKING:
+        return other.tool.object == one.target.object
+    if isinstance(one, Command) and isinstance(other, Command):
+        first, second = one.target, other.target
+        about = [(each.object, each.used_for, each.not_used_for) for each in (first, second)]
+        return one.goal == other.goal and about[0] == about[1]
+    return one.goal == other.goal and not isinstance(one, ActionCommand)
