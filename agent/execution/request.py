@@ -81,7 +81,7 @@ class Request:
 
     def told(self, result: GoalResult, *, is_so: bool) -> Request | None:
         """Return this request after Hilt asked whether an object has a property; None otherwise."""
-        if result.answer.ending != "asked" or "property" not in result.answer.slots:
+        if result.answer.key != "is_it_so":
             return None
         atom = Atom("property", str(result.answer.slots["property"]))
         interval = Interval(1.0, 1.0) if is_so else Interval(0.0, 0.0)
