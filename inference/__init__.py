@@ -1,18 +1,5 @@
 """Affordance inference: what observed objects afford, and how certain that is.
 
-interval_operators  operators on belief intervals: conjunction, modus ponens, fusion, and lambda
-types               goals, targets, observations; candidates and inferences as results
-affordance          inference at the nodes of an action tree
-node_rules          the rules that apply at a node, and to an object
-specificity         which of these rules override others
-decision            acceptance and ranking of candidates
-proof               derivation trees of intervals
-settings            operators and thresholds
-taxonomy            the is-a hierarchy along which rules are inherited
-explanation         proofs as text, reasons for rejection, counterfactuals
-abduction, induction, conflicts
-             hypotheses for a conclusion, rules by analogy, contradictory rules
-
 >>> from hilt.kb import Interval, KnowledgeBase, functional
 >>> from hilt.kb.rule import Atom
 >>> from hilt.inference import Affordances, Goal, Observation, Target

@@ -37,9 +37,6 @@ def _pair(interval: Interval) -> evidence_operators.Bounds:
     return interval.lower, interval.upper
 
 
-# --- Logical operators -------------------------------------------------------------------
-
-
 def conjunction(intervals: Sequence[Interval]) -> Interval:
     """AND of independent propositions: [a1·a2, b1·b2] (Sarathy & Scheutz 2016; product frame)."""
     return _bounded(
@@ -62,9 +59,6 @@ def conjunction_min(intervals: Sequence[Interval]) -> Interval:
     )
 
 
-# --- Modus ponens ------------------------------------------------------------------------
-
-
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
     """Conclude by the conditional reading: [a·α, 1 - a·(1-β)] (`ontology.evidence_operators`)."""
     return Interval(*evidence_operators.modus_ponens(_pair(antecedent), _pair(rule)))
@@ -81,9 +75,6 @@ def modus_ponens_published(antecedent: Interval, rule: Interval) -> Interval:
 def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
     """Conclude [a·α, 1 - b·(1-β)]: the rule read as the material implication (derived)."""
     return _bounded(antecedent.lower * rule.lower, 1 - antecedent.upper * (1 - rule.upper))
-
-
-# --- Fusion of several intervals for one proposition ---------------------------------------
 
 
 def fuse_yager(intervals: Sequence[Interval]) -> Interval:
@@ -145,9 +136,6 @@ def fuse_latest(intervals: Sequence[Interval]) -> Interval:
     return intervals[-1] if intervals else VACUOUS
 
 
-# --- Measures of an interval ---------------------------------------------------------------
-
-
 def relative_plausibility(interval: Interval) -> float:
     """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
     return evidence_operators.relative_plausibility((interval.lower, interval.upper))
@@ -167,8 +155,6 @@ def is_certain(interval: Interval, threshold: float) -> bool:
     """Whether lambda alone exceeds the threshold, literally as in the paper."""
     return certainty(interval) > threshold
 
-
-# --- Operators by name ---------------------------------------------------------------------
 
 CONJUNCTIONS: Mapping[str, Conjunction] = {
     "product": conjunction,

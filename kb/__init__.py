@@ -1,16 +1,5 @@
 """The knowledge base: interval-annotated rules on an RDF graph.
 
-Interval    bounds [lower, upper] of the probability of a statement
-atom        one term of a rule: object:knife, part:blade, action:pass
-rule        features and contexts imply an affordance, within an interval, as one speaker said
-feature     what must be seen for a rule to apply
-context     what the robot is doing, or where, for a rule to apply
-affordance  the conclusion: what the object is used for, or how the action is done
-utterance   one sentence of the history: who said it, when, and which rules it changed
-trust       the degree to which what a speaker says is believed
-node        an action-tree node, to which the rules that apply there are attached
-base        where all of it is kept: in memory, in a folder, or behind a SPARQL endpoint
-
 The sub-packages, lowest first: `rdf` maps rules to RDF, `sparql` handles the text and the results
 of queries, `stores` keeps statements, `bulk` imports and exports millions, `formats` are file
 formats.

@@ -1,21 +1,5 @@
 """The exceptions that Hilt raises, and the check that an optional package is installed.
 
-    HiltError
-    ├── DataError (ValueError)           invalid content in a file or text; has line and column
-    ├── IntervalError (ValueError)       numbers that do not form an interval [lower, upper]
-    ├── ConflictError (ValueError)       sources that contradict each other completely
-    ├── UnknownNameError (LookupError)   a name that does not exist; lists the names that do
-    │   └── NotFoundError                a name that a knowledge base does not contain
-    ├── StoreError (OSError)             a knowledge base cannot be opened, read or written
-    │   └── InUseError                   another process has opened the knowledge base
-    ├── QueryError (ValueError)          an invalid or forbidden SPARQL text
-    │   └── StoppedError                 a query stopped at its limit of time or memory
-    ├── ValidationError (ValueError)     a graph or rule that violates the SHACL shapes
-    ├── MissingExtraError (ImportError)  an optional package is not installed
-    ├── SimulationError (RuntimeError)   the simulator cannot do what was requested
-    ├── MotionInterruptedError (Runtime.) a motion was ended from another thread
-    └── WorkersError (RuntimeError)      worker processes or nodes cannot be started or reached
-
 They are defined here because every other package imports `ontology`, which imports none of them.
 Failures that a robot must expect (nothing seen, not sure, dropped) are results, not exceptions.
 """

@@ -1,15 +1,5 @@
 """The simulated robot: a table with objects, cameras, an arm with a hand, and their physics.
 
-scene         a description of what is on the table; a placement is one object of it
-world         the table with its objects, and time
-physics       the PyBullet engine, which knows bodies, links and joints by name
-model         an object type or a robot as files for the engine
-percept       an object that vision has found, with a point cloud for each part
-grasp         a pose of the hand from which its fingers close on one part, with a score
-motion        a movement of the arm with what it holds; objects are held by friction only
-report        the outcome of a motion: success, or the reason of a failure, and measurements
-body          vision, robot and motions together, as the agent uses them
-
 The body knows nothing of rules. It is told which object and which part:
 
     with Body(scene, objects, seed=7) as body:

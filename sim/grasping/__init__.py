@@ -1,8 +1,4 @@
-"""Grasp planning: from the percept of an object to the grasp to execute.
-
-In the order of the data: `context` has the points that matter, `sampling` proposes candidates,
-`scoring` judges their contacts, `planner` ranks them, `selection` takes the best reachable one.
-"""
+"""Grasp planning: from the percept of an object to the grasp to execute."""
 
 import lazy_loader
 

@@ -1,8 +1,4 @@
-"""Manipulation: grasping, lifting, handing over, putting back, pointing and striking.
-
-`hand_motions` has the motions of the hand, `pick_and_place` the actions made of them, with retries,
-and `striking` drives nails; every action returns a `MotionReport`.
-"""
+"""Manipulation: grasping, lifting, handing over, putting back, pointing and striking."""
 
 import lazy_loader
 

@@ -84,8 +84,6 @@ class HandMotion:
         """A planner of paths among the objects that were seen."""
         return PathPlanner(self.robot, context.scene, context.obstacles)
 
-    # --- grasping and releasing ---------------------------------------------------------------
-
     def grasp(self, path: GraspPath) -> FingerContacts:
         """Follow a path to a grasp, close the gripper, and return what the fingers touch."""
         self.robot.open(path.grasp.opening)
@@ -121,8 +119,6 @@ class HandMotion:
         spheres = self.robot.body_spheres(self.robot.opening)
         home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene, gap=-1.0)
         self._follow_if(home, TRANSIT_PACE)
-
-    # --- holding ------------------------------------------------------------------------------
 
     def lift(self, held: HeldObject, height: float, planner: PathPlanner) -> bool:
         """Lift the held object by `height` [m]; return False as soon as it is lost."""
@@ -171,8 +167,6 @@ class HandMotion:
             return missing >= LOST_CHECKS
 
         return is_lost
-
-    # --- carrying -----------------------------------------------------------------------------
 
     def plan_carry(self, held: HeldObject, goal: Array, planner: PathPlanner) -> Array | None:
         """Plan a path to a posture on which neither the arm nor the held object hits anything."""
@@ -254,8 +248,6 @@ class HandMotion:
                 answer = planner.inverse_kinematics(goals)
                 reached = answer.joints[answer.found]
                 yield from reached[np.argsort(planner.travel_time(reached), kind="stable")]
-
-    # --- pointing -----------------------------------------------------------------------------
 
     def point_at(self, cloud: Array, planner: PathPlanner) -> str:
         """Point at a cloud (n, 3) without touching it; return the reason of failure, or "".

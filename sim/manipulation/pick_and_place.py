@@ -119,8 +119,6 @@ class PickAndPlace:
         """Point at an object without touching it; a held one is put back before."""
         return self._moved("point_at", lambda: self._point_at(percept))
 
-    # --- actions ------------------------------------------------------------------------------
-
     def _act(self, action: str, act: Callable[[HeldObject], MotionReport]) -> MotionReport:
         """The report of an action with the held object."""
         held = self.in_hand
@@ -212,8 +210,6 @@ class PickAndPlace:
             return False
         self._is_interrupted = False
         return part in {None, held.context.part}
-
-    # --- steps --------------------------------------------------------------------------------
 
     def _observe(self, name: str, part: str | None) -> GraspContext | None:
         """How an object and its surroundings are seen now; None when it is not visible."""

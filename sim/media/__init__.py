@@ -1,7 +1,4 @@
-"""Media: pictures of a scene for people, and recordings of what happens in it.
-
-`pictures` renders, draws grasps and labels, and writes captions; `recording` makes animations.
-"""
+"""Media: pictures of a scene for people, and recordings of what happens in it."""
 
 import lazy_loader
 

@@ -208,9 +208,6 @@ def wrap_caption(picture: Picture, text: str) -> list[str]:
     return lines
 
 
-# --- drawings -------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class GraspMark:
     """A grasp to draw.

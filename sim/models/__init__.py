@@ -1,9 +1,4 @@
-"""Models: object types and robots as files that the simulator loads.
-
-`solids` turns the forms of a part into a visual surface and convex collision pieces, both made by
-`meshes`; `urdf` writes and assembles URDF files; `object_models` builds the model of an object type
-once and keeps it in the cache.
-"""
+"""Models: object types and robots as files that the simulator loads."""
 
 import lazy_loader
 

@@ -99,9 +99,6 @@ def grouped_obj(meshes: Sequence[Trimesh]) -> str:
     return str(trimesh.Scene(list(meshes)).export(file_type="obj", digits=7, header=None))
 
 
-# --- convex pieces -----------------------------------------------------------------------------
-
-
 def hull(points: Array) -> Trimesh:
     """Return the convex hull of points (n, 3), faces outwards."""
     return trimesh.convex.convex_hull(points)

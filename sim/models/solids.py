@@ -117,18 +117,12 @@ def _curve(points: Array, steps: int, *, closed: bool = False) -> Array:
     return Akima1DInterpolator(knots, through)(fine)
 
 
-# --- boxes ----------------------------------------------------------------------------------
-
-
 def _box_corners(box: Box) -> Array:
     half, bevel = np.array(box.size) / 2, box.bevel
     signs = np.array(list(product((-1, 1), repeat=3)))
     if not bevel:
         return signs * half
     return np.vstack([signs * (half - bevel * (1 - np.eye(3)[axis])) for axis in range(3)])
-
-
-# --- lathes ---------------------------------------------------------------------------------
 
 
 def _lathe_rings(lathe: Lathe, sides: int, steps: int) -> list[Array]:
@@ -177,9 +171,6 @@ def _vessel_pieces(lathe: Lathe) -> list[Array]:
     return pieces
 
 
-# --- plates ---------------------------------------------------------------------------------
-
-
 def _plate_outline(plate: Extrusion, steps: int) -> Array:
     """Return the rim of a plate: rows of x, y and half the thickness."""
     corners = np.column_stack([plate.outline, np.array(plate.thickness) / 2])
@@ -214,9 +205,6 @@ def _plate_pieces(plate: Extrusion) -> list[Array]:
     return meshes.merge(prisms, tolerance=MERGE_TOLERANCE)
 
 
-# --- sweeps ---------------------------------------------------------------------------------
-
-
 def _sweep_rings(sweep: Sweep, corners: int, steps: int) -> list[Array]:
     line = np.column_stack([sweep.path, sweep.sections])  # x, y, z, width, height
     if sweep.smooth:
@@ -246,9 +234,6 @@ def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Arra
     across, up = (np.sign(wave) * np.abs(wave) ** (2 / sweep.power) for wave in waves)
     half = np.maximum(size / 2, 0.0)
     return centre + half[0] * across[:, None] * side + half[1] * up[:, None] * np.cross(ahead, side)
-
-
-# --- files ----------------------------------------------------------------------------------
 
 
 def _read_mesh(form: MeshFile) -> trimesh.Trimesh:

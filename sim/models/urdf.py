@@ -29,9 +29,6 @@ _SPECK = "    <visual><geometry><box size='1e-5 1e-5 1e-5'/></geometry></visual>
 _VERSION = b"1"  # of the robot files that this module writes
 
 
-# --- objects --------------------------------------------------------------------------------
-
-
 def write_urdf(name: str, elements: Sequence[str], path: Path) -> None:
     """Write a URDF file of links and joints."""
     opening = ["<?xml version='1.0'?>", f"<robot name={quoteattr(name)}>"]
@@ -100,9 +97,6 @@ def _inertial(mass: float, centre: Array, inertia: Array) -> str:
 
 def _numbers(values: Sequence[float] | Array) -> str:
     return " ".join(f"{value:.6g}" for value in values)
-
-
-# --- robots ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

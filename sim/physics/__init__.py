@@ -1,9 +1,4 @@
-"""Physics: the PyBullet simulator, spoken to by the names of bodies, links and joints.
-
-`engine` is one simulator with its four parts: `bodies` (loading and poses), `joints` (positions and
-motors), `contacts` (touch, friction, sleeping) and `rendering` (camera images). They call PyBullet
-through `client`, the only module that imports it.
-"""
+"""Physics: the PyBullet simulator, spoken to by the names of bodies, links and joints."""
 
 import lazy_loader
 

@@ -101,8 +101,6 @@ class Bodies:
         low, high = self._client.call("getAABB", *self.link_id(body, link))
         return np.array(low), np.array(high)
 
-    # --- PyBullet's numbers, for the other parts of the engine ------------------------------
-
     def number(self, body: str) -> int:
         """PyBullet's number of a body."""
         return self._record(body).number

@@ -1,9 +1,4 @@
-"""The robot: its model, kinematics, collision checks and paths.
-
-`models` reads robots from data, `kinematics` solves their forward and inverse kinematics, `robot`
-moves one in the simulator, `collision` and `path_planner` keep it clear of obstacles.
-`gripper_poses` has grasps as values.
-"""
+"""The robot: its model, kinematics, collision checks and paths."""
 
 import lazy_loader
 

@@ -1,8 +1,4 @@
-"""Scenes: what is on the table, where, and the simulated world made of it.
-
-`scene` reads descriptions of scenes, `placement` finds a free place for each object, and `world` is
-the table with its objects and time; it saves the time of computing objects that lie still.
-"""
+"""Scenes: what is on the table, where, and the simulated world made of it."""
 
 import lazy_loader
 
