@@ -17,7 +17,7 @@ from math import log2, prod
 from random import Random
 
 from ..config import household
-from .learning_scenarios import CONTEXTS, functional_sentence, grasp_sentence, load_scenarios
+from .learning_scenarios import CONTEXTS, load_scenarios, rule_sentence
 
 TRUST: Mapping[str, str] = {"sam": "1", "ann": "0.9", "bob": "0.75", "eve": "0.5"}
 WORDS: Mapping[str, tuple[str, str]] = {  # word -> interval
@@ -61,9 +61,7 @@ class Opinion:
     @property
     def sentence(self) -> str:
         """The sentence that states it."""
-        if self.context:
-            return grasp_sentence(self.about, self.context, self.conclusion, self.word)
-        return functional_sentence(self.about, self.conclusion, self.word)
+        return rule_sentence(self.about, self.conclusion, self.context, self.word)
 
     @property
     def asserts(self) -> bool:

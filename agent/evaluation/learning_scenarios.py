@@ -132,6 +132,13 @@ def grasp_sentence(name: str, context: str, part: str, level: str = LEVELS[0]) -
     return f"To {_INFINITIVES[context]} a {name} {level} grab the {name} by the {part}"
 
 
+def rule_sentence(name: str, argument: str, context: str, level: str) -> str:
+    """Return the sentence that teaches an affordance, or in a context the part to grasp."""
+    if context:
+        return grasp_sentence(name, context, argument, level)
+    return functional_sentence(name, argument, level)
+
+
 def command(action: str, affordance: str) -> str:
     """Return the sentence that commands an action on something with an affordance."""
     return f"{ACTIONS[action]} something used for {affordance}"

@@ -64,6 +64,15 @@ class DecisionExperiment(Experiment):
             key = f"{scenario.name}/{name}/{action}/{affordance}"
             yield Case(self.name, key, spec | {"action": action, "affordance": affordance})
 
+    def cases_in(self, scenes: Sequence[Sequence[str]]) -> Sequence[Case]:
+        """Return the cases by scenario, scene and command; each scene has the next seed."""
+        return [
+            case
+            for scenario in self.scenarios.values()
+            for number, scene in enumerate(scenes)
+            for case in self.commands(scenario, str(number), scene, self.seed + number)
+        ]
+
     def run(self, case: Case) -> CaseResult:
         """Give the command to an agent that was taught the scenario and has the scene."""
         spec = cast("dict[str, str]", case.spec)

@@ -57,12 +57,7 @@ class CustomExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, scene and command."""
-        return [
-            case
-            for scenario in self.scenarios.values()
-            for number, scene in enumerate(self._spec.scenes)
-            for case in self.commands(scenario, str(number), scene, self.seed + number)
-        ]
+        return self.cases_in(self._spec.scenes)
 
     @property
     def actions(self) -> Sequence[str]:

@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import islice
 from random import Random
 from typing import ClassVar, Literal, cast
 
@@ -209,7 +208,8 @@ def _contradicted(scenario: str, trust: float, share: float, choices: str, seed:
     taught = _taught_by(_named(scenario).sentences(), choices=choices)
     taught.base.set_trust(OTHER, trust)
     (opposite,) = (each for each in _scenarios() if each.name != scenario)
-    sentences = list(islice(opposite.sentences(), _count_of_uses(opposite)))
+    levels = (each for uses in opposite.affordances.values() for each in uses.values())
+    sentences = opposite.sentences()[: sum(map(len, levels))]  # those about affordances come first
     rng = Random(seed)  # noqa: S311
     for sentence in rng.sample(sentences, round(share * len(sentences))):
         taught.hear(sentence, speaker=OTHER, only="tell")
@@ -230,12 +230,6 @@ def _named(name: str) -> LearningScenario:
     return scenario
 
 
-def _count_of_uses(scenario: LearningScenario) -> int:
-    """Return how many sentences, which come first, are about affordances."""
-    levels = (each for uses in scenario.affordances.values() for each in uses.values())
-    return sum(map(len, levels))
-
-
 # --- Misrecognised sentences -------------------------------------------------------------
 
 Words = list[str]
@@ -249,15 +243,6 @@ def garble(text: str, how: str, rate: float, rng: Random, vocabulary: Sequence[s
     return " ".join(_GARBLINGS[how](text.split(), rate, rng, vocabulary))
 
 
-def _misheard(words: Words, rate: float, rng: Random, vocabulary: Sequence[str]) -> Words:
-    """Replace some words by words of the same domain."""
-    return [rng.choice(vocabulary) if rng.random() < rate else word for word in words]
-
-
-def _dropped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
-    return [word for word in words if rng.random() >= rate]
-
-
 def _swapped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
     """Exchange some words with the next one."""
     swapped = list(words)
@@ -268,7 +253,9 @@ def _swapped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
 
 
 _GARBLINGS: Mapping[str, Callable[[Words, float, Random, Sequence[str]], Words]] = {
-    "misheard": _misheard,
-    "dropped": _dropped,
+    "misheard": lambda words, rate, rng, vocabulary: [
+        rng.choice(vocabulary) if rng.random() < rate else word for word in words
+    ],
+    "dropped": lambda words, rate, rng, _: [word for word in words if rng.random() >= rate],
     "swapped": _swapped,
 }

@@ -33,13 +33,7 @@ class PaperExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, scene and command."""
-        drawn = self.drawn_scenes()
-        return [
-            case
-            for scenario in self.scenarios.values()
-            for number, scene in enumerate(drawn)
-            for case in self.commands(scenario, str(number), scene, self.seed + number)
-        ]
+        return self.cases_in(self.drawn_scenes())
 
     def drawn_scenes(self) -> list[list[str]]:
         """Return the objects of each scene."""

@@ -1,10 +1,4 @@
-"""Reports of evaluations: counts, tables, pages and comparisons.
-
-summary     the results of a run, counted
-comparison  differences between two runs
-html        a page with counts, curves, pictures and explanations; plots has its curves
-export      reports as files: HTML, JSON or CSV
-"""
+"""Reports of evaluations: counts, tables, pages and comparisons."""
 
 import lazy_loader
 

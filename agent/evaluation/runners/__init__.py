@@ -1,11 +1,4 @@
-"""Runners: they run the cases of an experiment, and give the same results wherever they do.
-
-base            the protocol of a runner, and running one case in any process
-local           in this process, or in a pool of processes
-ray             on a Ray cluster
-journal         results on disk as they come, so that a run can be resumed
-experiment_run  choice of the runner; a run with its journal and progress bar
-"""
+"""Runners: they run the cases of an experiment, and give the same results wherever they do."""
 
 import lazy_loader
 

@@ -77,10 +77,6 @@ class VerbalizedSpace:
             self.rules[cell, level] for cell, code in cells for level in levels_of(code)
         )
 
-    def agent_taught_cell(self, cell: RuleKey, code: int) -> TaughtAgent:
-        """Return an agent that was taught one cell only."""
-        return TaughtAgent(self.rules[cell, level] for level in levels_of(code))
-
     def cell_mask(self, cells: Iterable[RuleKey]) -> int:
         """Return the bit mask of a set of cells."""
         return sum(1 << self.space.index[cell] for cell in set(cells))
@@ -151,10 +147,12 @@ def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
         full = [candidate_of(cell, decide_about(taught, cell, objects)) for cell in cells]
     wrong: list[str] = []
     for cell, code, (candidate, row), other in zip(cells, codes, found, full, strict=True):
-        with taught_space.agent_taught_cell(cell, code) as taught:
+        with TaughtAgent(taught_space.rules[cell, level] for level in levels_of(code)) as taught:
             alone, _ = _score(taught_space, taught, cell)
         is_same = _bounds(candidate) == _bounds(other) == _bounds(alone)
-        if not is_same or row[0] != belief(code) or not _is_proof_valid(candidate):
+        # Evaluating the proof again must give the interval of the candidate.
+        is_proven = not candidate or candidate.proof.evaluate(Operators()) == candidate.interval
+        if not is_same or row[0] != belief(code) or not is_proven:
             wrong.append(f"{cell} at code {code} has {row}")
     return {"rows": [row for _, row in found]}, wrong
 
@@ -199,13 +197,6 @@ def candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
 def _bounds(candidate: Candidate | None) -> tuple[float, float]:
     interval = candidate.interval if candidate else VACUOUS
     return interval.lower, interval.upper
-
-
-def _is_proof_valid(candidate: Candidate | None) -> bool:
-    """Whether evaluating the proof again gives the interval of the candidate."""
-    if candidate is None:
-        return True
-    return candidate.proof.evaluate(Operators()) == candidate.interval
 
 
 # --- Grasps ------------------------------------------------------------------------------------

@@ -16,15 +16,7 @@ from random import Random
 
 from ....kb.rule import Rule
 from ....ontology.objects import load_household
-from ..learning_scenarios import (
-    ACTIONS,
-    CONTEXTS,
-    LEVELS,
-    command,
-    functional_sentence,
-    grasp_sentence,
-    load_scenarios,
-)
+from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, load_scenarios, rule_sentence
 
 # Table 2: level -> confidence
 CONFIDENCES: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
@@ -57,9 +49,7 @@ class RuleKey:
 class ScenarioSpace:
     """The space of learning scenarios, spanned by objects, affordances and parts.
 
-    The objects have the order that they have in every scene.
-
-    Each object has two parts.
+    The objects have the order that they have in every scene; each has two parts.
     """
 
     objects: tuple[str, ...]
@@ -97,9 +87,7 @@ class ScenarioSpace:
 
     def sentence(self, cell: RuleKey, level: str) -> str:
         """Return the sentence that teaches a cell at a level."""
-        if cell.context:
-            return grasp_sentence(cell.object, cell.context, cell.argument, level)
-        return functional_sentence(cell.object, cell.argument, level)
+        return rule_sentence(cell.object, cell.argument, cell.context, level)
 
     def sentences(self, codes: Sequence[int]) -> list[str]:
         """Return the sentences that teach a learning scenario, by cell, the highest level first."""

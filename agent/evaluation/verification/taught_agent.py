@@ -81,12 +81,13 @@ class TracingSource:
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """Return the rules of the source as tracing rules."""
-        return [self._tracing(rule) for rule in self.source.rules_at_nodes(nodes)]
-
-    def _tracing(self, rule: Rule) -> Rule:
-        tracing = TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
-        tracing.__dict__.update(key=RuleKey.from_rule(rule), trace=self.trace)
-        return tracing
+        found: list[Rule] = []
+        for rule in self.source.rules_at_nodes(nodes):
+            found.append(
+                TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
+            )
+            found[-1].__dict__.update(key=RuleKey.from_rule(rule), trace=self.trace)
+        return found
 
 
 @dataclass(frozen=True)

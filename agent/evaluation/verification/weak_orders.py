@@ -35,37 +35,30 @@ NO_RULE = Proof("unknown", VACUOUS)
 class OpaqueScore:
     """A score that can only be compared with others; a higher level is better."""
 
-    __slots__ = ("_key",)
+    __slots__ = ("_level",)
 
-    def __init__(self, level: int) -> None:
-        # Levels are four apart, so that "a little less" never reaches another level.
-        self._key = 4 * level
+    def __init__(self, level: float) -> None:
+        self._level = level
 
     def __neg__(self) -> OpaqueScore:
-        return self._from_key(-self._key)
+        return OpaqueScore(-self._level)
 
     def __sub__(self, other: object) -> OpaqueScore:
         if other != EPSILON:
             raise TypeError("Only the tolerance of ties may be subtracted from a score.")
-        return self._from_key(self._key - 1)
+        return OpaqueScore(self._level - 0.25)  # a little less, which is no other level
 
     def __lt__(self, other: OpaqueScore) -> bool:
-        return self._key < other._key
+        return self._level < other._level
 
     def __gt__(self, other: OpaqueScore) -> bool:
-        return self._key > other._key
+        return self._level > other._level
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, OpaqueScore) and self._key == other._key
+        return isinstance(other, OpaqueScore) and self._level == other._level
 
     def __hash__(self) -> int:
         raise TypeError("A score may only be compared.")
-
-    @classmethod
-    def _from_key(cls, key: int) -> OpaqueScore:
-        made = cls.__new__(cls)
-        made._key = key
-        return made
 
 
 @dataclass(frozen=True)
