@@ -85,13 +85,8 @@ def find_hypotheses(
 
     The most plausible one is first. Rules with the same antecedent are fused.
 
-    Args:
-        rules: the rules to apply backwards.
-        conclusion: usedFor(cutting), graspObject(blade), cutWith(bread).
-        given: the atoms known to hold; they are left out of the hypotheses, and rules about
-            objects other than the given one are ignored.
-        settings: the operators.
-        taxonomy: the is-a hierarchy: a given bread knife is a knife.
+    Atoms that are `given` hold: they are left out of the hypotheses, and rules about other objects
+    than the given one are ignored. Along the taxonomy a given bread knife is a knife.
     """
     operators = (settings or Settings()).operators
     known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ..kb.interval import CERTAIN, Interval
-from ..ontology.errors import UnknownNameError
 from .decision import DecisionRule
 from .proof import Json, Proof
 from .settings import Settings
@@ -55,19 +54,6 @@ def explain_choice(inference: Inference) -> str:
     if not inference.candidates:
         return "nothing was seen that could be meant"
     return "\n".join(inference.candidates[0].proof.lines())
-
-
-def explain_rejection(inference: Inference, name: str) -> str:
-    """Return why an object (or part) was not chosen, with the proof about it.
-
-    Raises:
-        UnknownNameError: there is no candidate of that name.
-    """
-    found = [each for each in inference.candidates if name in candidate_names(each)]
-    if not found:
-        known = sorted({known for each in inference.candidates for known in candidate_names(each)})
-        raise UnknownNameError("candidate", name, known)
-    return "\n".join((rejection_reason(inference, found[0]), *found[0].proof.lines()))
 
 
 def rejection_reason(inference: Inference, candidate: Candidate) -> str:
@@ -174,16 +160,13 @@ def _along(path: Sequence[Interval], share: float) -> Interval:
     left = share * sum(lengths)
     for (start, end), length in zip(pairwise(path), lengths, strict=True):
         if left <= length and length > 0:
-            return _between(start, end, left / length)
+            part = left / length
+            lower = start.lower + part * (end.lower - start.lower)
+            upper = start.upper + part * (end.upper - start.upper)
+            return Interval(min(lower, upper), upper)
         left -= length
     return path[-1]
 
 
 def _distance(one: Interval, other: Interval) -> float:
     return abs(one.lower - other.lower) + abs(one.upper - other.upper)
-
-
-def _between(start: Interval, end: Interval, share: float) -> Interval:
-    lower = start.lower + share * (end.lower - start.lower)
-    upper = start.upper + share * (end.upper - start.upper)
-    return Interval(min(lower, upper), upper)

@@ -121,7 +121,8 @@ class NormChecker:
             judged.conflict(rule, one)
             for rule in against
             for one in permitting
-            if not _is_waiver(one) or one.argument == rule.argument
+            # That something need not come first lifts only the obligation to do just that first.
+            if one.argument == rule.argument or not one.argument or one.argument.kind != "action"
         )
         lifted = {each.overruled.id for each in conflicts}
         standing = [rule for rule in against if rule.id not in lifted]
@@ -253,11 +254,6 @@ class _JudgedAct:
             "and", known or [Proof("given", CERTAIN, f"action:{rule.context}")], operators
         )
         return derive("modus ponens", (premise, rule_proof(rule)), operators)
-
-
-def _is_waiver(permission: Rule) -> bool:
-    """Whether a permission only says that something need not come first."""
-    return permission.argument is not None and permission.argument.kind == "action"
 
 
 def _is_likely(interval: Interval) -> bool:

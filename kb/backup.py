@@ -28,12 +28,7 @@ _OCCUPIED = '"{}" holds a knowledge base. Say that it is to be replaced (--repla
 def backup(base: KnowledgeBase, target: Path) -> int:
     """Write a copy of a base into a new folder, and return the number of its last utterance.
 
-    Args:
-        base: any base, in use or not.
-        target: the folder, which must not be there.
-
-    Returns:
-        The number of the last utterance in it.
+    The base may be in use; there must be no folder `target`.
 
     Raises:
         StoreError: it cannot be written, or cannot be read back.
@@ -52,13 +47,8 @@ def backup(base: KnowledgeBase, target: Path) -> int:
 def restore(source: Path, location: str, *, replace: bool = False) -> int:
     """Restore a base from a backup, and return the number of its last utterance.
 
-    Args:
-        source: the backup, which stays as it is.
-        location: a folder, or the address of an endpoint.
-        replace: whether what is there may be lost.
-
-    Returns:
-        The number of the last utterance in it.
+    The location is a folder, or the address of an endpoint; `replace` allows that what is there is
+    lost.
 
     Raises:
         StoreError: the backup cannot be read; or the place holds a base, or is in use.

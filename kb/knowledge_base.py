@@ -102,9 +102,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store, which is closed with the base; an empty one becomes a base.
 
-        Args:
-            store: the store; a base of an earlier format in it is migrated.
-            clock: gives the time of an utterance; the system's by default.
+        A base of an earlier format is migrated. The clock gives the time of an utterance.
 
         Raises:
             StoreError: the store holds other data, or was written by a later version of Hilt.

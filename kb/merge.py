@@ -30,12 +30,8 @@ def merge(
 ) -> ImportSummary:
     """Add to a base what another one knows, as one unit.
 
-    Args:
-        base: what is written to.
-        other: what is read.
-        source: the name of the other base, for the history.
-        dry_run: only find out what would change.
-        observer: receives new rules, and known ones of another status.
+    The source names the other base in the history; a dry run only finds out what would change.
+    The observer receives new rules, and known ones of another status.
 
     Raises:
         ValidationError: the other base breaks a law; nothing has changed.

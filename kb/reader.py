@@ -46,8 +46,7 @@ class RuleReader:
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The active rules that are attached to action-tree nodes, sorted by id.
 
-        Args:
-            nodes: keys such as "pass.graspObject", "graspObject", "findObject.cutting".
+        Nodes are keys such as "pass.graspObject", "graspObject", "findObject.cutting".
         """
         if self.store.has_cheap_patterns:
             edges = (

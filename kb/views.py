@@ -67,10 +67,8 @@ def view(
 ) -> RuleView:
     """The rules at an earlier time, or according to one speaker, or both.
 
-    Args:
-        base: reads the history.
-        at: a moment, or the number of the last utterance that counts; now by default.
-        according_to: the speaker whose utterances count; everybody's by default.
+    `at` is a moment, or the number of the last utterance that counts; now by default. Only the
+    utterances of the speaker `according_to` count; everybody's by default.
 
     Raises:
         UnknownNameError: there is no such utterance, or no utterance of that speaker.

@@ -205,10 +205,8 @@ class RuleWriter:
     def forget_phrase(self, pattern: str, text: str, speaker: str) -> LearnedPhrase:
         """Retract a learned phrase, whose node stays.
 
-        Args:
-            pattern: its pattern, or an utterance from which it was learned.
-            text: the utterance that retracts it, for the history.
-            speaker: who retracts it.
+        `pattern` is its pattern, or an utterance from which it was learned; `text` is the utterance
+        that retracts it, for the history.
 
         Raises:
             NotFoundError: there is no such phrase.
@@ -229,11 +227,8 @@ class RuleWriter:
     ) -> int:
         """Let grasp trials no longer count as experience, and return how many they were.
 
-        Args:
-            text: the utterance that forgets them, for the history.
-            speaker: who forgets them.
-            of: the kind of object; None for any.
-            part: the part by which it was grasped; None for any.
+        They are those `of` a kind of object by this part; None for any. `text` is the utterance
+        that forgets them, for the history.
 
         Raises:
             NotFoundError: there are no such trials.

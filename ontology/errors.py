@@ -163,9 +163,7 @@ def extra_required(extra: str, package: str) -> Generator[None]:
     ...
     hilt.ontology.errors.MissingExtraError: "no_such_package" is not installed. Run: ...
 
-    Args:
-        extra: the extra of Hilt that installs the package ("sim", "report", ...).
-        package: the name of the package, as pip knows it.
+    The extra of Hilt ("sim", "report", ...) installs the package, which pip knows by this name.
 
     Raises:
         MissingExtraError: an import in the block failed.

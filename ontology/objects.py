@@ -185,9 +185,8 @@ def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
 def load_household(path: Path | None = None, *, added_to: Household | None = None) -> Household:
     """Return the contents of a file of objects: types, classes, roles and properties.
 
-    Args:
-        path: the file; the one of Hilt if None.
-        added_to: a household whose words the file may use; the result contains both.
+    The file, by default that of Hilt, may use the words of the household that it is `added_to`; the
+    result contains both.
 
     Raises:
         DataError: the file is invalid; gives the position and what was expected.

@@ -31,12 +31,8 @@ def write_statements(
 ) -> int:
     """Write a base, or all that belongs to its rules, and return the number of statements.
 
-    Args:
-        store: what is written.
-        stream: takes the text in UTF-8.
-        form: one of `TEXT_FORMATS`.
-        progress: is called with how many statements are written.
-        rules_only: leave out all but the rules and the utterances that they come from.
+    The form is one of `TEXT_FORMATS`, in UTF-8; `progress` is called with how many statements are
+    written. `rules_only` leaves out all but the rules and the utterances that they come from.
 
     Raises:
         OSError: the stream cannot be written to.

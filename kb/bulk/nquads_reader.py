@@ -95,11 +95,7 @@ def read_groups(
 ) -> Iterator[Statements]:
     """Iterate over the statements of an RDF text, those about one subject together.
 
-    Args:
-        stream: the text in UTF-8.
-        format: one of `hilt.kb.stores.rdf_text.RDF_FORMATS`.
-        source: its name in messages.
-        default: the graph of statements without one.
+    The text is UTF-8 in one of `rdf_text.RDF_FORMATS`; statements without a graph are of `default`.
 
     Raises:
         DataError: the text is malformed; says where.
@@ -128,9 +124,7 @@ def expand_blocks(items: Iterable[Statements]) -> Iterator[StatementGroup | Reif
 def complete_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:
     """Return the lines that a chunk of a text completes, and the beginning of the next line.
 
-    Args:
-        rest: the beginning of a line, from the chunks before.
-        chunk: what comes after it.
+    `rest` is the beginning of a line, from the chunks before.
 
     Raises:
         UnicodeDecodeError: the text is no UTF-8.

@@ -80,12 +80,8 @@ def scan_graph(
     the code stands for it, the object where the code includes it. Terms are written as in Turtle,
     numbers and booleans without quotes.
 
-    Args:
-        store: what is read.
-        graph: whose statements.
-        in_order: whether the rows are passed on in the order of the store, and not sorted; only
-            where `is_large`.
-        predicates: the wanted ones, some of those with a code; all where none are given.
+    The rows are sorted unless they are wanted `in_order` of the store, where `is_large`. Without
+    `predicates`, which have a code, those of all statements are passed on.
     """
     if isinstance(store, EmbeddedStore):
         batches = store.rows(_query(graph, predicates))
@@ -110,10 +106,8 @@ def scan_converted(
 ) -> Iterator[Thing]:
     """Iterate over the rules of a store, converted.
 
-    Args:
-        store: what is read; its rules may have any status.
-        convert: converts the rows of a rule, each without the rule; see `read_row`.
-        predicates: those of the rows.
+    `convert` takes the rows of a rule of any status, each without the rule (see `read_row`), and
+    with these predicates.
 
     Raises:
         StoreError: the store cannot be read.

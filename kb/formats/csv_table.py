@@ -45,9 +45,7 @@ _KINDS = (value_notation.FEATURE_KIND, value_notation.CONTEXT_KIND)
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]:
     """Iterate over the rules of a table, in its order.
 
-    Args:
-        lines: of the CSV, the first with the names of the columns.
-        source: its name in messages.
+    The first line has the names of the columns.
 
     Raises:
         DataError: rows are malformed; lists the first mistakes with their lines.

@@ -53,9 +53,7 @@ class _Arrow:
 def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
     """Return the picture of a graph that `graph_of` made.
 
-    Args:
-        graph: the rules.
-        form: "svg" or "png".
+    The form is "svg" or "png".
 
     Raises:
         MissingExtraError: matplotlib is not installed.

@@ -48,12 +48,8 @@ class CheckedStream(io.RawIOBase):
     ) -> None:
         """Wrap a stream.
 
-        Args:
-            stream: what is read.
-            name: of the file, for messages.
-            chosen: its format, which says what is refused.
-            progress: is called with how much of the file has been read.
-            position: returns that; by default the bytes read are counted.
+        The name is for messages, the format says what is refused. `progress` is called with how
+        much of the file has been read: with `position`, or by default the number of bytes read.
         """
         super().__init__()
         self.name = name
@@ -153,10 +149,7 @@ def open_input(
 ) -> Generator[CheckedStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
 
-    Args:
-        file: its name.
-        chosen: its format, which says what is refused.
-        progress: is called with how many bytes of the file have been read.
+    `progress` is called with how many bytes of the file have been read.
 
     Raises:
         DataError: it cannot be read.

@@ -53,11 +53,7 @@ def export_file(
         file: its extension names the format, ".gz" compresses it; "-" is standard output.
         format: the name of a format; by default that of the file, turtle for "-".
         rules_only: leave out all but the rules, where the format could hold the whole base.
-        progress: is called with how many statements (or rules, in formats that hold only those)
-            are written.
-
-    Returns:
-        The number of statements or rules.
+        progress: is called with how many statements or rules are written.
 
     Raises:
         DataError: the format is unknown, or the file cannot be written.
@@ -109,9 +105,6 @@ def import_file(
         format: the name of a format; by default that of the file, trig for "-".
         dry_run: only find out what would change.
         progress: is called with how many bytes of the file have been read.
-
-    Returns:
-        How many rules are new, known and conflicting.
 
     Raises:
         DataError: the file cannot be read or parsed; says where.

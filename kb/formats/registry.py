@@ -54,10 +54,8 @@ RULE_FORMATS = frozenset({"sheet", "csv", "graphml"})  # they hold rules as valu
 def format_of(file: str, given: str | None, default: str) -> FileFormat:
     """Return the format of a file.
 
-    Args:
-        file: its name; ".gz" at its end does not count.
-        given: the name of a format, which decides where it is given.
-        default: the format of standard input and output.
+    That is the given one, or that of the extension, before which ".gz" does not count; `default` is
+    that of standard input and output.
 
     Raises:
         DataError: no format has that name or extension.

@@ -32,10 +32,6 @@ _KEYS = (
 def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
     """Iterate over the rules of a sheet, in its order.
 
-    Args:
-        text: the YAML.
-        source: its name in messages.
-
     Raises:
         DataError: entries are malformed; lists the first mistakes with their places.
     """

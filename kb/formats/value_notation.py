@@ -31,9 +31,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
     >>> str(read_atom("knife", "object")), str(read_atom("property:red", "object"))
     ('object:knife', 'property:red')
 
-    Args:
-        text: a name, or a kind and a name.
-        kind: of a bare name; None where the kind must be written.
+    `kind` is that of a bare name; None where the kind must be written.
 
     Raises:
         ValidationError: it names no atom.
@@ -50,9 +48,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
 def read_all(things: Iterable[Thing], read: Callable[[Thing], Read]) -> Iterator[Read]:
     """Iterate over the rules of a file; after a mistake only further mistakes are looked for.
 
-    Args:
-        things: rows or entries; to iterate over them may fail, too.
-        read: returns the rule of one of them.
+    `read` returns the rule of a row or entry; to iterate over `things` may fail, too.
 
     Raises:
         DataError: lists the first mistakes, at most `MAX_MISTAKES`.

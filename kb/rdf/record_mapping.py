@@ -57,10 +57,7 @@ def read_fields(
 ) -> dict[str, Any]:
     """The fields of a record; ValidationError if one is missing or malformed.
 
-    Args:
-        found: the properties of its node.
-        fields: how each field is stored.
-        what: the name of such a record in messages, as "An utterance".
+    `what` is the name of such a record in messages, as "An utterance".
     """
     return {
         name: _read_field(found[field.predicate], field, what) for name, field in fields.items()

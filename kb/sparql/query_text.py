@@ -87,11 +87,8 @@ def result_limit(query: str) -> int | None:
 def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
     """The query for one page of the solutions of another query, in a stable order.
 
-    Args:
-        query: a SELECT or CONSTRUCT query; a QueryError says that it cannot be paged.
-        variables: the columns of a SELECT; none for a CONSTRUCT.
-        size: the number of solutions of a page.
-        offset: the number of solutions before the page.
+    The variables are the columns of a SELECT, none for a CONSTRUCT. A QueryError says that the
+    query cannot be paged.
     """
     modifiers = {token.group().upper() for token in _modifiers(query)}
     if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in keywords(query):

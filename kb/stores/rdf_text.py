@@ -44,11 +44,7 @@ def read_rdf(
 ) -> Iterator[Quad | ReifyingTriple]:
     """The statements of an RDF text, one after the other as they are parsed.
 
-    Args:
-        stream: the text in UTF-8.
-        format: one of `RDF_FORMATS`.
-        source: its name in messages.
-        default: the graph of statements that name none.
+    The text is UTF-8 in one of `RDF_FORMATS`; statements that name no graph are in `default`.
 
     Raises:
         DataError: it is wrong; says where.

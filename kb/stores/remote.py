@@ -240,9 +240,7 @@ class RemoteStore:
 def open_remote(location: str | EndpointConfig, *, read_only: bool = False) -> RemoteStore:
     """A store behind an endpoint; StoreError if that does not answer, or refuses.
 
-    Args:
-        location: its address, as documented in `hilt.kb.stores.http`.
-        read_only: refuse writes.
+    `hilt.kb.stores.http` documents the location.
     """
     address = location if isinstance(location, EndpointConfig) else parse_address(location)
     store = RemoteStore(EndpointTransport(address), read_only=read_only)

@@ -71,12 +71,8 @@ def take_picture(
 ) -> Picture:
     """Return a picture of the world as it is now, (height, width, 3).
 
-    Args:
-        engine: where the world is.
-        camera: the point of view.
-        light: of the scene.
-        smoothing: how many times as large it is rendered; 1 is fastest and has jagged edges.
-        tint: a body and the part of it that is highlighted.
+    It is rendered `smoothing` times as large; 1 is fastest and has jagged edges. `tint` is a body
+    and the part of it that is highlighted.
     """
     large = replace(
         camera, width=round(camera.width * smoothing), height=round(camera.height * smoothing)

@@ -34,9 +34,8 @@ MIN_SHARE = 0.1  # of its inner radius, which a piece thinner than the margin ke
 def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
     """Return the closed surface through rings of k points each, every one (k, 3), faces outwards.
 
-    Args:
-        rings: at least two; a ring may shrink to a point.
-        caps: triangles that close the end rings; fans when None, for convex rings.
+    There are at least two rings; one may shrink to a point. `caps` are the triangles that close the
+    end rings; fans when None, for convex rings.
     """
     count = len(rings[0])
     faces = np.vstack([_band(i * count, count) for i in range(len(rings) - 1)])

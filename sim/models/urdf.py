@@ -123,11 +123,8 @@ def robot_file(
 ) -> Path:
     """Return the URDF file of a robot, made when it is not in the cache yet.
 
-    Args:
-        name: of the robot.
-        urdf: of its arm.
-        attachment: its hand, from another file.
-        speeds: limits of its moving joints, instead of those in the file [rad/s].
+    `urdf` is the file of its arm, and `attachment` its hand, from another file. `speeds` limit its
+    moving joints, instead of those in the file [rad/s].
 
     Raises:
         DataError: a file is no URDF, or lacks a link.

@@ -46,13 +46,9 @@ class Bodies:
     ) -> None:
         """Put a body described by a URDF file into the world, at the origin unless a pose is given.
 
-        Args:
-            name: by which it is known from now on.
-            urdf: its description.
-            world_from_base: pose of its URDF frame.
-            fixed: whether it stays where it is, whatever pushes it.
-            inertia_of_shape: whether inertias follow from the masses and shapes of its links
-                instead of from the file.
+        The pose is that of its URDF frame. What is `fixed` stays where it is, whatever pushes it.
+        With `inertia_of_shape`, inertias follow from the masses and shapes of its links instead of
+        from the file.
         """
         if name in self._records:
             raise SimulationError(f'There already is a body "{name}".')

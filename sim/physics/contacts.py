@@ -52,12 +52,8 @@ class Contacts:
     ) -> None:
         """Set the friction of a link, or of all links when `link` is None.
 
-        Args:
-            body: whose link.
-            link: its name.
-            friction: lateral coefficient; between two surfaces their product counts.
-            spinning: resistance against turning on the spot [m].
-            rolling: resistance against rolling [m].
+        `friction` is the lateral coefficient; between two surfaces their product counts. `spinning`
+        and `rolling` are the resistances against turning on the spot and rolling [m].
         """
         wanted = {
             "lateralFriction": friction,

@@ -54,14 +54,9 @@ class Joints:
     ) -> None:
         """Let motors hold joints at positions from now on.
 
-        Args:
-            body: whose joints.
-            joints: their names.
-            positions: targets [rad] or [m].
-            forces: limit of each motor [Nm] or [N].
-            gain: share of the position error that is corrected in one step, in [0, 1].
-            damping: share of the speed error that is corrected in one step, in [0, 1].
-            speeds: target speeds [rad/s] or [m/s]; zero when None.
+        Positions are in [rad] or [m]; `forces` limit each motor [Nm] or [N]; `gain` and `damping`
+        are the shares of the errors of position and speed that are corrected in one step, in
+        [0, 1]. The target speeds are zero when None, otherwise in [rad/s] or [m/s].
         """
         count = len(joints)
         target_speeds = np.zeros(count) if speeds is None else np.asarray(speeds, float)
@@ -88,13 +83,9 @@ class Joints:
     ) -> None:
         """Couple two joints of one body, as the fingers of a gripper are coupled.
 
-        Args:
-            body: whose joints.
-            joint: the one whose link carries the gear.
-            other: the one that it turns.
-            ratio: -1 makes two fingers that face each other move alike.
-            force: limit of what the gear transmits [N].
-            stiffness: share of the difference that is corrected in one step, in [0, 1].
+        The link of `joint` carries the gear, which turns the other one and transmits a force [N] at
+        most. A ratio of -1 makes two fingers that face each other move alike. The stiffness is the
+        share of the difference that is corrected in one step, in [0, 1].
         """
         number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
         gear = self._client.call(

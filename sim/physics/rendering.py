@@ -50,12 +50,7 @@ class Rendering:
         buffer (height, width), in [0, 1]; the label of each pixel (height, width); and the body and
         link of each label. Pixels that show nothing have a label without a name.
 
-        Args:
-            view: OpenGL view matrix, camera_from_world (4, 4).
-            projection: OpenGL projection matrix (4, 4).
-            width: of the image.
-            height: of the image.
-            light: of the scene.
+        The OpenGL matrices are (4, 4); `view` is camera_from_world.
         """
         raw = self._client.call(
             "getCameraImage",

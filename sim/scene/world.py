@@ -195,8 +195,7 @@ class SleepManager:
     objects that do nothing. Contacts between two sleeping objects, which cannot change, are left
     out too. An object that has moved is awake, and touches all others again, from that moment on.
 
-    Args:
-        world: whose objects; they lie still by now.
+    The objects lie still when it begins.
     """
 
     def __init__(self, world: World) -> None:
