@@ -15,8 +15,7 @@ from dataclasses import dataclass
 from ..kb.formats.value_notation import read_atom
 from ..kb.interval import Interval
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
-from .interval_operators import relative_plausibility
-from .settings import Settings
+from .interval_operators import Operators, relative_plausibility
 from .taxonomy import FLAT, Taxonomy
 from .types import Conclusion
 
@@ -30,11 +29,7 @@ _KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
 class Hypothesis:
     """An antecedent (features and contexts) that would entail the conclusion.
 
-    Attributes:
-        features: what would have to be observed.
-        contexts: what would have to hold.
-        interval: the interval of the conclusion in that case.
-        rules: the rules it is based on.
+    The interval of the conclusion in that case is based on the rules.
     """
 
     features: frozenset[Atom]
@@ -78,7 +73,6 @@ def find_hypotheses(
     conclusion: Conclusion,
     *,
     given: frozenset[Atom] = frozenset(),
-    settings: Settings | None = None,
     taxonomy: Taxonomy = FLAT,
 ) -> list[Hypothesis]:
     """Return the hypotheses under which a conclusion is more plausible than its negation.
@@ -88,7 +82,6 @@ def find_hypotheses(
     Atoms that are `given` hold: they are left out of the hypotheses, and rules about other objects
     than the given one are ignored. Along the taxonomy a given bread knife is a knife.
     """
-    operators = (settings or Settings()).operators
     known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))
     groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)
     for rule in rules:
@@ -98,7 +91,7 @@ def find_hypotheses(
         Hypothesis(
             group[0].features - known,
             group[0].contexts - known,
-            operators.fuse([rule.support for rule in group]),
+            Operators().fuse([rule.support for rule in group]),
             tuple(group),
         )
         for group in groups.values()

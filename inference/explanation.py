@@ -24,10 +24,7 @@ SEGMENTS = 64  # of a path that are searched
 class Counterfactual:
     """A change of the interval of one leaf (`evidence`) that changes the decision.
 
-    Attributes:
-        evidence: the leaf before the change.
-        after: its interval after the change.
-        chosen: the object or part chosen after the change; None if there is none.
+    `chosen` is the object or part chosen then; None if there is none.
     """
 
     evidence: Proof

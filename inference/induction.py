@@ -51,12 +51,9 @@ class TaughtRules(RuleSource, Protocol):
 class InducedRule:
     """An induced rule with the reasons for it.
 
-    Attributes:
-        rule: the induced rule, discounted, with status "induced".
-        source: the taught rule.
-        similarity: similarity of the two objects (and parts), in [0, 1].
-        shared: the features they have in common.
-        needed: the features on which the use rests; empty for a grasp.
+    It is discounted by the similarity of the two objects (and parts), in [0, 1], and has the status
+    "induced". `shared` are the features that they have in common, `needed` those on which the use
+    rests; there are none for a grasp.
     """
 
     rule: Rule

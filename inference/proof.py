@@ -124,12 +124,12 @@ def apply_operator(step: Step, inputs: Sequence[Interval], operators: Operators)
     return operators.conclude(inputs[0], inputs[1])
 
 
-def derive(step: Step, inputs: Sequence[Proof], operators: Operators, label: str = "") -> Proof:
+def derive(step: Step, inputs: Sequence[Proof], operators: Operators) -> Proof:
     """Return the proof that applies an operator; AND and fusion of one input are that input."""
     if step in {"and", "fuse"} and len(inputs) == 1:
         return inputs[0]
     interval = apply_operator(step, [each.interval for each in inputs], operators)
-    return Proof(step, interval, label, tuple(inputs))
+    return Proof(step, interval, inputs=tuple(inputs))
 
 
 def rule_proof(rule: Rule) -> Proof:

@@ -21,12 +21,7 @@ _TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of
 
 @dataclass(frozen=True)
 class UtteranceChanges:
-    """An utterance with the rules that it changed, as they are now.
-
-    Attributes:
-        utterance: the utterance.
-        told, retracted, superseded: the rules it asserted, retracted and superseded.
-    """
+    """An utterance with the rules that it changed, as they are now."""
 
     utterance: Utterance
     told: tuple[Rule, ...]

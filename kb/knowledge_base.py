@@ -112,7 +112,11 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         self.writer = RuleWriter(self.reader, clock=clock)
         self.episodes_recorded = 0
         with store.writing():
-            self._check_format()
+            found = base_format(store)
+            if found is None:
+                self._initialize()
+            elif found != FORMAT:
+                migrate(store, found)
 
     @classmethod
     def open(cls, location: str | Path, *, read_only: bool = False) -> KnowledgeBase:
@@ -241,13 +245,6 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
     def episodes(self) -> Iterator[Episode]:
         """The episodes, oldest first."""
         return read_episodes(self.store)
-
-    def _check_format(self) -> None:
-        found = base_format(self.store)
-        if found is None:
-            self._initialize()
-        elif found != FORMAT:
-            migrate(self.store, found)
 
     def _initialize(self) -> None:
         """Make an empty store a base, with its format and the trust in the default speaker."""

@@ -43,11 +43,8 @@ _PHRASE_FIELDS = {
 class LearnedWord:
     """A learned word.
 
-    Attributes:
-        atom: what it denotes: its dictionary form and its kind.
-        said: as it was said.
-        speaker: who used it first.
-        utterance: number of the utterance it was learned from; None before it is stored.
+    The atom is what it denotes: its dictionary form and its kind. The utterance is the number of
+    the one it was learned from; None before it is stored.
     """
 
     atom: Atom

@@ -123,14 +123,13 @@ class RuleWriter:
         *,
         accepted: bool,
         answer: str = "",
-        time: datetime | None = None,
         heard: float = 1.0,
     ) -> Utterance:
         """Add an utterance that changes no rule: a command, a question, a refused statement.
 
-        The arguments are those of `Utterance`; its time is now by default.
+        The arguments are those of `Utterance`.
         """
-        moment = to_milliseconds(time or self.clock())
+        moment = to_milliseconds(self.clock())
         utterance = Utterance(
             0, text, predicate, speaker, moment, kind, accepted, answer, heard=heard
         )
@@ -138,25 +137,11 @@ class RuleWriter:
             return self._write(utterance, [])
 
     def retract(
-        self,
-        rule_id: str,
-        text: str,
-        predicate: str,
-        speaker: str,
-        *,
-        answer: str = "",
-        time: datetime | None = None,
+        self, rule_id: str, text: str, predicate: str, speaker: str, *, answer: str = ""
     ) -> Utterance:
         """Retract a rule because of an utterance; UnknownNameError if there is no such rule."""
         return self.believe(
-            text,
-            predicate,
-            speaker,
-            [],
-            retracts=[rule_id],
-            kind="correction",
-            answer=answer,
-            time=time,
+            text, predicate, speaker, [], retracts=[rule_id], kind="correction", answer=answer
         )
 
     def set_trust(

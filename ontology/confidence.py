@@ -20,9 +20,7 @@ QUALIFIERS_FILE = Path(__file__).parent / "qualifiers.yaml"
 class Degrees:
     """The degrees of confidence.
 
-    Attributes:
-        default: the degree of a rule that is stated without a qualifier.
-        intervals: (lower, upper) in [0, 1] for each degree.
+    The default is that of a rule without a qualifier; the intervals are (lower, upper) in [0, 1].
     """
 
     default: str

@@ -73,10 +73,8 @@ class ConflictError(HiltError, ValueError):
 class UnknownNameError(HiltError, LookupError):
     """A name does not exist.
 
-    Attributes:
-        kind: the kind of thing looked up ("object", "part", "query", ...).
-        name: the requested name.
-        known: the existing names, sorted.
+    The kind is that of the thing looked up ("object", "part", "query", ...); `known` are the
+    existing names, sorted.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
@@ -126,12 +124,7 @@ class ValidationError(HiltError, ValueError):
 
 
 class MissingExtraError(HiltError, ImportError):
-    """A package of one of Hilt's optional extras is not installed.
-
-    Attributes:
-        extra: the extra of Hilt that installs it ("sim", "report", ...).
-        package: the name of the package.
-    """
+    """A package of one of Hilt's optional extras is not installed."""
 
     def __init__(self, extra: str, package: str) -> None:
         self.extra, self.package = extra, package

@@ -162,12 +162,8 @@ class ObjectType:
 class Household:
     """The contents of a file of objects.
 
-    Attributes:
-        objects: object types by name.
-        classes: class -> its superclass, or None.
-        roles: role of a part -> its meaning.
-        properties: property -> its meaning.
-        materials: materials by name.
+    These are objects and materials by name, the superclass of each class or None, and the meanings
+    of roles and properties.
     """
 
     objects: Mapping[str, ObjectType]

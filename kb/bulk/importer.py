@@ -251,8 +251,8 @@ class _Import:
         for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
             if isinstance(quad.object, int):
                 utterance = other.utterance(quad.object)
-                ids = map(_id, self.asserted.get(quad.object, ()))
-                yield replace(utterance, asserts=tuple(sorted({*utterance.asserts, *ids})))
+                ids = {f"rule/{number:016x}" for number in self.asserted.get(quad.object, ())}
+                yield replace(utterance, asserts=tuple(sorted(ids.union(utterance.asserts))))
 
     def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[None]:
         """Write where the rules come from, and everything else that is new; pause now and then."""
@@ -343,7 +343,3 @@ def _statuses(store: Store) -> dict[int, Term]:
 
 def _number(rule_id: str) -> int:
     return int(rule_id.removeprefix("rule/"), 16)
-
-
-def _id(number: int) -> str:
-    return f"rule/{number:016x}"

@@ -57,11 +57,7 @@ class StatementGroup(NamedTuple):
 class RuleBlock(NamedTuple):
     """Consecutive lines about one rule, unread.
 
-    Attributes:
-        node: the rule.
-        tails: the lines without their subject.
-        line: 1-based number of the first line.
-        reader: reads the lines when they are needed.
+    The lines are without their subject; `line` is the 1-based number of the first one.
     """
 
     node: Iri
@@ -136,11 +132,7 @@ def complete_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:
 
 
 class LineReader:
-    """Reads a text in chunks of bytes and groups the statements of its lines by their subject.
-
-    Attributes:
-        line: 1-based number of the current line.
-    """
+    """Reads a text in chunks of bytes and groups the statements of its lines by their subject."""
 
     def __init__(self, *, format: str, source: str, default: Iri) -> None:  # noqa: A002
         """Start a text in N-Quads or N-Triples; arguments as for `read_groups`."""

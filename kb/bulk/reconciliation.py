@@ -30,9 +30,7 @@ from ..writer import speaker_quads, trust_quads
 class ImportConflict:
     """A new rule and a believed one that draw the same conclusion and cannot both be right.
 
-    Attributes:
-        new: the imported rule.
-        believed: the rule of the base; their intervals have nothing in common.
+    Their intervals have nothing in common.
     """
 
     new: Rule

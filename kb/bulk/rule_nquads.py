@@ -73,12 +73,8 @@ class RuleTemplate(NamedTuple):
 class FeatureLines(NamedTuple):
     """The features of a rule as text.
 
-    Attributes:
-        atoms: the features.
-        spelled: as they stand in the content that gives a rule its name.
-        ends: their lines without the subject.
-        nodes: their IRIs, as they are written.
-        labels: the lines that type and name them.
+    They are `spelled` as in the content that gives a rule its name; `ends` are their lines without
+    the subject, `nodes` their IRIs, and `labels` the lines that type and name them.
     """
 
     atoms: frozenset[Atom]
@@ -124,11 +120,7 @@ class SerializedRule(NamedTuple):
 
 
 class RuleSerializer:
-    """Makes text of rules.
-
-    Attributes:
-        features: returns features as `FeatureLines`.
-    """
+    """Makes text of rules."""
 
     def __init__(self) -> None:
         self.features = lru_cache(MAX_KNOWN)(_feature_lines)

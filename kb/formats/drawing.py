@@ -116,9 +116,6 @@ def _kind(node: str) -> str:
     return node.partition(":")[0]
 
 
-# Layout
-
-
 def _ordered_columns(graph: MultiDiGraph[str], arrows: Sequence[_Arrow]) -> list[list[str]]:
     """Sources, inner nodes and sinks, each at the mean height of its neighbours."""
     import networkx as nx
@@ -198,9 +195,6 @@ def _colours(arrows: Sequence[_Arrow]) -> dict[str, str]:
     if any(arrow.context == ANY_CONTEXT for arrow in arrows):
         colours[ANY_CONTEXT] = _NO_CONTEXT
     return colours
-
-
-# Drawing
 
 
 def _draw_box(axes: Axes, box: Bbox, node: str) -> None:

@@ -31,11 +31,7 @@ _CHUNK = 2**20
 
 
 class CheckedStream(io.RawIOBase):
-    """A stream that counts and checks what a parser reads of it.
-
-    Attributes:
-        name: of the file, for messages.
-    """
+    """A stream that counts and checks what a parser reads of it."""
 
     def __init__(
         self,

@@ -15,13 +15,7 @@ from typing import BinaryIO, cast
 
 from ..bulk.exporter import TEXT_FORMATS, statements, write_statements
 from ..bulk.importer import import_rules, import_statements
-from ..bulk.nquads_reader import (
-    RuleBlock,
-    StatementGroup,
-    Statements,
-    expand_blocks,
-    read_groups,
-)
+from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, expand_blocks, read_groups
 from ..bulk.reconciliation import ImportSummary
 from ..bulk.rule_nquads import RuleSerializer, SerializedRule
 from ..bulk.statement_scan import MAX_SORTED, ProgressCounter, scan_rules
@@ -155,9 +149,6 @@ def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[State
         yield item
 
 
-# Import
-
-
 def _import(
     base: KnowledgeBase, source: CheckedStream, chosen: FileFormat, *, dry_run: bool
 ) -> ImportSummary:
@@ -197,9 +188,6 @@ def _staged(items: Iterable[Statements], source: str) -> Store:
 def _flat(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
     for item in expand_blocks(items):
         yield from item.quads() if isinstance(item, StatementGroup) else (item,)
-
-
-# Export
 
 
 def _write_rules(store: Store, stream: BinaryIO, name: str, counter: ProgressCounter) -> None:

@@ -49,12 +49,9 @@ Form = Mapping[str, "str | Sequence[str]"]
 class EndpointConfig:
     """The addresses of one endpoint, with the credentials.
 
-    Attributes:
-        query, update: addresses of queries and of updates, without credentials.
-        graphs: address of the Graph Store Protocol; None where that is not known.
-        is_update_given: whether the address of updates was given.
-        user, password: for basic or digest authentication; empty for none.
-        token: for bearer authentication; empty for none.
+    The addresses of queries, of updates and of the Graph Store Protocol (None where that is not
+    known) are without credentials: a user and password for basic or digest authentication, or a
+    token for bearer authentication; empty for none.
     """
 
     query: str
@@ -110,11 +107,8 @@ def _split(location: str) -> SplitResult:
 class EndpointResponse:
     """The answer of an endpoint.
 
-    Attributes:
-        body: the complete body.
-        server: name of the server software.
-        max_rows: the number of rows after which it truncated the result; None for all rows.
-        is_partial: whether it ran out of time, and sent an incomplete result.
+    `max_rows` is the number of rows after which it truncated the result, None for all rows;
+    `is_partial` says that it ran out of time, and sent an incomplete result.
     """
 
     body: bytes

@@ -23,11 +23,8 @@ EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
 class GraspAttempts:
     """An object to be grasped, and the attempts so far.
 
-    Attributes:
-        name: name of the object; empty for no task.
-        part: name of the part to grasp; None for any.
-        tried: the grasps on which the gripper has closed.
-        failures: reasons why the attempts failed, in order.
+    The name is empty for no task; a part of None is any. The gripper has closed on the grasps
+    `tried`; `failures` are the reasons why these failed, in order.
     """
 
     name: str

@@ -232,10 +232,8 @@ class Striking(PickAndPlace):
 class StrikePose:
     """An orientation of the hand in which a face of the held object strikes.
 
-    Attributes:
-        rotation: rotation of `world_from_grip` (3, 3) at the blow.
-        point: point of the face that meets the target (3,), in the grip frame [m].
-        score: score of the pose; higher is better.
+    The rotation (3, 3) is that of `world_from_grip` at the blow; the point (3,) of the face that
+    meets the target is in the grip frame [m]; a higher score is better.
     """
 
     rotation: Array

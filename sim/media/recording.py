@@ -49,10 +49,7 @@ STRIP_COLUMNS, STRIP_ROWS = 4, 2
 class WorldRecorder:
     """Records a world into one file.
 
-    Args:
-        world: to record.
-        path: the file; its suffix is .gif, .mp4 or .png.
-        camera: the point of view.
+    The suffix of the file is .gif, .mp4 or .png.
 
     Attributes:
         caption: text below the pictures from now on; none when empty.
@@ -156,11 +153,7 @@ def caption(
 ) -> str:
     """Return the caption of a picture of one moment.
 
-    Args:
-        utterance: of the user.
-        node: of the action tree, "pass/graspObject".
-        constraint: what to act on, "knife by the blade".
-        interval: belief and plausibility of the constraint.
+    The interval is the belief and plausibility of the constraint.
 
     >>> print(caption(utterance="Pass me the knife.", node="pass/findObject", constraint="knife",
     ...               interval=(0.9, 1.0)))

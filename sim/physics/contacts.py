@@ -13,10 +13,7 @@ from .pybullet_client import PhysicsClient
 class Contact:
     """What the body touches that was asked for.
 
-    Attributes:
-        other: the other body.
-        other_link: link of the other body.
-        force: force along the normal [N].
+    The force is along the normal [N].
     """
 
     other: str

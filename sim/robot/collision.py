@@ -25,10 +25,8 @@ FINGER_RADIUS = 0.45  # as a share of the finger's width
 class CollisionSpheres:
     """Spheres fixed to the links of an arm.
 
-    Attributes:
-        link: index of the link in the chain (s,).
-        centre: centre in the frame of that link (s, 3) [m].
-        radius: radius (s,) [m].
+    They have the index of their link in the chain (s,), a centre in the frame of that link (s, 3)
+    and a radius (s,) [m].
     """
 
     link: np.ndarray
