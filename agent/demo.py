@@ -84,25 +84,17 @@ def show(example: ExampleReplies, out: Console, agent: Agent) -> None:
         out.print(shown.turn(reply))
     out.print(shown.rules(rule for reply in example.lessons for rule in reply.rules))
     for reply in example.commands:
-        _show_command(out, reply, agent)
-
-
-def _show_command(out: Console, reply: Reply, agent: Agent) -> None:
-    out.print(Panel(reply.text, style="cyan", expand=False))
-    out.print(shown.turn(reply))
-    if reply.result:
-        out.print(shown.goal_result(reply.result, agent.quote))
-        for picture in reply.result.world.pictures:
-            out.print(f"wrote {picture}", markup=False)
+        out.print(Panel(reply.text, style="cyan", expand=False))
+        out.print(shown.turn(reply))
+        if reply.result:
+            out.print(shown.goal_result(reply.result, agent.quote))
+            for picture in reply.result.world.pictures:
+                out.print(f"wrote {picture}", markup=False)
 
 
 @contextmanager
 def _recorded(agent: Agent, folder: Path) -> Generator[list[str]]:
-    """Write `before.png`, a picture for each motion in the block, and `animation.gif`.
-
-    Returns:
-        The files; complete when the block ends.
-    """
+    """Yield the files of pictures of the block and of its film; complete when it ends."""
     files = [str(agent.body.picture(folder / "before.png"))]
 
     def keep(step: WalkStep) -> None:

@@ -256,10 +256,7 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
 def _changes(
     location: str, since: int | None, every: float, seconds: float | None
 ) -> Iterator[UtteranceChanges]:
-    """What changes, as it changes.
-
-    A folder is looked at through a snapshot each time, so that whoever writes to it may go on.
-    """
+    """Changes as they happen, by a snapshot each time, so that others may go on writing."""
     from ...kb.diff import rule_changes
     from ...kb.knowledge_base import KnowledgeBase
 

@@ -19,7 +19,6 @@ from .teaching import (
     reporter_of,
     rules_to_retract,
     trust_in,
-    word_to_keep,
 )
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
@@ -54,23 +53,16 @@ class BeliefRevision:
         grounds = reason_rules(taught.rules, reasons)
         if grounds:
             spoken += f" {conversation.say(AnswerContent('learned_reason', {'reasons': reasons}))}"
-        self._base.believe(
-            turn.understood.text,
-            turn.understood.content,
-            turn.speaker,
+        conversation.believe(
+            turn,
             (*grounds, *taught.rules),
+            spoken,
+            words,
             supersedes=[rule.id for rule in taught.supersedes],
-            words=[word_to_keep(word, turn.speaker) for word in words],
             kind=turn.understood.kind,
-            answer=spoken,
-            heard=turn.heard,
             source=taught.source,
         )
-        conversation.learn_words(words)
-        told = tuple(self._base.rule(rule.id) for rule in taught.rules)
-        conversation.set_topic(told)
-        conversation.topic_from = "lesson"
-        return replace(conversation.reply(turn, spoken), rules=told)
+        return conversation.lesson_reply(turn, taught.rules, spoken)
 
     def forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
         """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
@@ -95,19 +87,8 @@ class BeliefRevision:
         conversation = self._conversation
         if not conversation.trusts(turn.speaker):
             return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
-        words = turn.understood.new_words
         spoken = conversation.say(AnswerContent("topic", {"object": said.topic}))
-        self._base.believe(
-            turn.understood.text,
-            turn.understood.content,
-            turn.speaker,
-            (),
-            words=[word_to_keep(word, turn.speaker) for word in words],
-            kind="topic",
-            answer=spoken,
-            heard=turn.heard,
-        )
-        conversation.learn_words(words)
+        conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.open_question = OpenQuestion(turn.speaker)
         return conversation.reply(turn, spoken)
 
@@ -120,13 +101,12 @@ class BeliefRevision:
         return any(each.is_dismissal for each in answers)
 
     def _may_retract(self, speaker: str, rule: Rule) -> bool:
-        """Whether a speaker may take a rule back: who says it, who reported it.
-
-        A norm may also be taken back by somebody who is trusted more.
-        """
-        trust = (trust_in(self._base, each) for each in (speaker, rule.speaker))
-        is_trusted_more = rule.kind == "norm" and next(trust) > next(trust)
-        return is_trusted_more or speaker in {rule.speaker, reporter_of(self._base, rule)}
+        """Whether a speaker said or reported a rule; of norms also whether one is trusted more."""
+        trust, other = (trust_in(self._base, each) for each in (speaker, rule.speaker))
+        return (rule.kind == "norm" and trust > other) or speaker in {
+            rule.speaker,
+            reporter_of(self._base, rule),
+        }
 
     def _new_names(self, said: meaning.Statement, turn: UnderstoodTurn) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""
@@ -147,16 +127,7 @@ class BeliefRevision:
         conversation = self._conversation
         phrases = tuple(map(conversation.knowledge(turn).describe, rules))
         spoken = conversation.say(AnswerContent("forgotten", {"rules": phrases}))
-        understood = turn.understood
-        self._base.believe(
-            understood.text,
-            understood.content,
-            turn.speaker,
-            (),
-            retracts=[rule.id for rule in rules],
-            kind="correction",
-            answer=spoken,
-            heard=turn.heard,
-        )
+        retracts = [rule.id for rule in rules]
+        conversation.believe(turn, (), spoken, retracts=retracts, kind="correction")
         conversation.topic, conversation.retracted = (), tuple(rules)
         return replace(conversation.reply(turn, spoken), rules=conversation.retracted)

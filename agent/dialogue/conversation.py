@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
@@ -22,7 +22,7 @@ from .acquaintances import Acquaintances
 from .answer_sources import AnswerSources
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import phrase_to_keep
+from .teaching import phrase_to_keep, word_to_keep
 from .translation import meaning_from_rule
 
 
@@ -138,9 +138,37 @@ class Conversation:
 
     # --- What changes ------------------------------------------------------------------------
 
-    def learn_words(self, words: Iterable[NewWord]) -> None:
-        """Add new words to the language."""
+    def believe(
+        self,
+        turn: UnderstoodTurn,
+        rules: Iterable[Rule],
+        spoken: str,
+        words: Iterable[NewWord] = (),
+        **more: Any,
+    ) -> None:
+        """Let the base believe rules and new words by a turn, and add the words to the language.
+
+        The rest is as in `KnowledgeBase.believe`.
+        """
+        understood = turn.understood
+        self._base.believe(
+            understood.text,
+            understood.content,
+            turn.speaker,
+            rules,
+            words=[word_to_keep(word, turn.speaker) for word in words],
+            answer=spoken,
+            heard=turn.heard,
+            **more,
+        )
         self.language = self.language.with_words(words)
+
+    def lesson_reply(self, turn: UnderstoodTurn, rules: Iterable[Rule], spoken: str) -> Reply:
+        """Return the reply to a lesson, and make its rules the topic."""
+        told = tuple(self._base.rule(rule.id) for rule in rules)
+        self.set_topic(told)
+        self.topic_from = "lesson"
+        return replace(self.reply(turn, spoken), rules=told)
 
     def learn_phrase(self, turn: UnderstoodTurn, meant: Meaning) -> None:
         """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""

@@ -26,7 +26,7 @@ from ..execution.request import Request
 from .answer_sources import Answered, spoken
 from .conversation import Conversation, UnderstoodTurn
 from .reply import Reply
-from .teaching import trust_in, word_to_keep
+from .teaching import trust_in
 from .translation import norm_from_rule, request_from_command, rule_from_norm
 
 MOST_LISTED = 8
@@ -60,40 +60,26 @@ class NormDialogue:
         rules = [rule_from_norm(each, turn.speaker, turn.heard) for each in said.norms]
         contrary = [(new, old) for new in rules for old in self._contrary(new)]
         for new, old in contrary:
-            if new.functor == PERMITTED and not self.may_lift(turn.speaker, old):
+            if new.functor == PERMITTED and not self._may_lift(turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
         return self._kept(turn, rules, [old.id for new, old in contrary if _is_opposite(new, old)])
 
     def _kept(self, turn: UnderstoodTurn, rules: Sequence[Rule], ended: Sequence[str]) -> Reply:
-        conversation, words = self._conversation, turn.understood.new_words
+        conversation = self._conversation
         describe = conversation.knowledge(turn).describe
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
         key = "known_already" if all(rule.id in active for rule in rules) else "learned"
         slots = {"rules": tuple(map(describe, rules)), "speaker": turn.speaker}
         text = conversation.say(AnswerContent(key, slots))
-        self._base.believe(
-            turn.understood.text,
-            turn.understood.content,
-            turn.speaker,
-            rules,
-            supersedes=ended,
-            words=[word_to_keep(word, turn.speaker) for word in words],
-            answer=text,
-            heard=turn.heard,
-        )
-        conversation.learn_words(words)
+        conversation.believe(turn, rules, text, turn.understood.new_words, supersedes=ended)
         for new in rules:
             self._forget_momentary(new)
-        told = tuple(self._base.rule(rule.id) for rule in rules)
-        conversation.set_topic(told)
-        conversation.topic_from = "lesson"
-        return replace(conversation.reply(turn, text), rules=told)
+        return conversation.lesson_reply(turn, rules, text)
 
-    def may_lift(self, speaker: str, rule: Rule) -> bool:
-        """Return whether a speaker may end a norm: its own, or that of one who is trusted less."""
-        return speaker == rule.speaker or trust_in(self._base, speaker) > trust_in(
-            self._base, rule.speaker
-        )
+    def _may_lift(self, speaker: str, rule: Rule) -> bool:
+        """Whether a speaker may end a norm: its own, or that of one who is trusted less."""
+        trust, other = (trust_in(self._base, each) for each in (speaker, rule.speaker))
+        return speaker == rule.speaker or trust > other
 
     def _contrary(self, new: Rule) -> list[Rule]:
         """The norms over which a new one prevails wherever it applies: permissions, or others."""

@@ -415,10 +415,7 @@ def _functional(question: Question, known: AnswerSources) -> list[Rule]:
 
 
 def _on_material(rules: Iterable[Rule], question: Question, known: AnswerSources) -> list[Rule]:
-    """The rules that apply to the material that a question names, the surest first.
-
-    Those about the material itself come before those about any.
-    """
+    """The rules that apply to the material that a question names, those about it first."""
     kinds = material_kinds(question.material, Taxonomy.from_base(known.base))
     applying = _by_strength(rule for rule in rules if rule.applies_to(kinds))
     return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
@@ -428,16 +425,13 @@ def _meant(question: Question, known: AnswerSources) -> list[Rule]:
     """The rules a question is about: those it names, else those last spoken of."""
     named = (question.object, question.affordance, question.context)
     if not any(named):
-        return list(known.topic) or ([] if known.said else _latest(known))
+        latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
+        return list(known.topic) or ([] if known.said else latest)
     rules = known.base.rules(
         object=question.object, affordance=question.affordance, context=question.context
     )
     fitting = [rule for rule in rules if question.part in {None, rule.part}]
     return _on_material(fitting, question, known) if question.affordance else _by_strength(fitting)
-
-
-def _latest(known: AnswerSources) -> list[Rule]:
-    return sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
 
 
 def _by_strength(rules: Iterable[Rule]) -> list[Rule]:

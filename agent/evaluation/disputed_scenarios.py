@@ -17,7 +17,7 @@ from math import log2, prod
 from random import Random
 
 from ..config import household
-from .learning_scenarios import CONTEXTS, load_scenarios, rule_sentence
+from .learning_scenarios import CONTEXTS, LearningScenario, load_scenarios, rule_sentence
 
 TRUST: Mapping[str, str] = {"sam": "1", "ann": "0.9", "bob": "0.75", "eve": "0.5"}
 WORDS: Mapping[str, tuple[str, str]] = {  # word -> interval
@@ -174,6 +174,9 @@ class DisputedScenario:
         cells = [(name, "", use) for use in self.affordances for name in (*CLASSES, *self.objects)]
         cells += [(o, c, part) for o in self.objects for c in CONTEXTS for part in parts[o].parts]
         return tuple(opinion for cell in cells for opinion in _drawn(*cell, rng))
+
+
+Scenario = LearningScenario | DisputedScenario
 
 
 def _properties(name: str) -> list[str]:

@@ -7,10 +7,9 @@ has one in the scene.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
 from ...kb.rule import DEFAULT_SPEAKER
 from ...ontology.yaml_reader import YamlNode, read_yaml
@@ -20,42 +19,6 @@ LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
 ACTIONS = {"pass": "pass me", "pickUp": "pick up", "pointTo": "point to"}
 _INFINITIVES = {"pass": "pass", "pickUp": "pick up"}
 CONTEXTS = tuple(_INFINITIVES)  # the actions that grasp
-
-
-class Scenario(Protocol):
-    """What is taught, by whom, and which choices are right then."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        ...
-
-    @property
-    def trust(self) -> Mapping[str, str]:
-        """Speaker -> trust in [0, 1] as a decimal; 1 for those who are not in it."""
-        ...
-
-    @property
-    def affordances(self) -> Collection[str]:
-        """What is asked for."""
-        ...
-
-    @property
-    def objects(self) -> Sequence[str]:
-        """What scenes consist of."""
-        ...
-
-    def told(self) -> Sequence[tuple[str, str]]:
-        """Return the speakers and what they say, in order."""
-        ...
-
-    def best(self, affordance: str, scene: Collection[str]) -> frozenset[str]:
-        """Return the right choices for an affordance in a scene; empty if there are none."""
-        ...
-
-    def parts(self, name: str, action: str) -> frozenset[str]:
-        """Return the right parts of an object for an action; empty if there are none."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -139,8 +139,10 @@ class TreeExecutor:
         self._steps.append(_step(node, features, percepts, inference))
         self._notify(self._steps[index])
         failure = self._act(node, arguments, percepts, inference)
-        did = failure.key if failure else self._did(node)
-        self._steps[index] = replace(self._steps[index], action=did)
+        is_done = _action(node) == FIND or self._primitives
+        did = "executed" if is_done else "not executed"
+        did = "walked" if _action(node) in self._context.actions.trees else did
+        self._steps[index] = replace(self._steps[index], action=failure.key if failure else did)
         self._notify(self._steps[index])
         if failure is None and _action(node) != FIND:
             self._context.norms.note(_action(node), self.name(self._target(arguments)))
@@ -223,7 +225,8 @@ class TreeExecutor:
     def _walk_tree(
         self, node: str, tree: ActionTree, arguments: Mapping[str, Argument]
     ) -> AnswerContent | None:
-        failure = self._unmet(tree, arguments) or self._walk_steps(node, tree.steps, arguments)
+        unmet = (self._unmet_condition(each, arguments) for each in tree.requires)
+        failure = next(filter(None, unmet), None) or self._walk_steps(node, tree.steps, arguments)
         tries = [branch.again for branch in tree.otherwise]
         while failure:
             index = self._branch(tree, failure, arguments, tries)
@@ -246,10 +249,7 @@ class TreeExecutor:
         arguments: Mapping[str, Argument],
         failure: AnswerContent,
     ) -> AnswerContent | None:
-        """Carry out other steps after a failure; return the failure of the command, if it is one.
-
-        A tree that contains this one goes on after them. What was asked for is not done by them.
-        """
+        """Carry out other steps; a tree that contains this one goes on, a command has failed."""
         if self._primitives is None or self._walk_steps(node, steps, arguments):
             return failure
         self._report_setback(failure)
@@ -291,10 +291,6 @@ class TreeExecutor:
         if isinstance(argument, Target) and argument in self._found:
             found = self._found.pop(argument)
             self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
-
-    def _unmet(self, tree: ActionTree, arguments: Mapping[str, Argument]) -> AnswerContent | None:
-        unmet = (self._unmet_condition(each, arguments) for each in tree.requires)
-        return next(filter(None, unmet), None)
 
     def _unmet_condition(
         self, condition: Precondition, arguments: Mapping[str, Argument]
@@ -469,7 +465,10 @@ class TreeExecutor:
         if objection:
             return None, objection
         if chosen:
-            return self._chosen_part(chosen, percept)
+            part = self._own_part(chosen, percept)
+            if self._primitives and self._lacks(percept, part):
+                return None, self._no_part("no_part", percept, part=part)
+            return part, None
         if decision and inference.denied:
             allowed = self._allowed_part(percept, inference)
             self.decision = replace(decision, allowed_part=allowed)
@@ -501,12 +500,6 @@ class TreeExecutor:
         self._report_setback(outcome_answer.doubted(self._doubt, self._request.speaker))
         return outcome_answer.ask_about(self._doubt)
 
-    def _chosen_part(self, name: str, percept: Percept) -> tuple[str | None, AnswerContent | None]:
-        part = self._own_part(name, percept)
-        if self._primitives and self._lacks(percept, part):
-            return None, self._no_part("no_part", percept, part=part)
-        return part, None
-
     def _no_part(self, key: str, percept: Percept, **slots: str) -> AnswerContent:
         return AnswerContent(key, {"object": percept.object, **slots}, "failed", "no_part")
 
@@ -536,11 +529,6 @@ class TreeExecutor:
             return name
         fitting = [part for part, found in kinds.items() if Atom("part", name) in found]
         return fitting[0] if fitting else name
-
-    def _did(self, node: str) -> str:
-        if _action(node) in self._context.actions.trees:
-            return "walked"
-        return "executed" if _action(node) == FIND or self._primitives else "not executed"
 
 
 def _constraint(inference: Inference) -> Constraint | None:

@@ -104,14 +104,11 @@ class NormGuard:
     def _seen(
         self, node: str, actions: Sequence[str], target: Target, percept: Percept | None
     ) -> Act:
-        act = self._act(node, actions, percept.object if percept else target.object)
-        known = percept.properties if percept else frozenset[str]()
-        return replace(act, properties=known | target.properties)
-
-    def _act(self, node: str, actions: Sequence[str], name: str | None) -> Act:
+        name = percept.object if percept else target.object
+        seen = percept.properties if percept else frozenset[str]()
         contexts = {**self._request.contexts, **dict.fromkeys(self._given(node), CERTAIN)}
-        done = tuple(self._done)
-        return Act(actions, name, contexts=contexts, done=done, holding=self._holding())
+        done, known = tuple(self._done), seen | target.properties
+        return Act(actions, name, known, contexts=contexts, done=done, holding=self._holding())
 
     def _given(self, node: str) -> Iterator[Atom]:
         """Who receives something at a node, and what a tool is used on."""
@@ -148,10 +145,7 @@ class NormGuard:
         yield action
 
     def _refused(self, act: Act, *, is_named: bool = False) -> AnswerContent | None:
-        """The answer to an act that is forbidden, or the question what nobody can see.
-
-        It is not asked yet of an object that `is_named` only, and may not be there.
-        """
+        """Return why an act is forbidden, or asks what is not seen (not if it `is_named` only)."""
         verdict = self._checker.judge(act)
         if verdict != ALLOWED and verdict not in self.verdicts:
             self.verdicts.append(verdict)

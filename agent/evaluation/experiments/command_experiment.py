@@ -23,8 +23,9 @@ from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
+from ..disputed_scenarios import Scenario
 from ..experiment import Experiment
-from ..learning_scenarios import ACTIONS, Scenario, command, load_scenarios
+from ..learning_scenarios import ACTIONS, command, load_scenarios
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 
 GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter

@@ -32,12 +32,12 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..case import Case
+from ..disputed_scenarios import Scenario
 from ..learning_scenarios import (
     ACTIONS,
     CONTEXTS,
     LEVELS,
     LearningScenario,
-    Scenario,
     functional_sentence,
     grasp_sentence,
 )

@@ -30,6 +30,7 @@ from ...execution.outcome import Json
 from ..case import Case, CaseResult
 from ..experiment import Experiment
 from ..learning_scenarios import command, functional_sentence
+from .ground_truth import CorrectChoices
 
 COLUMNS = ("object", "use", "share")
 WORDS = {"generally": 0.95, "often": 0.75, "sometimes": 0.5, "occasionally": 0.25, "never": 0.0}
@@ -120,15 +121,15 @@ class FactsExperiment(Experiment):
             f.object: WORDS[f.word] for f in self._facts if f.use == use and f.object in scene
         }
         top = max(shares.values(), default=0.0)
-        right = sorted(name for name, share in shares.items() if share == top > 0)
+        right = frozenset(name for name, share in shares.items() if share == top > 0)
+        truth = CorrectChoices(right, 0, dict.fromkeys(scene, frozenset[str]()))
         agent, _ = self._taught
         with agent.in_scene(scene_with(scene, seed=0, objects=agent.objects)) as other:
             result = other.hear(command("pointTo", use), only="do", keep=False).result
         best = result.decision.object.best if result and result.decision else None
-        found = best.object if best else "nothing"
-        is_right = found in (right or ["nothing"])
-        kind = "none" if not right else "unique" if len(right) == 1 else "tie"
-        return CaseResult(case.key, is_right, kind, 0, found, " or ".join(right) or "nothing")
+        chosen = best.object if best else None
+        is_right, expected = truth.allows(chosen, None), truth.describe()
+        return CaseResult(case.key, is_right, truth.kind, 0, chosen or "nothing", expected)
 
     def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return how the rows were stored, and how many decisions agree with the file."""

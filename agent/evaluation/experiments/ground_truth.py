@@ -17,7 +17,7 @@ from ....inference.types import Candidate
 from ...dialogue.reply import Reply
 from ...execution.outcome import Decision, GoalResult, Json, WorldOutcome
 from ..case import Case, CaseResult, Kind
-from ..learning_scenarios import Scenario
+from ..disputed_scenarios import Scenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]
 LIFTED_M = 0.10  # how high it must be lifted [m]

@@ -15,8 +15,7 @@ from random import Random
 from typing import ClassVar
 
 from ..case import Case
-from ..disputed_scenarios import DisputedScenario
-from ..learning_scenarios import Scenario
+from ..disputed_scenarios import DisputedScenario, Scenario
 from .command_experiment import DecisionExperiment
 from .ground_truth import CorrectChoices
 

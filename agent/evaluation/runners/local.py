@@ -80,11 +80,7 @@ class ProcessRunner:
 
 
 def _next_finished(finished: SimpleQueue[Started], pending: set[Future[list[str]]]) -> Started:
-    """Wait for the next finished case.
-
-    Raises:
-        WorkersError: nothing is running after `START_S`.
-    """
+    """Wait for the next finished case, as long as any case has started within `START_S`."""
     while True:
         try:
             return finished.get(timeout=START_S)

@@ -116,17 +116,15 @@ class _Run:
 
     def _send(self) -> None:
         if monotonic() - self._checked > POLL_S:
-            self._capacity, self._checked = self._cpu_count(), monotonic()
+            # Nodes may come and go.
+            cpus = int(self._ray.cluster_resources().get("CPU", 1)) or 1
+            self._capacity = min(cpus, self._cluster.workers or cpus)
+            self._checked = monotonic()
         while len(self._running) < self._capacity and (self._waiting or self._retries):
             chunk = self._retries.popleft() if self._retries else _Chunk(self._next_cases())
             chunk.since = monotonic()
             lines = [to_json_line(case.as_json()) for case in chunk.cases]
             self._running[self._remote.remote(self._name, self._options, lines)] = chunk
-
-    def _cpu_count(self) -> int:
-        """Return how many cases may run at the same time; nodes may come and go."""
-        cpus = int(self._ray.cluster_resources().get("CPU", 1)) or 1
-        return min(cpus, self._cluster.workers or cpus)
 
     def _next_cases(self) -> list[Case]:
         """Return the next chunk: about `CHUNK_S` long, and shorter towards the end."""
@@ -164,11 +162,7 @@ class _Run:
 
 
 def _check_address(address: str) -> None:
-    """Check that an address accepts connections; Ray itself would retry for minutes.
-
-    Raises:
-        OSError, ValueError: it does not, or the address is invalid.
-    """
+    """Check that an address accepts connections; Ray itself would retry for minutes."""
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if colon:
         socket.create_connection((host, int(port)), CONNECT_S).close()
