@@ -34,7 +34,6 @@ from ..execution.taught_trees import tree_from_definition
 from .conversation import Conversation, UnderstoodTurn
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import word_to_keep
 
 
 class ActionLessons:
@@ -65,9 +64,8 @@ class ActionLessons:
         self.actions = replace(self._own, trees={**self._own.trees, **trees})
         frames = {n: d.links for n, d in self._definitions.items() if len(d.parameters) != 1}
         words = [NewWord(name, "context", name) for name in self._definitions]
-        conversation = self._conversation
-        conversation.learn_words(words)
-        conversation.language = conversation.language.with_frames(frames)
+        language = self._conversation.language.with_words(words)
+        self._conversation.language = language.with_frames(frames)
 
     def learn(self, turn: UnderstoodTurn, said: ActionDefinition) -> Reply:
         """Learn an action from a trusted speaker, or ask how its first unknown step is done."""
@@ -79,7 +77,6 @@ class ActionLessons:
         unknown = next(self._unknown(said), None)
         if unknown:
             return self._ask(turn, said, unknown)
-        words = turn.understood.new_words
         spoken = " ".join(map(conversation.say, self._echo(said)))
         nodes = self._with(said).nodes
         taught = TaughtAction(
@@ -89,17 +86,7 @@ class ActionLessons:
             turn.speaker,
             nodes=tuple(each for each in nodes if each.split("/")[0] == said.action),
         )
-        self._base.believe(
-            turn.understood.text,
-            turn.understood.content,
-            turn.speaker,
-            (),
-            words=[word_to_keep(word, turn.speaker) for word in words],
-            actions=[taught],
-            answer=spoken,
-            heard=turn.heard,
-        )
-        conversation.learn_words(words)
+        conversation.believe(turn, (), spoken, turn.understood.new_words, actions=[taught])
         self._read()
         return conversation.reply(turn, spoken)
 
