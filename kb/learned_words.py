@@ -15,7 +15,13 @@ from hashlib import sha256
 
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
-from .rdf.record_mapping import FieldProperty, group_properties, read_fields, record_properties
+from .rdf.record_mapping import (
+    FieldProperty,
+    PropertyValues,
+    group_properties,
+    read_fields,
+    record_properties,
+)
 from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
 from .rdf.terms import Quad
 from .rule import Atom, Status
@@ -23,19 +29,17 @@ from .stores.base import Store
 
 LEXICON = iri("graph", "lexicon")
 WORD = term("Word")
-_FIELDS = {
-    "atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
+TOLD = {  # fields of all that utterances added to the language
     "said": FieldProperty(TEXT, str),
     "speaker": SPEAKER,
     "utterance": FieldProperty(DERIVED_FROM, Iri, utterance_iri, utterance_number),
 }
+_FIELDS = {"atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri), **TOLD}
 PHRASE = term("Phrase")
 _PHRASE_FIELDS = {
     "pattern": FieldProperty(term("pattern"), str),
     "meaning": FieldProperty(term("meaning"), str),
-    "said": FieldProperty(TEXT, str),
-    "speaker": SPEAKER,
-    "utterance": FieldProperty(DERIVED_FROM, Iri, utterance_iri, utterance_number),
+    **TOLD,
 }
 
 
@@ -81,14 +85,17 @@ def word_quads(word: LearnedWord, utterance: int, *, status: Status = "active") 
 
 def read_words(store: Store) -> list[LearnedWord]:
     """The active words of a store, sorted by what they denote."""
-    nodes = [q.subject for q in store.quads(None, TYPE, WORD, LEXICON)]
-    # As a dict, because a word that was learned again has several utterances.
-    found = (group_properties(dict(store.properties(node, LEXICON)).items()) for node in nodes)
-    return sorted(
-        LearnedWord(**read_fields(each, _FIELDS, "A word"))
-        for each in found
-        if status_iri("active") in each[STATUS]
-    )
+    found = active_properties(store, WORD, LEXICON)
+    return sorted(LearnedWord(**read_fields(each, _FIELDS, "A word")) for each in found)
+
+
+def active_properties(store: Store, kind: Iri, graph: Iri) -> Iterator[PropertyValues]:
+    """The properties of each node of a class that was learned and not revoked."""
+    for node in [quad.subject for quad in store.quads(None, TYPE, kind, graph)]:
+        # As a dict, because what was learned again, or merged, has several utterances.
+        found = group_properties(dict(store.properties(node, graph)).items())
+        if status_iri("active") in found[STATUS]:
+            yield found
 
 
 @dataclass(frozen=True, order=True)
@@ -139,11 +146,5 @@ def phrase_quads(
 
 def read_phrases(store: Store) -> list[LearnedPhrase]:
     """The active phrases of a store, sorted by their patterns."""
-    nodes = [q.subject for q in store.quads(None, TYPE, PHRASE, LEXICON)]
-    # As a dict, because a phrase that both bases of a merge have has two utterances.
-    found = (group_properties(dict(store.properties(node, LEXICON)).items()) for node in nodes)
-    return sorted(
-        LearnedPhrase(**read_fields(each, _PHRASE_FIELDS, "A phrase"))
-        for each in found
-        if status_iri("active") in each[STATUS]
-    )
+    found = active_properties(store, PHRASE, LEXICON)
+    return sorted(LearnedPhrase(**read_fields(one, _PHRASE_FIELDS, "A phrase")) for one in found)

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field, replace
 from hashlib import sha256
 
 from ..ontology.vocabulary import Iri, iri, term
-from .history import SPEAKER, TEXT, utterance_iri, utterance_number
+from .learned_words import TOLD, active_properties
 from .rdf.domain import node_statements
-from .rdf.record_mapping import FieldProperty, group_properties, read_fields, record_properties
-from .rdf.rule_mapping import DERIVED_FROM, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
+from .rdf.record_mapping import FieldProperty, read_fields, record_properties
+from .rdf.rule_mapping import STATUS, TYPE, atom_from_iri, atom_iri, status_iri
 from .rdf.terms import Quad
 from .rule import Atom, Status
 from .stores.base import Store
@@ -27,9 +27,7 @@ TAUGHT_ACTION = term("TaughtAction")
 _FIELDS = {
     "action": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
     "meaning": FieldProperty(term("meaning"), str),
-    "said": FieldProperty(TEXT, str),
-    "speaker": SPEAKER,
-    "utterance": FieldProperty(DERIVED_FROM, Iri, utterance_iri, utterance_number),
+    **TOLD,
 }
 
 
@@ -86,13 +84,7 @@ def action_quads(
 
 def read_actions(store: Store) -> list[TaughtAction]:
     """The active taught actions of a store, one of each name, sorted by name."""
-    nodes = [q.subject for q in store.quads(None, TYPE, TAUGHT_ACTION, ACTIONS)]
-    # As a dict, because an action that both bases of a merge have has two utterances.
-    found = (group_properties(dict(store.properties(node, ACTIONS)).items()) for node in nodes)
-    known = [
-        TaughtAction(**read_fields(each, _FIELDS, "A taught action"))
-        for each in found
-        if status_iri("active") in each[STATUS]
-    ]
+    found = active_properties(store, TAUGHT_ACTION, ACTIONS)
+    known = [TaughtAction(**read_fields(each, _FIELDS, "A taught action")) for each in found]
     latest = {each.name: each for each in sorted(known, key=lambda one: one.utterance or 0)}
     return [latest[name] for name in sorted(latest)]
