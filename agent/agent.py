@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from ..inference.affordance import Affordances
 from ..inference.experience import Experience
-from ..inference.induction import InducedRuleSource
+from ..inference.induction import InducedRuleSource, TaughtRules
 from ..inference.norms import ALLOWED, NormChecker, NormVerdict
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
@@ -83,14 +83,7 @@ class Agent:
         self.config = config = config or AgentConfig()
         self.scene = embodiment.scene
         self.objects = embodiment.household.objects
-        self.affordances = Affordances(
-            InducedRuleSource(base, self.objects, embodiment.household.classes)
-            if config.induce
-            else base,
-            config.load_settings(),
-            Taxonomy.from_base(base),
-            Experience(base, self.robot),
-        )
+        self.affordances = self.affordances_from(base, Experience(base, self.robot))
         properties = (kind.properties for kind in self.objects.values())
         self.norms = NormChecker(self.affordances, frozenset().union(*properties))
         self._done: list[tuple[str, str]] = []
@@ -139,6 +132,13 @@ class Agent:
         language = load_language(embodiment.household, config.lexicon)
         parts = (base, language, actions, embodiment, config)
         return cls(*parts, vision=vision, motion=motion, dialogue=dialogue)
+
+    def affordances_from(self, source: TaughtRules, experience: Experience) -> Affordances:
+        """Return the inference over the rules of a source and what grasps came to."""
+        classes = self.embodiment.household.classes
+        rules = InducedRuleSource(source, self.objects, classes) if self.config.induce else source
+        kinds = Taxonomy.from_base(self.base)
+        return Affordances(rules, self.config.load_settings(), kinds, experience)
 
     def hear(
         self,

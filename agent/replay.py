@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..inference.affordance import Affordances
 from ..inference.experience import Experience
-from ..inference.induction import InducedRuleSource
 from ..inference.settings import Settings
-from ..inference.taxonomy import Taxonomy
 from ..kb.episodes import Episode
 from ..kb.knowledge_base import KnowledgeBase
 from ..kb.learned_words import LearnedWord
@@ -100,14 +98,11 @@ def replay(
     """
     kept = list(base.episodes())
     chain = _chain({each.id: each for each in kept}, find_episode(kept, name))
-    circumstances = _again(chain[0])["circumstances"]
-    with _agent(circumstances, base.words(), gui=gui) as agent:
+    with _agent(_again(chain[0])["circumstances"], base.words(), gui=gui) as agent:
         for earlier in chain[:-1]:
-            _run(agent, base, earlier, circumstances)
-        if film is None:
-            return _run(agent, base, chain[-1], circumstances)
-        with agent.filmed(film):
-            return _run(agent, base, chain[-1], circumstances)
+            _run(agent, base, earlier)
+        with agent.filmed(film) if film else nullcontext():
+            return _run(agent, base, chain[-1])
 
 
 def _chain(episodes: Mapping[str, Episode], last: Episode) -> list[Episode]:
@@ -138,23 +133,17 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[LearnedWord], *, gu
         load_language(embodiment.household).with_words(map(word_from_base, words)),
         actions_with(file_from_json(circumstances["actions"])),
         embodiment,
-        AgentConfig(settings=Settings().with_choices(circumstances["settings"])),
+        AgentConfig(
+            settings=Settings().with_choices(circumstances["settings"]),
+            induce=circumstances["induces"],
+        ),
     )
 
 
-def _run(
-    agent: Agent, base: KnowledgeBase, episode: Episode, circumstances: Mapping[str, Any]
-) -> ReplayResult:
+def _run(agent: Agent, base: KnowledgeBase, episode: Episode) -> ReplayResult:
     past = view(base.reader, at=episode.utterance or 0)
-    household = agent.embodiment.household
-    agent.goals.affordances = Affordances(
-        InducedRuleSource(past, household.objects, household.classes)
-        if circumstances["induces"]
-        else past,
-        agent.affordances.settings,
-        Taxonomy.from_base(agent.base),
-        Experience(base, agent.robot, before=episode.utterance),
-    )
+    experience = Experience(base, agent.robot, before=episode.utterance)
+    agent.goals.affordances = agent.affordances_from(past, experience)
     again = _again(episode)
     result, said = agent.attempt(episode.text, request_from_json(again["request"]))
     recorded = json.loads(episode.document) | {"state": again["state"]}

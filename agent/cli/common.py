@@ -42,16 +42,13 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
     try:
         return KnowledgeBase.open(location, read_only=True)
     except StoreError:
-        if _holds_something(Path(location).expanduser()):
+        folder = Path(location).expanduser()
+        if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
             return open_base(location)  # an older format, or it reports what is wrong
         if must_exist or ":" in location:
             raise
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
     return open_base("memory:")
-
-
-def _holds_something(folder: Path) -> bool:
-    return folder.is_file() or (folder.is_dir() and any(folder.iterdir()))
 
 
 def terminal(*, stderr: bool = False) -> Console:

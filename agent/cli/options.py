@@ -123,18 +123,15 @@ def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[insp
 
 def _parameter(option: ConfigOption) -> inspect.Parameter:
     """An option of the command line; what it is without is left to the configuration."""
-    kind = list[str] if option.kind is tuple else option.kind
+    kind, default = list[str] if option.kind is tuple else option.kind, option.default
+    is_shown = isinstance(default, str | int) and not isinstance(default, bool) and default != ""
     declared = typer.Option(
         option.flag,
-        help=option.help + (f" [default: {option.default}]" if _is_shown(option.default) else ""),
+        help=option.help + (f" [default: {default}]" if is_shown else ""),
         metavar=option.metavar,
         min=0 if option.kind is int else None,
     )
     return _keyword(option.name, Annotated[kind | None, declared])
-
-
-def _is_shown(default: object) -> bool:
-    return isinstance(default, str | int) and not isinstance(default, bool) and default != ""
 
 
 def _keyword(name: str, annotation: Any) -> inspect.Parameter:

@@ -42,7 +42,7 @@ from .outcome import (
 )
 from .perception import percept_as_observation
 from .primitives import PrimitiveExecutor, PrimitiveTask
-from .request import PATIENT, Argument, Request, review_arguments
+from .request import PATIENT, Argument, Request, named, review_arguments
 
 GRASP = "graspObject"
 WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
@@ -111,7 +111,7 @@ class TreeExecutor:
     def name(self, argument: Argument | None) -> str:
         """Return the kind of the object that was found for an argument, or that it names."""
         found = self._found.get(argument) if isinstance(argument, Target) else None
-        return found.percept.object if found else _named(argument) or "thing"
+        return found.percept.object if found else named(argument) or "thing"
 
     # --- The four operations ---------------------------------------------------------------
 
@@ -301,11 +301,11 @@ class TreeExecutor:
         # Without a robot nothing is going to be done.
         if self._primitives is None or self._holds(condition, argument) is not condition.negated:
             return None
-        return outcome_answer.required(condition, _named(argument) or "thing")
+        return outcome_answer.required(condition, named(argument) or "thing")
 
     def _unmet_property(self, condition: Precondition, argument: Argument) -> AnswerContent | None:
         """The question whether a thing has a property that is not seen, or why it must not."""
-        prop, name = condition.property or "", _named(argument) or "thing"
+        prop, name = condition.property or "", named(argument) or "thing"
         told = self._request.contexts.get(Atom("property", prop))
         seen = self._context.vision.search([f"property:{prop}"]) if told is None else ()
         if told is None and all(each.object != name for each in seen):
@@ -316,7 +316,7 @@ class TreeExecutor:
 
     def _holds(self, condition: Precondition, argument: Argument | None) -> bool:
         if condition.kind == "sees":
-            return bool(self._context.vision.search([f"object:{_named(argument)}"]))
+            return bool(self._context.vision.search([f"object:{named(argument)}"]))
         found = self._found.get(argument) if isinstance(argument, Target) else None
         holding = self._primitives.holding if self._primitives else None
         return found is not None and holding == found.percept.name
@@ -382,7 +382,7 @@ class TreeExecutor:
             self.decision = Decision(
                 inference,
                 named_part=self._part or self._request.agreed_part(inference),
-                patient=_named(patient),
+                patient=named(patient),
                 rejected=tuple(self._rejected.values()),
             )
         if refusal:
@@ -397,7 +397,7 @@ class TreeExecutor:
         percept = next(each for each in percepts if each.name == best.name)
         self._found[target] = FoundObject(percept, best, inference)
         if self._primitives and target != patient:
-            self._primitives.tool, self._primitives.patient = best.object, _named(patient)
+            self._primitives.tool, self._primitives.patient = best.object, named(patient)
         return None
 
     def _without_forbidden(
@@ -555,10 +555,6 @@ def _value(given: str | DescribedObject, arguments: Mapping[str, Argument]) -> A
             return given.removeprefix(FIXED)
         case _:
             return arguments[given]
-
-
-def _named(argument: Argument | None) -> str | None:
-    return argument.object if isinstance(argument, Target) else argument
 
 
 def _action(node: str) -> str:

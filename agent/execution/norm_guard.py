@@ -18,7 +18,7 @@ from ...ontology.actions import Actions, iterate_steps
 from ...sim.vision.percept import Percept
 from .outcome import AnswerContent
 from .outcome_answer import FORBIDDEN
-from .request import PATIENT, TOOL, Argument, Request
+from .request import PATIENT, TOOL, Argument, Request, named
 
 USE = "use"  # what is done with a tool, whatever for
 _RECIPIENT = "recipient"
@@ -122,8 +122,7 @@ class NormGuard:
     @property
     def _patient(self) -> str | None:
         """What a tool is used on."""
-        patient = self._arguments.get(PATIENT)
-        return patient.object if isinstance(patient, Target) else patient
+        return named(self._arguments.get(PATIENT))
 
     def _ahead(self, target: Target) -> tuple[str, ...]:
         """The actions that the tree of the command is going to do with what is meant."""

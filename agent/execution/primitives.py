@@ -16,6 +16,7 @@ from ..protocols import ExtraPrimitives, Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .grasp_log import GraspLog
 from .outcome import AnswerContent, Constraint, WorldOutcome
+from .request import named
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
@@ -124,9 +125,7 @@ class PrimitiveExecutor:
         return None if report.ok else self._failed(report.reason, task)
 
     def _empty_hand(self, task: PrimitiveTask) -> AnswerContent | None:
-        wanted = task.arguments.get("object")
-        named = wanted.object if isinstance(wanted, Target) else wanted
-        failure = empty_hand(self._motion, task.action, named)
+        failure = empty_hand(self._motion, task.action, named(task.arguments.get("object")))
         # To point at something the robot puts down what it holds, so that it is down already.
         is_down = failure.key == "nothing_held" and self.holding is not None
         if failure.ending == "failed" and not is_down:
@@ -143,8 +142,7 @@ class PrimitiveExecutor:
         return None if report.ok else self._failed(report.reason, task)
 
     def _move_above(self, task: PrimitiveTask) -> AnswerContent | None:
-        wanted = task.arguments.get("patient")
-        name = wanted.object if isinstance(wanted, Target) else wanted
+        name = named(task.arguments.get("patient"))
         seen = self._vision.search([f"object:{name}"])
         if not seen:
             return AnswerContent(
@@ -168,8 +166,7 @@ class PrimitiveExecutor:
         """The percept of an argument, or its name when no such object is in view."""
         if parameter in task.found:
             return task.found[parameter]
-        value = task.arguments[parameter]
-        name = (value.object if isinstance(value, Target) else value) or "thing"
+        name = named(task.arguments[parameter]) or "thing"
         seen = self._vision.search([f"object:{name}"])
         return seen[0] if seen else name
 
@@ -197,15 +194,15 @@ class PrimitiveExecutor:
         return outcome_answer.motion_failed(reason, name, self._part)
 
 
-def empty_hand(motion: Motion | None, primitive: str, named: str | None) -> AnswerContent:
+def empty_hand(motion: Motion | None, primitive: str, kind: str | None) -> AnswerContent:
     """Empty the hand of a robot by one of `EMPTYING`; return the answer.
 
-    `named` is the kind of object that the hand should hold, None for any.
+    `kind` is the kind of object that the hand should hold, None for any.
     """
     held = motion.held if isinstance(motion, ReleasingMotion) else None
     if not isinstance(motion, ReleasingMotion) or held is None:
         return AnswerContent("nothing_held", {}, "failed", "nothing_held")
-    if named not in {None, held.object}:
-        return AnswerContent("not_held", {"object": str(named)}, "failed", "nothing_held")
+    if kind not in {None, held.object}:
+        return AnswerContent("not_held", {"object": str(kind)}, "failed", "nothing_held")
     report = EMPTYING[primitive](motion)
     return outcome_answer.hand_emptied(primitive, held.object, "" if report.ok else report.reason)

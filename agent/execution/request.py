@@ -15,6 +15,11 @@ Argument = Target | str
 TOOL, PATIENT = "tool", "patient"
 
 
+def named(argument: Argument | None) -> str | None:
+    """Return the kind of object that an argument names, or the name that it is."""
+    return argument.object if isinstance(argument, Target) else argument
+
+
 @dataclass(frozen=True)
 class Request:
     """A goal with what the speaker said about it.
@@ -76,8 +81,7 @@ class Request:
 
     def name(self, parameter: str) -> str:
         """Return the kind of object that an argument names."""
-        argument = self.arguments.get(parameter)
-        return (argument.object if isinstance(argument, Target) else argument) or "thing"
+        return named(self.arguments.get(parameter)) or "thing"
 
     def told(self, result: GoalResult, *, is_so: bool) -> Request | None:
         """Return this request after Hilt asked whether an object has a property; None otherwise."""
@@ -117,11 +121,8 @@ def _default(
         return speaker
     argument = Atom.parse(default.argument) if default.argument else None
     if argument is not None and argument.kind == "affordance":
-        patient = arguments.get(PATIENT)
-        material = patient.object if isinstance(patient, Target) else patient
-        return Target(used_for=argument.name, material=material)
-    of = arguments.get(default.of) if default.of else None
-    name = of.object if isinstance(of, Target) else of
+        return Target(used_for=argument.name, material=named(arguments.get(PATIENT)))
+    name = named(arguments.get(default.of)) if default.of else None
     if name:
         argument = Atom("object", name)
     return Target(affords=Conclusion(default.functor, argument))
