@@ -102,7 +102,11 @@ def _rules(language: Language) -> dict[str, list[str]]:
     an, many = language.inflection.with_article, language.inflection.form
     form = partial(_filled, answers=answers)
     names = {name: _names(language, category) for name, category in _CATEGORIES.items()}
-    objects = [name for name in names["object"] if not _is_special(language, name)]
+    objects = [  # not "scissors", which has no singular, nor "bread", which has no plural
+        name
+        for name in names["object"]
+        if not (language.inflection.is_plural_only(name) or name in answers.mass)
+    ]
     tools = [answers.act(name) for name in language.builder.tool_acts()]
     stated = [sections["rules"][key] for key in ("functional", "action")]
     replies = [*sections["replies"].values(), sections["rules"]["last_taken_back"]]
@@ -126,11 +130,6 @@ def _rules(language: Language) -> dict[str, list[str]]:
     }
 
 
-def _is_special(language: Language, name: str) -> bool:
-    """Whether a name has no singular ("scissors") or no plural ("bread")."""
-    return language.inflection.is_plural_only(name) or name in language.answers.mass
-
-
 def _commands(templates: Mapping[str, str], form: Callable[[str], str]) -> Iterator[str]:
     for shape, text in templates.items():
         yield form(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
@@ -144,7 +143,7 @@ def _targets(templates: Mapping[str, str], form: Callable[[str], str]) -> Iterat
 
 def _filled(template: str, answers: AnswerTemplates) -> str:
     # All things are singular here, so the words that agree with them are, too.
-    agreeing = {"be": answers.phrases.be, "it": answers.phrases.it}
+    agreeing = {key: answers.phrases[key] for key in ("be", "it")}
 
     def slot(found: re.Match[str]) -> str:
         agrees = agreeing.get(found[2] or "")

@@ -234,7 +234,7 @@ class Language:
         """What a text means that is no control, without its courtesies where it needs that."""
         found = self.utterance_parser.understand(text, context, accepted)
         if _is_not_understood(found.meaning, text):
-            aside = self._aside(text)
+            aside = self._halt_within(text) or self._only_courtesy(text)
             if aside:
                 return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
@@ -371,10 +371,6 @@ class Language:
     def _courtesies(self) -> CourtesyPhrases:
         return load_courtesies(_folder(self.name) / "courtesies.yaml")
 
-    def _aside(self, text: str) -> Control | Acknowledgement | None:
-        """What a text that is not understood as a whole stops, or how it is only polite."""
-        return self._halt_within(text) or self._only_courtesy(text)
-
     def _only_courtesy(self, text: str) -> Acknowledgement | None:
         """The greeting, thanks and so on that a text is as a whole."""
         courtesy = self._courtesies.find(self._tokens(text), self.utterance_parser.known_words)
@@ -402,7 +398,7 @@ class Language:
         names = self.offers.mentions(tokens, Discourse()).names
         found = {each.start: each.name for each in names if each.role == "property"}
         others = {tokens.words[n] for n in range(start, end) if n not in found}
-        is_plain = others <= {self.answers.phrases.joined}
+        is_plain = others <= {self.answers.phrases["joined"]}
         return tuple(found[n] for n in range(start, end) if n in found) if is_plain else ()
 
     def short_answers(self, text: str, *, speaker: str, discourse: Discourse) -> list[Answer]:

@@ -35,8 +35,23 @@ MOST_OF_NEVER = 0.1
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
-_LISTED = frozenset({"list", "those", "acts", "clauses", "things", "kinds", "quotes", "names"})
-_SLOT_FORMS = frozenset({"a", "the", "be", "it", "many", "to", "done", "name", "use"}) | _LISTED
+_LISTED: Mapping[str, str | None] = {
+    **dict.fromkeys(("list", "clauses")),
+    **{"those": "the", "things": "a", "kinds": "many", "acts": "to", "quotes": "quote"},
+    "names": "name",
+}
+"""The forms for several things, each with that of one of them."""
+_SLOT_FORMS = {"a", "the", "be", "it", "many", "to", "done", "name", "use", *_LISTED}
+
+PHRASES = (
+    *("functional", "negative", "seldom", "possible"),  # rules on uses
+    *("action", "holding", "forbidden", "seldom_by"),  # rules on holding
+    *("must_not", "may", "only_by", "must_first", "may_without"),  # norms
+    *("by_part", "in_place", "to_whom", "with_tool"),  # what is added to an act
+    *("for_material", "noted", "source", "any_object", "any_with", "joined"),
+    *("be", "be_many", "it", "it_many"),
+)
+"""The keys of the templates of rules and norms, and of small words that all answers share."""
 
 
 @dataclass(frozen=True)
@@ -48,68 +63,12 @@ class AnswerTemplate:
 
 
 @dataclass(frozen=True)
-class RulePhrases:
-    """The templates of rules, and small words that all answers share.
-
-    Attributes:
-        functional: a functional rule, from `object`, `level` and `affordance`.
-        negative: a functional rule that is denied.
-        action: an action rule, from `object`, `context` and `part`.
-        holding: an action rule for whenever the object is held.
-        seldom: a functional rule that holds now and then, but mostly not.
-        possible: a functional rule that is neither asserted nor denied.
-        forbidden: an action rule that is denied.
-        seldom_by: an action rule that holds now and then, but mostly not.
-        for_material: an object that is used on a material only.
-        noted: `what` is said, with `notes`: how often it holds, and who told it.
-        source: the note of the `speaker` something comes from.
-        any_object: what stands for every object.
-        any_with: the same with properties before it.
-        joined: the word before the last of several.
-        be: the verb after one thing.
-        be_many: the verb after one thing in the plural: "scissors are".
-        it: the pronoun for one thing.
-        it_many: the pronoun for one thing in the plural.
-        must_not, may, only_by, must_first, may_without: a norm, from `act`, `part` and `first`.
-        by_part, in_place, to_whom, with_tool: what is added to an `act`.
-    """
-
-    functional: str
-    negative: str
-    seldom: str
-    possible: str
-    action: str
-    holding: str
-    forbidden: str
-    seldom_by: str
-    for_material: str
-    noted: str
-    source: str
-    any_object: str
-    any_with: str
-    joined: str
-    be: str
-    be_many: str
-    it: str
-    it_many: str
-    must_not: str
-    may: str
-    only_by: str
-    must_first: str
-    may_without: str
-    by_part: str
-    in_place: str
-    to_whom: str
-    with_tool: str
-
-
-@dataclass(frozen=True)
 class AnswerTemplates:
     """The answers of one language, and the words for rules, things and acts.
 
     Attributes:
         answers: by key.
-        phrases: how rules are put into words.
+        phrases: how rules are put into words, by `PHRASES`.
         inflection: forms of words.
         acts: the verb of each act, with its particle ("pickUp": "pick up").
         tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
@@ -119,7 +78,7 @@ class AnswerTemplates:
     """
 
     answers: Mapping[str, AnswerTemplate]
-    phrases: RulePhrases
+    phrases: Mapping[str, str]
     inflection: Inflection
     acts: Mapping[str, str]
     tool_acts: Mapping[str, str]
@@ -152,12 +111,12 @@ class AnswerTemplates:
         at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
         slots["often"] = self.adverb(rule.confidence)
         if isinstance(rule, FunctionalRule):
-            text = (said.negative, said.seldom, said.functional)[at]
-            text = said.possible if rule.confidence == (0, 1) else text
+            text = said[("negative", "seldom", "functional")[at]]
+            text = said["possible"] if rule.confidence == (0, 1) else text
             slots["affordance"] = self.use_phrase(rule.affordance, rule.material)
         else:
-            text = (said.forbidden, said.seldom_by, said.action)[at]
-            text = said.holding if rule.context == "grasp" else text
+            text = said[("forbidden", "seldom_by", "action")[at]]
+            text = said["holding"] if rule.context == "grasp" else text
             act = self.tool_acts.get(rule.context) or self.act(rule.context)
             slots |= {"act": act, "part": rule.part}
         return " ".join(self.fill(text, slots).split())
@@ -165,33 +124,34 @@ class AnswerTemplates:
     def norm_phrase(self, norm: Norm) -> str:
         """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""
         said, act = self.phrases, self._act_phrase(norm.act)
-        template = {"forbidden": said.must_not, "permitted": said.may}.get(norm.norm, said.only_by)
+        key = {"forbidden": "must_not", "permitted": "may"}.get(norm.norm, "only_by")
         slots = {"act": act, "part": getattr(norm.act, "part", None) or ""}
         if norm.before:
-            template = said.may_without if norm.norm == "permitted" else said.must_first
+            key = "may_without" if norm.norm == "permitted" else "must_first"
             slots["first"] = self._act_phrase(norm.before)
         elif slots["part"] and norm.norm != "obliged":
-            slots["act"] = self.fill(said.by_part, slots)
-        text = self.fill(template, slots)
-        return self.fill(said.in_place, {"act": text, "place": norm.place}) if norm.place else text
+            slots["act"] = self.fill(said["by_part"], slots)
+        text = self.fill(said[key], slots)
+        if not norm.place:
+            return text
+        return self.fill(said["in_place"], {"act": text, "place": norm.place})
 
     def _act_phrase(self, act: Command | ToolCommand) -> str:
         """What is done: "pass a knife to Anna", "cut bread with a knife"."""
         said, verb = self.phrases, self.act(act.goal)
         if isinstance(act, ToolCommand):
-            patient = (
-                said.any_object if act.patient == ANY_OBJECT else self._in_general(act.patient)
-            )
+            is_any = act.patient == ANY_OBJECT
+            patient = said["any_object"] if is_any else self._in_general(act.patient)
             if act.tool.object in {None, ANY_OBJECT} and not act.tool.props:
                 return f"{verb} {patient}"
             slots = {"act": f"{verb} {patient}", "tool": self._named(act.tool)}
-            return self.fill(said.with_tool, slots)
+            return self.fill(said["with_tool"], slots)
         text = f"{verb} {self._named(act.target)}"
         if act.recipient is None:
             return text
         is_role = act.recipient in self.roles
         person = self.inflection.with_article(act.recipient) if is_role else act.recipient.title()
-        return self.fill(said.to_whom, {"act": text, "recipient": person})
+        return self.fill(said["to_whom"], {"act": text, "recipient": person})
 
     def _named(self, thing: ObjectReference) -> str:
         return self.noun_phrase(thing.object or ANY_OBJECT, thing.props)
@@ -204,7 +164,7 @@ class AnswerTemplates:
     def object_for(self, name: str, material: str) -> str:
         """Return an object that is used on a material: "brush for walls"."""
         slots = {"object": name, "material": self._in_general(material)}
-        return self.fill(self.phrases.for_material, slots)
+        return self.fill(self.phrases["for_material"], slots)
 
     def _in_general(self, material: str) -> str:
         """A material in the plural, unless it is not counted."""
@@ -225,17 +185,17 @@ class AnswerTemplates:
 
         Without either of them, the words alone.
         """
-        source = self.fill(self.phrases.source, {"speaker": speaker}) if speaker else ""
+        source = self.fill(self.phrases["source"], {"speaker": speaker}) if speaker else ""
         notes = ", ".join(filter(None, (often, source)))
-        return self.fill(self.phrases.noted, {"what": what, "notes": notes}) if notes else what
+        return self.fill(self.phrases["noted"], {"what": what, "notes": notes}) if notes else what
 
     def noun_phrase(self, name: str, props: Sequence[str] = ()) -> str:
         """Return a kind of object with its properties and the indefinite article."""
         if name != ANY_OBJECT:
             return self.inflection.with_article(" ".join([*props, name]))
         if not props:
-            return self.phrases.any_object
-        return self.phrases.any_with.replace("{props}", " ".join(props))
+            return self.phrases["any_object"]
+        return self.phrases["any_with"].replace("{props}", " ".join(props))
 
     def act(self, name: str) -> str:
         """Return the verb of an act: "pick up" for `pickUp`."""
@@ -251,7 +211,7 @@ class AnswerTemplates:
         """Join several items: "a knife, a mug and a shoe"; clauses have a `comma` before "and"."""
         if len(items) < 2:
             return "".join(items)
-        return f"{', '.join(items[:-1])}{comma} {self.phrases.joined} {items[-1]}"
+        return f"{', '.join(items[:-1])}{comma} {self.phrases['joined']} {items[-1]}"
 
     def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
         """Fill the slots of a template."""
@@ -262,26 +222,19 @@ class AnswerTemplates:
         forms: Mapping[str, Callable[[str], str]] = {
             "a": self.inflection.with_article,
             "the": lambda word: f"the {word}",
-            "be": lambda word: said.be_many if plural(word) else said.be,
-            "it": lambda word: said.it_many if plural(word) else said.it,
+            "be": lambda word: said["be_many" if plural(word) else "be"],
+            "it": lambda word: said["it_many" if plural(word) else "it"],
             "many": lambda word: self.inflection.form(word, "plural"),
             "to": self.act,
             "done": lambda word: self.inflection.form(self.act(word), "participle"),
             "name": _capitalised,
-            "list": str,
-            "clauses": str,
-            "acts": self.act,
-            "those": lambda word: f"the {word}",
-            "things": self.inflection.with_article,
-            "kinds": lambda word: self.inflection.form(word, "plural"),
-            "quotes": lambda text: f'"{text.removesuffix(".")}"',
-            "names": _capitalised,
+            "quote": lambda text: f'"{text.removesuffix(".")}"',
         }
         if form == "use":
             return value if isinstance(value, str) else self.use_phrase(*map(str, _items(value)))
         if form in _LISTED:
             comma = "," if form == "clauses" else ""
-            return self.join([forms[form](str(each)) for each in _items(value)], comma)
+            return self.join([self._form(str(e), _LISTED[form]) for e in _items(value)], comma)
         return forms[form](str(value)) if form else str(value)
 
 
@@ -295,18 +248,13 @@ def load_answers(
     mass: frozenset[str] = frozenset(),
     roles: frozenset[str] = frozenset(),
 ) -> AnswerTemplates:
-    """Load the answers of a language.
-
-    Raises:
-        DataError: the file is not as expected, or a slot asks for a form that there is not.
-    """
+    """Load the answers of a language; `DataError` where the file or a form in it is wrong."""
     entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
-    names = tuple(RulePhrases.__dataclass_fields__)
-    texts = entries["phrases"].entries(required=names, optional=())
+    phrases = entries["phrases"].entries(required=PHRASES, optional=())
     answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
     return AnswerTemplates(
         MappingProxyType(answers),
-        RulePhrases(**{name: texts[name].text() for name in names}),
+        {name: field.text() for name, field in phrases.items()},
         inflection,
         acts,
         tool_acts,

@@ -7,7 +7,6 @@ refused when that meaning has no such slot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from .discourse import Discourse
@@ -98,15 +97,13 @@ class FragmentValues:
 
 
 def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
-    """Return the meaning of a fragment after the turns before it.
-
-    Raises:
-        RefusedError: there is nothing that it completes.
-    """
+    """Return the meaning of a fragment; `UninterpretableError` if no turn is completed by it."""
     if fragment.mode == "keep":
         return _kept(discourse.accessible, fragment.default)
     if fragment.mode == "again":
-        return _once_more(discourse.accessible)
+        if discourse.accessible.command is None:
+            raise UninterpretableError("nothing_to_repeat", asks=True)
+        return discourse.accessible.command
     discourse = discourse.accessible
     fragment = _with_other_of_pair(fragment, discourse)
     match _how_explained(fragment, discourse) or _completed(fragment, discourse):
@@ -143,7 +140,11 @@ def _other_of_pair(discourse: Discourse) -> str | None:
     pair, last = discourse.pair, discourse.object
     others = [each for each in pair if each != last and not each.arguments]
     known = len(pair) == 2 and len(others) == 1
-    return others[0].name.replace("_", " ").rstrip() if known else None
+    return _name(others[0]) if known else None
+
+
+def _name(form: PredicateForm) -> str:
+    return form.name.replace("_", " ").rstrip()
 
 
 def _how_explained(fragment: FragmentValues, discourse: Discourse) -> Question | None:
@@ -189,12 +190,6 @@ def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
             raise UninterpretableError("nothing_to_keep")
 
 
-def _once_more(discourse: Discourse) -> Command | ToolCommand:
-    if discourse.command is None:
-        raise UninterpretableError("nothing_to_repeat", asks=True)
-    return discourse.command
-
-
 def _applies(rule: Rule, command: Command) -> bool:
     return command.part is None and command.target.object in {None, rule.object}
 
@@ -207,14 +202,11 @@ def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
     changed = _changed(fragment, rule)
     if fragment.asks:
         return _question_on(changed)
-    if _is_denied(rule) and fragment.part and not fragment.adds and not fragment.confidence:
+    is_denied = rule.confidence[1] < _LIKELY
+    if is_denied and fragment.part and not fragment.adds and not fragment.confidence:
         return _instead_of_denied(fragment, changed)
     is_same = replace(changed, confidence=rule.confidence) == rule
     return Statement((replace(changed, revises=is_same or not fragment.adds),))
-
-
-def _is_denied(rule: Rule) -> bool:
-    return rule.confidence[1] < _LIKELY
 
 
 def _instead_of_denied(fragment: FragmentValues, changed: Rule) -> Meaning:
@@ -252,9 +244,7 @@ def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
 
 def _question_on(rule: Rule) -> Question:
     if isinstance(rule, FunctionalRule):
-        return Question(
-            "is_used_for", rule.object, affordance=rule.affordance, material=rule.material
-        )
+        return Question("is_used_for", rule.object, rule.affordance, material=rule.material)
     return Question("how", object=rule.object, context=rule.context, part=rule.part)
 
 
@@ -302,9 +292,8 @@ def _as_answer(fragment: FragmentValues, question: Question) -> AskBack:
     if question.object is None or question.affordance is None or has_more:
         raise _nothing()
     confidence = fragment.confidence or fragment.default
-    rule = FunctionalRule(
-        question.object, question.affordance, confidence, material=question.material
-    )
+    use, material = question.affordance, question.material
+    rule = FunctionalRule(question.object, use, confidence, material=material)
     return AskBack(choices=(Statement((rule,)),))
 
 
@@ -324,7 +313,7 @@ def _as_command(
         fragment.mode in {"also", "other"}
         and _is_other(fragment)
         and other
-        and command.target.object in _names(discourse.pair)
+        and command.target.object in {_name(each) for each in discourse.pair}
     ):
         named = replace(command, target=ObjectReference(other), part=None, negated=False)
         return AskBack(choices=(named,))
@@ -341,10 +330,6 @@ def _as_command(
         target = replace(command.target, used_for=fragment.use, material=fragment.material)
         return replace(command, target=replace(target, other=False))
     raise _nothing()
-
-
-def _names(forms: Iterable[PredicateForm]) -> set[str]:
-    return {form.name.replace("_", " ").rstrip() for form in forms}
 
 
 def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:

@@ -38,9 +38,13 @@ GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "rel
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
 _BARE_QUESTIONS = frozenset(
-    {"capabilities", "hearing", "identity", "known", "repeated", "wellbeing"}
+    {
+        *("capabilities", "hearing", "identity", "known", "repeated", "wellbeing", "howSure"),
+        *("source", "see", "trust", "exceptions", "inHand", "lastDone", "lastAsked"),
+        "lastSpokenOf",
+    }
 )
-"""The questions that name nothing."""
+"""The questions that may name nothing."""
 
 _UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past"}
 """The answer to what is understood, but not learned."""
@@ -99,7 +103,7 @@ class Interpreter:
         A fragment refers to the last rule, question or command of the discourse.
 
         Raises:
-            RefusedError: the intention is nothing that Hilt can believe, do or answer.
+            UninterpretableError: the intention is nothing that Hilt can believe, do or answer.
         """
         content = intention.arguments[-1]
         match intention.name:
@@ -109,13 +113,10 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in _UNLEARNABLE:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
+            case "wantBelieve" if content.name == "topic":
+                return TopicStatement(_kind(content.arguments[0]))
             case "wantBelieve":
-                is_topic = content.name == "topic"
-                return (
-                    TopicStatement(_kind(content.arguments[0]))
-                    if is_topic
-                    else self._statement(content)
-                )
+                return self._statement(content)
             case "want":
                 return self._command(content)
             case "wantKnow":
@@ -208,7 +209,8 @@ class Interpreter:
             case "target" | "held":
                 return replace(fragment, target=self._reference(value))
             case "use":
-                return _with_use(fragment, value)
+                affordance, material = _use(value)
+                return replace(fragment, use=affordance, material=material)
             case "part":
                 part, owner = _part_and_owner(value)
                 return replace(fragment, part=part, part_of=owner)
@@ -330,29 +332,15 @@ class Interpreter:
             raise UninterpretableError("no_act")
         name, props = kind_and_properties(owner)
         if context.name in self.tool_acts and context.arguments[1:] == (owner,):
-            raise UninterpretableError(
-                "not_a_rule"
-            )  # it is the tool that is held, not what it is used on
+            # It is the tool that is held, not what it is used on.
+            raise UninterpretableError("not_a_rule")
         confidence = self.intervals[degree.name]
         return ActionRule(name, act_name(context.name), name_of(part), confidence, props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         match form.name, form.arguments:
             case (name, ()) if name in _BARE_QUESTIONS:
-                return Question(name)
-            case (
-                "howSure"
-                | "source"
-                | "see"
-                | "trust"
-                | "exceptions"
-                | "inHand"
-                | "lastDone"
-                | "lastAsked"
-                | "lastSpokenOf",
-                (),
-            ):
-                return Question(_QUESTIONS[form.name])
+                return Question(_QUESTIONS.get(name, name))
             case ("usesOf" | "about" | "exceptions" | "inHand", (thing, *_)):
                 return Question(_QUESTIONS[form.name], object=_kind(thing))
             case ("aboutUse" | "best" | "whatIf", (use, *_)):
@@ -387,8 +375,7 @@ class Interpreter:
                 context = None if act.name == "grasp" else act.name
                 return replace(asked, context=context, part=_part_name(part))
             case "see", (thing, *_):
-                target = self._reference(thing)
-                return _question_on_target("see", target)
+                return _question_on_target("see", self._reference(thing))
             case _:
                 pass
         raise UninterpretableError("unanswerable")
@@ -396,9 +383,7 @@ class Interpreter:
     def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
         rule = self._one_rule(form, "one_thing_at_a_time")
         if isinstance(rule, FunctionalRule):
-            return Question(
-                ask, object=rule.object, affordance=rule.affordance, material=rule.material
-            )
+            return Question(ask, rule.object, rule.affordance, material=rule.material)
         # "Is a knife passed by the blade?" is answered as "How is a knife passed?" is.
         ask = "how" if ask == "is_used_for" else ask
         return Question(ask, object=rule.object, context=rule.context, part=rule.part)
@@ -406,8 +391,8 @@ class Interpreter:
     def _question_on_act(self, ask: str, act: PredicateForm) -> Question:
         part = None
         if act.name == "holding":
-            act, place = act.arguments
-            part = _part_name(place)
+            part = _part_name(act.arguments[1])
+            act = act.arguments[0]
         if act.name == "graspObject":
             place = act.arguments[1]
             return Question(ask, object=_kind(place.arguments[1]), part=_part_name(place))
@@ -464,8 +449,7 @@ _CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
 def short_answer(form: PredicateForm) -> Answer:
     """Return what an answer names or chooses: `chosen(knife)`, `chosenUse(cutting)`, `noneOf`.
 
-    Raises:
-        RefusedError: what it names has no name.
+    It raises `UninterpretableError` where what it names has no name.
     """
     if form.name in _CHOICES:
         return Answer(choice=_CHOICES[form.name])
@@ -506,19 +490,10 @@ def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
 
 
 def name_of(form: PredicateForm) -> str:
-    """Return the name in a form without arguments, as people spell it.
-
-    Raises:
-        RefusedError: the form has arguments, or stands for nothing with a name.
-    """
+    """Return the name in a form as people spell it; `UninterpretableError` where it has none."""
     if form.arguments or form.name in _NAMELESS or form.name in SOMETHING:
         raise UninterpretableError("one_thing_at_a_time")
     return form.name.replace("_", " ").rstrip()
-
-
-def _with_use(fragment: FragmentValues, form: PredicateForm) -> FragmentValues:
-    affordance, material = _use(form)
-    return replace(fragment, use=affordance, material=material)
 
 
 def _part_and_owner(place: PredicateForm) -> tuple[str, str | None]:

@@ -61,23 +61,17 @@ def _is_norm(form: PredicateForm) -> bool:
     return form.name in _NORMS or form.name in _ADDITIONS
 
 
-def _at_place(norm: Norm, place: PredicateForm) -> Norm:
-    return replace(norm, place=name_of(place))
-
-
-def _given_to(norm: Norm, person: PredicateForm) -> Norm:
-    return replace(norm, act=replace(_plain(norm), recipient=name_of(person)))
-
-
 def _when_it_is(norm: Norm, thing: PredicateForm) -> Norm:
-    act, (_, props) = _plain(norm), kind_and_properties(thing)
+    act, (_, props) = _command(norm.act), kind_and_properties(thing)
     props = tuple(sorted({*act.target.props, *props}))
     return replace(norm, act=replace(act, target=replace(act.target, props=props)))
 
 
 _ADDITIONS: Mapping[str, Callable[[Norm, PredicateForm], Norm]] = {
-    "atPlace": _at_place,
-    "givenTo": _given_to,
+    "atPlace": lambda norm, place: replace(norm, place=name_of(place)),
+    "givenTo": lambda norm, person: replace(
+        norm, act=replace(_command(norm.act), recipient=name_of(person))
+    ),
     "whenIs": _when_it_is,
 }
 """What is said of a norm besides its act."""
@@ -111,8 +105,8 @@ class _NormReader:
         """An act to be done by one part only, or after another act, or without it."""
         if not other.arguments:
             return self._norm("obliged", PredicateForm("holding", (act, other)))
-        norm, first = self._norm("obliged", act), _plain(self._norm("obliged", other))
-        if name == "beforehand" and first.target != _plain(norm).target:
+        norm, first = self._norm("obliged", act), _command(self._norm("obliged", other).act)
+        if name == "beforehand" and first.target != _command(norm.act).target:
             raise UninterpretableError("one_thing_at_a_time")  # that is a plan for now
         return replace(norm, norm="permitted" if name == "without" else "obliged", before=first)
 
@@ -164,10 +158,6 @@ class _NormReader:
 
 def _replaced(form: PredicateForm, old: PredicateForm, new: PredicateForm) -> PredicateForm:
     return form.mapped(lambda part: new if part is old else None)
-
-
-def _plain(norm: Norm) -> Command:
-    return _command(norm.act)
 
 
 def _command(act: Command | ToolCommand) -> Command:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu import ANY_OBJECT, ActionRule, FunctionalRule, Language, Rule
-from hilt.nlu.generation.templates import RulePhrases, load_answers
+from hilt.nlu.generation.templates import PHRASES, load_answers
 from hilt.ontology.errors import DataError, UnknownNameError
 
 SURE = (0.95, 1.0)
@@ -118,10 +118,9 @@ def test_a_wrong_template_is_an_error(
     language: Language, tmp_path: Path, answer: str, message: str
 ) -> None:
     """A template is checked when it is read."""
-    phrases = RulePhrases.__dataclass_fields__
     path = tmp_path / "answers.yaml"
     path.write_text(
-        f"answers: {{a: {answer}}}\nphrases: {{{', '.join(f'{each}: x' for each in phrases)}}}\n",
+        f"answers: {{a: {answer}}}\nphrases: {{{', '.join(f'{each}: x' for each in PHRASES)}}}\n",
         encoding="utf-8",
     )
 
