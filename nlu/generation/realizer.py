@@ -53,11 +53,7 @@ class Realizer:
     giving: str = "pass"
 
     def realize(self, meaning: Meaning) -> str:  # noqa: PLR0911 - a case per kind
-        """Return a sentence with this meaning, without capital letter and full stop.
-
-        Raises:
-            UnknownNameError: the language has no sentence of this shape.
-        """
+        """Return a sentence without capital and full stop; `UnknownNameError` if there is none."""
         match meaning:
             case Statement(rules):
                 return self._statement(rules)

@@ -35,7 +35,7 @@ MOST_OF_NEVER = 0.1
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""
-_LISTED: Mapping[str, str | None] = {
+_LISTED: dict[str, str | None] = {
     **dict.fromkeys(("list", "clauses")),
     **{"those": "the", "things": "a", "kinds": "many", "acts": "to", "quotes": "quote"},
     "names": "name",

@@ -50,11 +50,7 @@ Category: TypeAlias = AtomicCategory | Functor
 
 
 def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
-    """The type of the meanings of a category, from the type of each atom by name.
-
-    Raises:
-        KeyError: an atom is not known; its only argument is the name.
-    """
+    """The type of the meanings of a category; `KeyError` with the name of an unknown atom."""
     if isinstance(category, AtomicCategory):
         return atoms[category.name]
     return FunctionType(type_of(category.argument, atoms), type_of(category.result, atoms))

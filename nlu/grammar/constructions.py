@@ -99,11 +99,7 @@ class Construction:
 
 
 def pieces_of(variant: Sequence[str], field: YamlNode) -> tuple[Piece, ...]:
-    """The gaps and runs of words of a construction, from `patterns.variants`.
-
-    Raises:
-        DataError: a gap is not written as `{name:CATEGORY}`.
-    """
+    """The gaps and runs of words of a construction; `DataError` unless a gap is `{name:NP}`."""
     return tuple(_gap(text, field) if is_gap(text) else WordRun(text) for text in variant)
 
 

@@ -36,11 +36,7 @@ _SHOWN = {
 
 
 def parse(field: YamlNode, start: Start) -> Value:
-    """Return what a line of the notation stands for.
-
-    Raises:
-        DataError: it does not match the rule `start` of the grammar; says where.
-    """
+    """Return what a line stands for; `DataError` says where it does not match the rule `start`."""
     text = field.text()
     try:
         # Lark declares that it returns a tree, but it returns what `_Builder` makes.

@@ -44,11 +44,7 @@ def words_of(text: str) -> list[str]:
 
 
 def compile_pattern(text: str, end: int = 0) -> Steps:
-    """The graph of a pattern, with the number `end` at the end of each of its spellings.
-
-    Raises:
-        PatternError: a bracket is missing.
-    """
+    """The graph of a pattern, with `end` after each spelling; `PatternError` without a bracket."""
     # From right to left, so that what follows a word is known when the word is met.
     here: Steps = (end,)
     within: list[tuple[str, Steps, list[Steps]]] = [("", here, [])]
@@ -100,11 +96,7 @@ def match_pattern(steps: Steps, words: Sequence[str], start: int) -> Iterator[tu
 
 
 def spellings(field: YamlNode) -> list[tuple[str, ...]]:
-    """All that a pattern stands for, each as its words, in the order of the choices.
-
-    Raises:
-        DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
-    """
+    """All that a pattern stands for, each as its words; `DataError` for over `MAX_SPELLINGS`."""
     found: dict[tuple[str, ...], None] = {}
     for words in expand(read_pattern(field)):
         found[words] = None
@@ -118,12 +110,18 @@ def read_pattern(field: YamlNode) -> Steps:
     return compile_pattern(read_words(field))
 
 
-def read_words(field: YamlNode) -> str:
-    """The text of a pattern without gaps.
+def read_patterns(field: YamlNode) -> tuple[Steps, ...]:
+    """The graphs of a list of patterns; raises as `read_words`."""
+    return tuple(map(read_pattern, field.items()))
 
-    Raises:
-        DataError: a bracket is missing, or all of it may be left out.
-    """
+
+def read_phrases(field: YamlNode) -> frozenset[tuple[str, ...]]:
+    """The spellings of a list of patterns; raises as `spellings`."""
+    return frozenset(words for item in field.items() for words in spellings(item))
+
+
+def read_words(field: YamlNode) -> str:
+    """The text of a pattern without gaps; `DataError` if all of it may be left out, or is cut."""
     text = field.text()
     # Most are some words and nothing else.
     if _BRACKET.search(text):

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..grammar.word_patterns import Steps, read_pattern
+from ...ontology.yaml_reader import read_yaml
+from ..grammar.word_patterns import Steps, read_patterns
 from .tokenizer import BREAK
 
 _THING, _OBJECT = "THING", "OBJECT"
@@ -102,16 +102,8 @@ class ControlPhrases:
 
 
 def load_controls(path: Path) -> ControlPhrases:
-    """Read the control phrases of a language.
-
-    Raises:
-        DataError: the file is not as expected.
-    """
+    """Read the control phrases of a language; `DataError` where the file is not as expected."""
     parts = read_yaml(path).entries(required=("controls", "polite", "pronouns"))
-    phrases = {name: _patterns(each) for name, each in parts["controls"].entries().items()}
+    phrases = {name: read_patterns(each) for name, each in parts["controls"].entries().items()}
     pronouns = frozenset(tuple(text.split()) for text in parts["pronouns"].texts())
-    return ControlPhrases(phrases, _patterns(parts["polite"]), pronouns)
-
-
-def _patterns(field: YamlNode) -> tuple[Steps, ...]:
-    return tuple(map(read_pattern, field.items()))
+    return ControlPhrases(phrases, read_patterns(parts["polite"]), pronouns)

@@ -12,7 +12,7 @@ from functools import cached_property
 from itertools import chain
 
 from ...ontology.yaml_reader import YamlNode
-from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
+from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
 from .tokenizer import BREAK, Token, Tokens
 
 Phrase = tuple[str, ...]
@@ -42,19 +42,14 @@ class DiscourseMarkers:
     clauses: tuple[Steps, ...] = ()
 
     def with_phrases(self, kind: str, field: YamlNode) -> DiscourseMarkers:
-        """Return these phrases and further ones of a kind.
-
-        Raises:
-            DataError: there is no such kind, or a pattern is not as expected.
-        """
+        """Return these phrases and further ones; `DataError` for a wrong kind or pattern."""
         kinds = sorted(each.name for each in fields(self))
         if kind not in kinds:
             raise field.fail(f'expected one of {kinds}, found "{kind}".')
         known = getattr(self, kind)
         if isinstance(known, tuple):
-            return replace(self, **{kind: (*known, *map(read_pattern, field.items()))})
-        phrases = {words for each in field.items() for words in spellings(each)}
-        return replace(self, **{kind: known | phrases})
+            return replace(self, **{kind: known + read_patterns(field)})
+        return replace(self, **{kind: known | read_phrases(field)})
 
     def mark_boundaries(self, tokens: Tokens) -> Tokens:
         """Put a break after the phrases that are a sentence of their own before a pause."""
@@ -102,11 +97,8 @@ class DiscourseMarkers:
         place = 0
         while place < len(words):
             whole = _longest(words, place, kept_whole)
-            end = (
-                place
-                if whole
-                else self._end(words, place, edges, has_pauses=not tokens.is_transcript)
-            )
+            has_pauses = not tokens.is_transcript
+            end = place if whole else self._end(words, place, edges, has_pauses=has_pauses)
             if end == place:
                 end += whole or 1
                 kept += range(place, end)

@@ -162,10 +162,7 @@ class KnownWords:
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
     def _recipients(self, tokens: Tokens, place: int) -> Iterator[Entry]:
-        """The entries of a word as somebody who is given something: "to the cook", "to anna".
-
-        A proper name has no article: it follows a word like "to", or precedes what is given.
-        """
+        """The entries of a word as somebody who is given something: "to the cook", "to anna"."""
         words = tokens.words
         word, after = words[place], words[place + 1 : place + 2]
         if self.lexicon.name_categories(word) or not is_word(tokens.items[place]):
@@ -195,12 +192,7 @@ class KnownWords:
         return is_joined and is_last and not self.has(words[place + 1])
 
     def _compounds(self, first: str, second: str, is_determined: bool) -> list[Entry]:
-        """The entries of two neighbours as one name: "bread knife", "frying pans".
-
-        The second word, which carries the plural, must be an object, a part or name nothing yet,
-        and the first one of these, a use or a material; a pair of known words is a kind of the
-        second.
-        """
+        """The entries of two neighbours as one name, a kind of the second: "frying pans"."""
         if first == second or not self._may_modify(first, is_determined):
             return []
         singular = next(iter(self.inflection.origins(second, "plural")), second)
@@ -213,10 +205,7 @@ class KnownWords:
         return [each.entry() for each in found if each.says == f"{first} {second}"]
 
     def _may_modify(self, word: str, is_determined: bool) -> bool:
-        """Whether a word may precede a noun: one that names a thing, a use or nothing yet.
-
-        After an article that may be a verb, too: "a hand drill".
-        """
+        """Whether a word may precede a noun; after an article a verb may, too: "a hand drill"."""
         if self.lexicon.is_name(word, NOUNS | {"K"}):
             return True
         return _has_letters(word) and (
@@ -278,10 +267,7 @@ def _entries(
     is_capital: bool,
     roles: frozenset[str],
 ) -> tuple[Entry, ...]:
-    """The entries that a word would have as a new one in some roles.
-
-    Kept, since building them takes as long as all else, and most words occur again.
-    """
+    """The entries of a new word in some roles; kept, since they take as long as all else."""
     senses = _senses(builder, inflection, word, is_capital=is_capital, roles=roles)
     return tuple(each.entry() for each in senses if each.says == word)
 

@@ -15,7 +15,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from ...ontology.yaml_reader import read_yaml
-from ..grammar.word_patterns import spellings
+from ..grammar.word_patterns import read_phrases
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names
@@ -48,21 +48,8 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 _SIGNS = (*OPERATORS, "by", "before_part")
 _WORD_LISTS = (
     *_SIGNS,
-    *(
-        "unfinished",
-        "recipient",
-        "doer",
-        "hearer",
-        "asked",
-        "at_end",
-        "gripping",
-        "joining",
-        "opening",
-        "complement",
-        "concession",
-        "turning",
-        "because",
-    ),
+    *("unfinished", "recipient", "doer", "hearer", "asked", "at_end", "gripping", "joining"),
+    *("opening", "complement", "concession", "turning", "because"),
 )
 _QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
@@ -72,11 +59,7 @@ _UNLIKELY = 0.5  # a rule whose upper bound is below states that something is no
 
 @dataclass(frozen=True)
 class OfferChecks:
-    """What an offer must keep of an utterance.
-
-    Attributes:
-        phrases: the words of each check, by the names of `offers.yaml`.
-    """
+    """What an offer must keep of an utterance, by the words of each check in `offers.yaml`."""
 
     phrases: Mapping[str, frozenset[Phrase]]
     reader: FeatureReader
@@ -87,13 +70,7 @@ class OfferChecks:
         return self.licence.weakened(meaning, self.clause_features(mentions, asides))
 
     def lost(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> str:
-        """Return what a meaning would lose of an utterance, empty if nothing.
-
-        Args:
-            meaning: the meaning.
-            mentions: the utterance.
-            asides: the spans of it that say nothing of the meaning.
-        """
+        """Return what a meaning would lose of an utterance beside some asides, empty if nothing."""
         kept: Mapping[str, Callable[[], bool]] = {
             "completeness": lambda: self._is_complete(meaning, mentions),
             "sign": lambda: self._keeps_sign(meaning, mentions, asides),
@@ -293,10 +270,7 @@ class OfferChecks:
             yield ClausePosition(word, "" if place in named else clause)
 
     def _has(self, kind: str, words: Sequence[str]) -> bool:
-        return self._count(kind, words) > 0
-
-    def _count(self, kind: str, words: Sequence[str]) -> int:
-        return len(list(self._places(kind, words)))
+        return any(True for _ in self._places(kind, words))
 
     def _places(self, kind: str, words: Sequence[str]) -> Iterator[int]:
         for phrase in self.phrases[kind]:
@@ -311,10 +285,7 @@ def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
     """Return the words of each check; `DataError` says where the file is not as expected."""
     parts = read_yaml(path).entries(required=("checks", "choices"), optional=())["checks"]
     lists = parts.entries(required=_WORD_LISTS, optional=())
-    return {
-        kind: frozenset(words for item in field.items() for words in spellings(item))
-        for kind, field in lists.items()
-    }
+    return {kind: read_phrases(field) for kind, field in lists.items()}
 
 
 def _new_words(mentions: Mentions) -> Iterator[NewWord]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..grammar.word_patterns import spellings
+from ...ontology.yaml_reader import read_yaml
+from ..grammar.word_patterns import read_phrases, spellings
 
 Phrase = tuple[str, ...]
 
@@ -54,9 +54,5 @@ def load_choice_words(path: Path) -> ChoiceWords:
     kinds = parts.entries(required=("numbers", "last", "around", "none"), optional=())
     return ChoiceWords(
         tuple(frozenset(spellings(item)) for item in kinds["numbers"].items()),
-        *(_phrases(kinds[kind]) for kind in ("last", "around", "none")),
+        *(read_phrases(kinds[kind]) for kind in ("last", "around", "none")),
     )
-
-
-def _phrases(field: YamlNode) -> frozenset[Phrase]:
-    return frozenset(phrase for item in field.items() for phrase in spellings(item))

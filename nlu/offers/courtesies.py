@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 
-from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
+from ...ontology.yaml_reader import read_yaml
+from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse
@@ -147,10 +148,7 @@ class CourtesyPhrases:
         return "" if is_chatter else None
 
     def _is_all(self, phrases: Sequence[Steps], words: Phrase, start: int, kind: str) -> bool:
-        """Whether a part begins with a phrase at a place, and what follows is no clause.
-
-        "Oh, good morning to you all" and "I am so grateful for your help" do.
-        """
+        """Whether a part begins with a phrase at a place, and what follows is no clause."""
         ends = [end for steps in phrases for _, end in match_pattern(steps, words, start)]
         if not ends:
             return False
@@ -181,14 +179,7 @@ def _text(tokens: Tokens, start: int, end: int) -> str:
 def load_courtesies(path: Path) -> CourtesyPhrases:
     """Return the courtesies of a language; `DataError` says where the file is not as expected."""
     parts = read_yaml(path).entries(required=("courtesies", *_PATTERNS, *_LISTS), optional=())
-    lists = {
-        key: frozenset(word for item in parts[key].items() for (word,) in spellings(item))
-        for key in _LISTS
-    }
-    kinds = {kind: _patterns(each) for kind, each in parts["courtesies"].entries().items()}
-    chatter, openers, introducing = (_patterns(parts[key]) for key in _PATTERNS)
+    lists = {key: frozenset(chain(*read_phrases(parts[key]))) for key in _LISTS}
+    kinds = {kind: read_patterns(each) for kind, each in parts["courtesies"].entries().items()}
+    chatter, openers, introducing = (read_patterns(parts[key]) for key in _PATTERNS)
     return CourtesyPhrases(kinds, chatter, openers, introducing, lists)
-
-
-def _patterns(field: YamlNode) -> tuple[Steps, ...]:
-    return tuple(map(read_pattern, field.items()))

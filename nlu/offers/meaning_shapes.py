@@ -210,11 +210,7 @@ def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:
 
 
 def meaning_from_json(json_object: Json) -> Meaning:  # noqa: PLR0911 - a case per kind
-    """Return the meaning that a JSON object of the meaning schema stands for.
-
-    Raises:
-        ValueError: it is a kind of meaning that no shape has.
-    """
+    """Return the meaning of a JSON object of the schema; `ValueError` for one without a shape."""
     match json_object:
         case {"all": list(rules)}:
             return Statement(tuple(map(_rule, rules)))

@@ -46,8 +46,6 @@ LEAST_ASIDE = 4
 _ON = frozenset({"on", "off", "onto", "under"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
-
-
 _DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _SPOKEN_OF = frozenset({"object", "part", "affordance", "material", "property"})
 
@@ -152,7 +150,7 @@ class Mentions:
     def labels(self) -> tuple[str, ...]:
         """The tokens, with a label for its roles instead of each name."""
         labels = list(self.tokens.words)
-        roles: dict[tuple[int, int], dict[str, str]] = {}
+        roles: dict[Span, dict[str, str]] = {}
         for each in self.names:
             role = "new" if each.is_new else each.role
             roles.setdefault((each.start, each.end), {})[role] = each.name
@@ -173,10 +171,11 @@ def find_mentions(
     """Return what an utterance names; `degrees` has the words for degrees of confidence."""
     found = dict.fromkeys((*_known(tokens.words, known.lexicon), *_new(tokens, known)))
     found |= dict.fromkeys(_as_acts(found, known.lexicon))
+    names = _without_places(_without_parts(found), tokens.words)
     it = discourse.object.name.replace("_", " ").rstrip() if discourse.object else None
     return Mentions(
         tokens,
-        tuple(sorted(_without_places(_without_parts(found), tokens.words), key=_span)),
+        tuple(sorted(names, key=lambda each: (each.start, each.end))),
         tuple(_degrees(tokens.words, degrees)),
         it,
         discourse.rule,
@@ -202,10 +201,6 @@ def _is_required(names: Mapping[str, str]) -> bool:
     )
 
 
-def _span(mention: Mention) -> Span:
-    return mention.start, mention.end
-
-
 def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
     """The acts that known names of uses also are in some form: "held", as "hold"."""
     for each in found:
@@ -229,13 +224,10 @@ def _without_places(found: Iterable[Mention], words: tuple[str, ...]) -> Iterato
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
     for start in range(len(words)):
         for end, node in lexicon.nodes(words, start):
-            for role, name in dict.fromkeys(map(_role_and_name, node.entries)):
+            roles = ((_ROLES.get(_result(each.category)), each.name) for each in node.entries)
+            for role, name in dict.fromkeys(roles):
                 if role and name:
                     yield Mention(role, name, start, end)
-
-
-def _role_and_name(entry: Entry) -> tuple[str, str]:
-    return _ROLES.get(_result(entry.category), ""), entry.name
 
 
 def _result(category: Category) -> str:

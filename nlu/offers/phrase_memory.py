@@ -26,17 +26,14 @@ _ROLES = {
     "<degree>": "degree",
 }
 
+_FIXED = frozenset({"?act", "?tool"})  # an act, and the use that it needs a tool for
+
 Key = tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class PhrasePattern:
-    """A turn of phrase.
-
-    Attributes:
-        pattern: its words, with a slot of the shape for each name.
-        shape: its meaning.
-    """
+    """A turn of phrase: its words, with a slot of the shape for each name, and its meaning."""
 
     pattern: tuple[str, ...]
     shape: MeaningShape
@@ -60,7 +57,8 @@ class PhraseMemory:
     def meaning(self, mentions: Mentions) -> Json | None:
         """Return what an utterance that is a known phrase means, None for any other."""
         gaps = dict(_gaps(mentions))
-        phrase = self.phrases.get(_key(mentions, gaps))
+        key = tuple(f"?{gaps[n]}" if n in gaps else word for n, word in _words(mentions))
+        phrase = self.phrases.get(key)
         if phrase is None:
             return None
         slots = (each for each in phrase.pattern if each.startswith("?"))
@@ -91,7 +89,7 @@ def phrase_from(
     if shape.constants - {ANY_OBJECT}:
         return None  # a name that was not said
     values = {slot: _at(slot, shape.template, meaning) for slot in shape.slots}
-    fixed_values = {slot: values[slot] if _is_fixed(slot) else slot for slot in values}
+    fixed_values = {slot: v if _role(slot) in _FIXED else slot for slot, v in values.items()}
     shape = shape_from(shape.filled(fixed_values))
     gaps = dict(_gaps(mentions))
     slot_of = {(_role(slot), str(values[slot])): slot for slot in shape.slots}
@@ -111,11 +109,6 @@ def _role(slot: str) -> str:
     return "?" + slot[1:].rstrip("23456789")
 
 
-def _is_fixed(slot: str) -> bool:
-    """Whether a slot is part of a phrase: an act, and the use that it needs a tool for."""
-    return _role(slot) in {"?act", "?tool"}
-
-
 def _gaps(mentions: Mentions) -> Iterator[tuple[int, str]]:
     """The places of the names that vary, with their roles; an act is part of the phrase."""
     for place, label in enumerate(mentions.labels):
@@ -128,10 +121,6 @@ def _words(mentions: Mentions) -> Iterator[tuple[int, str]]:
     for place, label in enumerate(mentions.labels):
         if label and label != BREAK:
             yield place, mentions.tokens.words[place] if label.startswith("<act") else label
-
-
-def _key(mentions: Mentions, gaps: Mapping[int, str]) -> Key:
-    return tuple(f"?{gaps[n]}" if n in gaps else word for n, word in _words(mentions))
 
 
 def _value(mentions: Mentions, place: int, role: str) -> object:

@@ -25,11 +25,7 @@ _START, _END = "^", "$"
 
 @dataclass(frozen=True)
 class Ranker:
-    """The weights of the model.
-
-    Attributes:
-        weights: by what an utterance or a filling has, and within it by the trait of the meaning.
-    """
+    """The weights by what an utterance or a filling has, and then by the trait of the meaning."""
 
     weights: Mapping[str, Mapping[str, float]]
 

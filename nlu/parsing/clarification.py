@@ -32,11 +32,7 @@ MAX_NEAREST = 3
 
 @dataclass(frozen=True, repr=False)
 class Clarifier:
-    """Makes the answers to utterances that were not understood.
-
-    Attributes:
-        examples: sentences that are understood, each with its words.
-    """
+    """Makes the answers to what was not understood, with examples (each with its words)."""
 
     parser: SentenceParser
     known_words: KnownWords

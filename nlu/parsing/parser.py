@@ -40,11 +40,7 @@ _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is l
 
 @dataclass(frozen=True)
 class UtteranceContext:
-    """Who speaks to whom, by their names in predicate forms, and after what.
-
-    Attributes:
-        recognition: how sure it is that this was said, (lower, upper) in [0, 1].
-    """
+    """Who speaks to whom after what, and how surely it was heard, (lower, upper) in [0, 1]."""
 
     speaker: str
     addressee: str

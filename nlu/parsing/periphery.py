@@ -79,11 +79,7 @@ _LIMITING_ASIDE = (_LIMITING | {"named"}) - {"agent=other", "agent=they", "agent
 
 @dataclass(frozen=True)
 class PeripheryRow:
-    """A row of the table: beside which cores a piece of some form, so set off, changes nothing.
-
-    Attributes:
-        unless: the operators with which it does.
-    """
+    """A row: beside which cores a piece of some form, so set off, changes nothing, and unless."""
 
     of: frozenset[str]
     forms: frozenset[str]
@@ -187,12 +183,7 @@ class PeripheryReader:
     known: KnownWords
 
     def cores(self, tokens: Tokens, expanded: Tokens) -> Iterator[Core]:
-        """Yield the cores to try, the longest first.
-
-        Args:
-            tokens: the utterance.
-            expanded: the same with its short forms written out, word by word.
-        """
+        """Yield the cores to try, the longest first; in `expanded` no word is a short form."""
         pieces = self.reader.pieces(expanded)
         starts = {piece.core_start for piece in pieces} | {0}
         spans = ((start, piece.end) for start in starts for piece in pieces)
@@ -307,9 +298,8 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
 
 def _announces(piece: UtterancePiece) -> bool:
     """Whether a piece announces what follows: "I tell you"."""
-    return "announced" in piece.signs and piece.signs.isdisjoint(
-        _UNREAL | _CONDITIONAL | {"degree"}
-    )
+    unsure = _UNREAL | _CONDITIONAL | {"degree"}
+    return "announced" in piece.signs and piece.signs.isdisjoint(unsure)
 
 
 def _permitted(piece: UtterancePiece, pause: int) -> frozenset[str]:

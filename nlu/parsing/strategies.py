@@ -238,7 +238,7 @@ class _Attempt:
             if variant.words in tried or not variant.items:
                 continue
             tried.add(variant.words)
-            if _has_words(variant):
+            if set(variant.words) != {BREAK}:
                 found = self._as_sentence(variant, context)
                 if found.reading is not None:
                     return found
@@ -400,10 +400,6 @@ def _is_procedure(found: Understanding) -> bool:
     return is_about or isinstance(meant, (Plan, ActionDefinition, ActionCommand))
 
 
-def _has_words(tokens: Tokens) -> bool:
-    return any(token.word != BREAK for token in tokens.items)
-
-
 def _revises(meaning: Meaning) -> bool:
     """Whether a meaning only changes what was taught before: "make it rarely, would you?"."""
     return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
@@ -421,9 +417,8 @@ def _failed(found: Understanding) -> Understanding:
 def _with_object(thing: PredicateForm | None, context: UtteranceContext) -> UtteranceContext:
     named, discourse = (thing,) if thing else (), context.discourse
     failed = discourse.has_failed and thing is None
-    return replace(
-        context, discourse=replace(discourse, object=thing, named=named, has_failed=failed)
-    )
+    discourse = replace(discourse, object=thing, named=named, has_failed=failed)
+    return replace(context, discourse=discourse)
 
 
 def _understanding(

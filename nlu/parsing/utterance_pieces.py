@@ -16,7 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from ...ontology.yaml_reader import read_yaml
-from ..grammar.word_patterns import Steps, match_pattern, read_pattern, spellings
+from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
 from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
@@ -109,12 +109,8 @@ class PeripheryWords:
 def load_periphery(path: Path) -> PeripheryWords:
     """Return the words of a file; `DataError` says where it is not as expected."""
     parts = read_yaml(path).entries(required=(*_PATTERNS, *_LISTS), optional=())
-    patterns = {key: tuple(map(read_pattern, parts[key].items())) for key in _PATTERNS}
-    lists = {
-        key: frozenset(words for item in parts[key].items() for words in spellings(item))
-        for key in _LISTS
-    }
-    return PeripheryWords(patterns, lists)
+    patterns = {key: read_patterns(parts[key]) for key in _PATTERNS}
+    return PeripheryWords(patterns, {key: read_phrases(parts[key]) for key in _LISTS})
 
 
 @dataclass(frozen=True, repr=False)
@@ -212,10 +208,7 @@ class PieceReader:
         return next(found, OTHER)
 
     def _has_verb(self, words: Phrase) -> bool:
-        """Whether a piece may be a clause: it has a finite verb, or a form of a verb inside.
-
-        Behind a word that restricts, as "with" in "with two hands", such a form is a plural.
-        """
+        """Whether a piece has a finite verb, or a form of one that is no plural: "with hands"."""
         has_subject = any(
             self.words.begins(form, (word,)) for word in words[:-1] for form in _PERSONS
         )
@@ -268,7 +261,7 @@ class PieceReader:
             yield "pointing"
         if len(words) < LEAST_WORDS:
             yield "short"
-        if any(map(self._is_name, words)):
+        if any(self.known.names(word, role) for word in words for role in _PLACED_NAMES):
             yield "named"
         if words and self._is_act(words[0]):
             yield "act"
@@ -314,10 +307,7 @@ class PieceReader:
         return found
 
     def _speech(self, words: Phrase, form: str) -> Iterator[str]:
-        """Whether somebody else says, knows or thinks something in a piece, or its speaker says it.
-
-        "In case nobody has told you" reports nothing, nor does who asks for a thing.
-        """
+        """Whether its speaker announces a piece, or somebody else says, knows or thinks it."""
         for place, word in enumerate(words):
             is_said, is_known = (self.words.has(key, word) for key in ("speech", "knowledge"))
             if self.words.has("asking", *words[place : place + 2]):
@@ -342,9 +332,8 @@ class PieceReader:
         is_first = first == 2 and self.words.begins(OWN, words[:1]) > 0
         is_joined = is_first or bool(self.joined(words[first - 1 : first]))
         subject = words[0] if is_joined else words[first - 1]
-        is_hearer = bool(self.words.begins(HEARER, (subject,))) or self.words.has(
-            "generic", words[0]
-        )
+        is_generic = self.words.has("generic", words[0])
+        is_hearer = is_generic or self.words.begins(HEARER, (subject,)) > 0
         is_let = self.words.has("auxiliary", *words[first - 2 : first - 1])
         is_speaker = self.words.begins(OWN, (subject,)) > 0
         return (
@@ -355,16 +344,9 @@ class PieceReader:
 
     def _calls(self, tokens: Tokens) -> bool:
         """Whether a piece may only call somebody: by one word, or by a name."""
-        is_name = any(map(self._is_person, tokens.words)) or any(
-            t.capital for t in tokens.items[1:]
-        )
+        is_name = any(self.known.lexicon.is_name(word, _PEOPLE) for word in tokens.words)
+        is_name = is_name or any(token.capital for token in tokens.items[1:])
         return len(tokens.words) == 1 or (len(tokens.words) < LEAST_WORDS and is_name)
-
-    def _is_person(self, word: str) -> bool:
-        return self.known.lexicon.is_name(word, _PEOPLE)
-
-    def _is_name(self, word: str) -> bool:
-        return any(self.known.names(word, role) for role in _PLACED_NAMES)
 
     def _is_act(self, word: str) -> bool:
         return self.known.names(word, "context")

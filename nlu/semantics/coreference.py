@@ -29,7 +29,7 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """Return the form with every pronoun replaced by its referent.
 
     Raises:
-        RefusedError: there is no referent, or one rule is about two objects.
+        UninterpretableError: there is no referent, or one rule is about two objects.
     """
     discourse = discourse.accessible
     form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)

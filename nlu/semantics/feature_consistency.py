@@ -22,11 +22,7 @@ Spelling = tuple[str, ...]
 
 
 def check_spellings(path: Path, reader: FeatureReader) -> None:
-    """Check that no pattern of a word file mixes two values of a feature.
-
-    Raises:
-        DataError: one does; says where, which values, and a spelling with each of them.
-    """
+    """Check that no pattern mixes two values of a feature; `DataError` says which, and where."""
     parts = read_yaml(path).entries()
     varying = parts["varies"].texts(choices=reader.values) if "varies" in parts else ()
     for pattern in _patterns(parts):

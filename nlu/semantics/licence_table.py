@@ -63,11 +63,7 @@ class LicenceRow:
 
 @dataclass(frozen=True)
 class LicenceTable:
-    """The table of rows, and how sure a rule can be at most by the value of a feature.
-
-    Attributes:
-        degrees: for each feature and value the interval that bounds the one of a rule.
-    """
+    """The table of rows, and by feature and value the interval that bounds the one of a rule."""
 
     rows: Sequence[LicenceRow]
     degrees: Mapping[tuple[str, str], Confidence]
@@ -140,8 +136,8 @@ def load_licence(
             raise parts["rows"].fail(f'there is no last row of "{kind}", without any feature.')
     bounds = {
         (feature, value): degrees[degree.text(choices=degrees)]
-        for feature, values in _known(parts["degrees"], features).items()
-        for value, degree in _known(values, features[feature]).items()
+        for feature, values in parts["degrees"].entries(optional=features).items()
+        for value, degree in values.entries(optional=features[feature]).items()
     }
     return LicenceTable(rows, bounds)
 
@@ -151,16 +147,12 @@ def _row(field: YamlNode, features: Values) -> LicenceRow:
     clauses = {
         clause: {
             name: frozenset(values.texts(choices=features[name] | {ABSENT}))
-            for name, values in _known(parts[clause], features).items()
+            for name, values in parts[clause].entries(optional=features).items()
         }
         for clause in _CLAUSES
         if clause in parts
     }
     return LicenceRow(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
-
-
-def _known(field: YamlNode, names: Values | frozenset[str]) -> dict[str, YamlNode]:
-    return field.entries(optional=names)
 
 
 def _has_one(features: Values, feature: str, wanted: frozenset[str]) -> bool:

@@ -30,11 +30,7 @@ PRAGMATICS_FILE = Path(__file__).parents[2] / "ontology" / "pragmatics.yaml"
 
 @dataclass(frozen=True)
 class PragmaticRule:
-    """A rule from the pattern of a speech act to an intention with the same variables.
-
-    Attributes:
-        interval: how sure the rule is, (lower, upper) in [0, 1].
-    """
+    """A rule from the pattern of a speech act to an intention, and its (lower, upper) in [0, 1]."""
 
     act: PredicateForm
     intention: PredicateForm
@@ -49,10 +45,7 @@ class Pragmatics:
     threshold: float
 
     def intentions(self, act: PredicateForm, heard: Confidence = CERTAIN) -> list[Intention]:
-        """Return all intentions that a speech act may have, the surest first.
-
-        How sure it is that this was said is `heard`, (lower, upper) in [0, 1].
-        """
+        """Return what an act `heard` as (lower, upper) in [0, 1] may intend, the surest first."""
         found: dict[PredicateForm, list[Confidence]] = {}
         for rule in self._by_act.get(act.name, ()):
             variables = match(rule.act, act)
@@ -94,11 +87,7 @@ class Intention:
 
 
 def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
-    """Read the pragmatic rules.
-
-    Raises:
-        DataError: the file is not as expected; says where.
-    """
+    """Read the pragmatic rules; `DataError` says where the file is not as expected."""
     entries = read_yaml(path).entries(required=("rules", "threshold"), optional=())
     rules = tuple(_rule(field) for field in entries["rules"].items())
     return Pragmatics(rules, entries["threshold"].number(low=0, high=1))

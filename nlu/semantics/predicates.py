@@ -52,22 +52,14 @@ class PredicateForm:
 
 
 def form_of(value: Value) -> PredicateForm:
-    """Return the predicate form of a value without free variables.
-
-    Raises:
-        ValueError: the value is a function.
-    """
+    """Return the form of a value without free variables; `ValueError` for a function."""
     if not isinstance(value, NeutralTerm) or not isinstance(value.head, str):
         raise ValueError("A function is not a predicate form.")
     return PredicateForm(value.head, tuple(form_of(argument) for argument in value.arguments))
 
 
 def form_of_term(term: Term) -> PredicateForm:
-    """Return the predicate form of a term without functions.
-
-    Raises:
-        ValueError: the term has a function.
-    """
+    """Return the predicate form of a term; `ValueError` when the term has a function."""
     head, arguments = spine(term)
     if not isinstance(head, Constant):
         raise ValueError("A function is not a predicate form.")
