@@ -169,7 +169,11 @@ class Language:
             # All of a language is kept: make it old at once, without a collection of the young.
             gc.freeze()
             gc.unfreeze()
-        examples = _examples(folder / "examples.yaml", builder.contractions)
+        sentences = read_yaml(folder / "examples.yaml").entries(required=("examples",), optional=())
+        examples = {
+            text: frozenset(tokenize(text, builder.contractions).words)
+            for text in sentences["examples"].texts()
+        }
         controls = load_controls(folder / "controls.yaml")
         parts = (parser, examples, answers, realizer, builder, inflection, degrees, controls)
         return cls(language, *parts)
@@ -256,9 +260,8 @@ class Language:
             is_other = courtesy.kind and choices and not isinstance(choices[0], str)
             said = replace(failed, meaning=Acknowledgement(courtesy.kind), reading=None)
             return replace(said, new_words=(), discourse=context.discourse) if is_other else None
-        if not courtesy.kind and not failed.text.rstrip(" .!?").endswith(
-            courtesy.rest.rstrip(" .!?")
-        ):
+        is_last = failed.text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
+        if not courtesy.kind and not is_last:
             return None
         rest = self._understand(courtesy.rest, context, ())
         control = self.control(courtesy.rest)
@@ -488,10 +491,7 @@ class Language:
 
 @dataclass(frozen=True)
 class Session:
-    """The state of a conversation: the language with the words learned, and the discourse.
-
-    The discourse has the referent of "it" and the last rule, for "no, by the handle".
-    """
+    """The state of a conversation: the language with the words learned, and the discourse."""
 
     language: Language
     discourse: Discourse = field(default_factory=Discourse)
@@ -528,10 +528,3 @@ def _folder(language: str) -> Path:
     if language not in known:
         raise UnknownNameError("language", language, known)
     return LANGUAGES_FOLDER / language
-
-
-def _examples(
-    path: Path, contractions: Mapping[str, tuple[str, ...]]
-) -> Mapping[str, frozenset[str]]:
-    items = read_yaml(path).entries(required=("examples",), optional=())["examples"].texts()
-    return {text: frozenset(tokenize(text, contractions).words) for text in items}

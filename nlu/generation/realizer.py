@@ -104,12 +104,12 @@ class Realizer:
         if rule.source:
             text = self._rule(replace(rule, source=None), reported=True)
             return self._say("rules", "told", source=rule.source, rule=text)
-        slots = {"often": self._often(rule.confidence)}
+        thing = self.answers.noun_phrase(rule.object, rule.props)
+        slots = {"often": self._often(rule.confidence), "thing": thing}
         if isinstance(rule, FunctionalRule):
             use = self.answers.use_phrase(rule.affordance, rule.material)
-            slots |= {"thing": self._thing(rule), "affordance": use}
-            return self._say("rules", "functional", **slots)
-        slots |= {"thing": self._thing(rule), "part": rule.part, "act": self._act(rule.context)}
+            return self._say("rules", "functional", affordance=use, **slots)
+        slots |= {"part": rule.part, "act": self._act(rule.context)}
         return self._say("rules", "reported" if reported else "action", **slots)
 
     def _often(self, confidence: Confidence) -> str:
@@ -118,9 +118,6 @@ class Realizer:
             known = [f"[{lower:g}, {upper:g}]" for lower, upper in adverbs]
             raise UnknownNameError("word for the confidence", str(list(confidence)), known)
         return adverbs[confidence]
-
-    def _thing(self, rule: Rule) -> str:
-        return self.answers.noun_phrase(rule.object, rule.props)
 
     def _act(self, name: str) -> str:
         """What is done with the object itself: "cut with" for `cut`."""

@@ -114,12 +114,9 @@ def _basic_types(found: Type) -> Iterator[str]:
 
 
 class NotationCache:
-    """The parsed lines that this program used, and those that earlier programs saved.
+    """The parsed lines of this program, and those in a file, by default in the cache folder.
 
     A damaged file, or one of another version, is ignored.
-
-    Args:
-        path: the file; `notation.json` in the cache folder when None.
     """
 
     def __init__(self, path: Path | None = None) -> None:

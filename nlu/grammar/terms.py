@@ -168,15 +168,11 @@ def show(term: Term, names: tuple[str, ...] = ()) -> str:
         case Constant(name):
             return name
         case Lambda(body, hint):
-            name = _fresh(hint, names)
+            candidates = chain([hint], (f"{hint}{number}" for number in count(2)))
+            name = next(each for each in candidates if each not in names)
             return f"λ{name}.{show(body, (name, *names))}"
         case Application():
             head, arguments = spine(term)
             shown = show(head, names)
             listed = ",".join(show(argument, names) for argument in arguments)
             return f"({shown})({listed})" if isinstance(head, Lambda) else f"{shown}({listed})"
-
-
-def _fresh(hint: str, names: tuple[str, ...]) -> str:
-    candidates = chain([hint], (f"{hint}{number}" for number in count(2)))
-    return next(name for name in candidates if name not in names)

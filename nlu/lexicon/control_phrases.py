@@ -36,10 +36,7 @@ class ControlPhrases:
     def match(
         self, words: Sequence[str], named: Callable[[int, int], str | None]
     ) -> tuple[str, str | None] | None:
-        """Return the control that an utterance is, and the object that it names, if any.
-
-        `named` returns the kind of object that a span of the words names.
-        """
+        """Return the control that an utterance is, and what it names, as `named` tells, if any."""
         found: dict[str, str | None] = {}
         place = 0
         while place < len(words):

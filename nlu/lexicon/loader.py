@@ -143,7 +143,9 @@ class LexiconBuilder:
         for field in _items(parts, "constructions"):
             self._read_construction(field)
         for name, field in _entries(parts, "classes"):
-            self._read_class(name, field)
+            # The spellings of a word class mean nothing of their own.
+            category = AtomicCategory(name)
+            self._add_constructions(self._spelt(field), category, _NOTHING, 0.0, field)
         for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
@@ -351,10 +353,6 @@ class LexiconBuilder:
         spelt = self._spelt(parts["says"])
         for line in parts["is"].listed():
             self._add_constructions(spelt, *read_entry(line), line)
-
-    def _read_class(self, name: str, field: YamlNode) -> None:
-        """Add the spellings of a word class, which mean nothing of their own."""
-        self._add_constructions(self._spelt(field), AtomicCategory(name), _NOTHING, 0.0, field)
 
     def _spelt(self, says: YamlNode) -> Iterable[tuple[Piece, ...]]:
         """Add the words of constructions behind their first, and return the constructions."""

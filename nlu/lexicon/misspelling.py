@@ -59,7 +59,8 @@ def slips(word: str) -> Iterator[str]:
 
 def _slips_of_words(word: str) -> Iterator[str]:
     """Those that may well turn into what looks like a word: into another one they hardly do."""
-    letters = len(_stem(word))
+    stems = (word.removesuffix(end) for end in _SUFFIXES if word.endswith(end))
+    letters = len(next(stems, word))
     if word[-1] == word[-2] and word[-1] in _HARDLY_DOUBLED_AT_THE_END:
         yield word[:-1]
     if letters >= _SWAPPED_OR_DOUBLED:
@@ -103,10 +104,6 @@ def _changed(word: str) -> Iterator[str]:
     for place in range(1, len(word)):
         for letter in ascii_lowercase.replace(word[place], ""):
             yield word[:place] + letter + word[place + 1 :]
-
-
-def _stem(word: str) -> str:
-    return next((word.removesuffix(end) for end in _SUFFIXES if word.endswith(end)), word)
 
 
 def _is_derived(word: str, other: str) -> bool:

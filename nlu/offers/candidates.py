@@ -14,7 +14,6 @@ from .mentions import Mention, Mentions, Span
 MAX_FILLINGS = 12
 """The greatest number of ways in which the names of an utterance may fill one shape."""
 
-
 Asides = tuple[Span, ...]
 
 

@@ -33,7 +33,6 @@ _PEOPLE = ("RN", "HN")
 _PATTERNS = ("chatter", "openers", "introducing")
 _LISTS = ("before", "denying", "stating", "verbs", "pronouns")
 
-
 _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
 """The answers to acknowledgements that are not called like them."""
 

@@ -95,13 +95,7 @@ class MeaningShape:
 
 
 def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) -> MeaningShape:
-    """Return the shape that a meaning has, seen from an utterance with these mentions.
-
-    Args:
-        meaning: a JSON object of the meaning schema.
-        mentions: what the utterance names; a name that it does not have stays as it is.
-        tool_acts: the acts done with a tool, each with the affordance that the tool must have.
-    """
+    """Return the shape of a meaning; a name that the utterance does not have stays as it is."""
     taken: dict[tuple[str, str], str] = {}
 
     def change(key: str, value: object, within: Json) -> object:

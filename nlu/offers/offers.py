@@ -62,7 +62,6 @@ MAX_UNKNOWN = 5
 MAX_SEGMENTS = 30
 """How many segments are parsed."""
 
-
 DIGITS = "".join(each for each in map(chr, range(32, 127)) if each not in '"\\')
 """The digits of the numbers in the file of a model, from zero on."""
 

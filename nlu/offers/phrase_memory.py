@@ -78,12 +78,6 @@ def phrase_from(
 
     A phrase has enough words of its own, all of them known, so that no later name is taken for one
     of them; and each of its names is in its meaning once, and no name of the meaning elsewhere.
-
-    Args:
-        mentions: what the utterance names.
-        meaning: the JSON object of the meaning that was confirmed.
-        tool_acts: the acts done with a tool, each with the affordance that the tool must have.
-        unknown: the words of the utterance that are not known.
     """
     shape = shape_of(meaning, mentions, tool_acts)
     if shape.constants - {ANY_OBJECT}:

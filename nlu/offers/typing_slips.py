@@ -19,7 +19,6 @@ MAX_WORDS = 4
 MAX_TEXTS = 12
 """How many corrected utterances are tried."""
 
-
 _KEYS = {
     letter: (row, column)
     for row, letters in enumerate(("qwertyuiop", "asdfghjkl", "zxcvbnm"))

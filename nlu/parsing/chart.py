@@ -7,7 +7,7 @@ category of a span the `MAX_DERIVATIONS` cheapest derivations are kept.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from operator import attrgetter
 from typing import NamedTuple, TypeAlias
 
@@ -79,14 +79,6 @@ class Chart:
         """Return the derivations of the whole sequence as a category, the cheapest first."""
         sign, end = self._combinator.sign(category), self.length
         return self._derivations(0, end, sign) if end and sign in self._signs[0][end] else []
-
-    def fragments(self, categories: Collection[Category]) -> Iterator[Derivation]:
-        """The two cheapest derivations of each span for each of some categories."""
-        wanted = {self._combinator.sign(category) for category in categories}
-        for start, row in enumerate(self._signs):
-            for end, signs in enumerate(row):
-                for sign in wanted.intersection(signs):
-                    yield from self._derivations(start, end, sign)[:2]
 
     def longest_span(self) -> tuple[int, int]:
         """Return the longest span with a category, the leftmost among equals; (0, 0) for none."""

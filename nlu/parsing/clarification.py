@@ -93,10 +93,7 @@ class Clarifier:
         return None
 
     def _may_be_part(self, word: NewWord, reading: Reading, tokens: Tokens) -> bool:
-        """Whether a word for an object may be meant as a part of one.
-
-        Of a word that names things, too, only a rule may: "the bowl" is that of the spoon.
-        """
+        """Whether a word for an object may be meant as a part: "the bowl" is that of the spoon."""
         if not self.known_words.is_only_part(word):
             return False
         is_definite = any(pair == ("the", word.said) for pair in pairwise(tokens.words))

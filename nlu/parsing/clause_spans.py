@@ -128,11 +128,7 @@ def _part(
     *,
     is_known: bool,
 ) -> str:
-    """Whether a part is `own`, a person's, or `new` and not said to be one; else empty.
-
-    What an unknown object is held by may be a part, since nobody knows its parts: it is `unsure`.
-    `new` has the words for each new part.
-    """
+    """Whether a part is a person's `own`, `new`, `unsure` (of an unknown object), or known: ""."""
     said = new.get(part, part)
     before = _before(words, said, 3)
     if before and before[-1] in reader.owners:

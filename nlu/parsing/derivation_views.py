@@ -79,11 +79,7 @@ def lexical_entries(derivation: Derivation) -> list[Entry]:
 
 
 def draw_svg(step: DerivationStep) -> str:
-    """Return the derivation as an SVG document, the words on top and the root at the bottom.
-
-    Raises:
-        MissingExtraError: matplotlib is not installed.
-    """
+    """Return the derivation as SVG, the root at the bottom; `MissingExtraError` says the extra."""
     with extra_required("report", "matplotlib"):
         from matplotlib import rc_context
         from matplotlib.figure import Figure

@@ -196,10 +196,7 @@ class PeripheryReader:
     def around(
         self, expanded: Tokens, span: tuple[int, int]
     ) -> tuple[list[UtterancePiece], list[UtterancePiece], int]:
-        """Return the pieces before and after a span, and the pause or word that sets it off.
-
-        That is `INSIDE` for a span within a clause.
-        """
+        """Return the pieces before and after a span, and its pause, `INSIDE` within a clause."""
         start, end = span
         sides = (expanded.part(0, start), expanded.part(end, len(expanded.items)))
         before, after = map(self.reader.pieces, sides)

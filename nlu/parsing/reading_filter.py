@@ -52,7 +52,7 @@ class ReadingFilter:
             each
             for each in readings
             if (not negated or _is_negative(each.meaning))
-            and not (repaired and _is_of_several_rules(each.meaning))
+            and not (repaired and isinstance(each.meaning, Statement) and each.meaning.rules[1:])
             and not self._names_with_features(each)
             and self._may_introduce_words(each, tokens)
             and self._may_introduce_recipients(each, tokens)
@@ -155,7 +155,3 @@ def _is_negative(meaning: Meaning) -> bool:
         return meaning.negated
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     return all(rule.confidence[1] < _LIKELY and not rule.revises for rule in rules)
-
-
-def _is_of_several_rules(meaning: Meaning) -> bool:
-    return isinstance(meaning, Statement) and len(meaning.rules) > 1

@@ -45,11 +45,7 @@ _KEYS = (
 
 
 class ClausePosition(NamedTuple):
-    """A word of a derivation: its clause, and its place in the utterance.
-
-    Attributes:
-        clause: `MAIN` or `CONDITION`; empty for a word that names something.
-    """
+    """A word of a derivation, and its clause, which is empty for a word that names something."""
 
     word: str
     clause: str
@@ -127,10 +123,7 @@ class FeatureReader:
         return self.with_asides(UtteranceFeatures(main, condition), removed)
 
     def of_words(self, words: Sequence[str]) -> Values:
-        """The values of the features that some words have; of a feature with a default, always one.
-
-        A value that no words show is the default: `affirmative`, where nothing denies.
-        """
+        """The values of the features of some words, with the default of each that none shows."""
         return {**self.defaults, **_joined(self._found(words))}
 
     def has_feature(self, word: str) -> bool:
@@ -162,10 +155,7 @@ class FeatureReader:
         return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(self.endings)
 
     def is_person(self, name: str, before: Sequence[str], *, is_new: bool) -> bool:
-        """Whether a word is the name of a person, after those `before`: "Anna", but not "my aunt".
-
-        A new one must look like a name: "experience" and "experts" are none.
-        """
+        """Whether a word names a person after those `before`: not "my aunt", "experience"."""
         if self.has_feature(name) or not (self.determiners | self.owners).isdisjoint(before):
             return False
         return not is_new or not (self.is_abstract(name) or name.endswith(self.nameless_endings))

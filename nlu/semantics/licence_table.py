@@ -118,12 +118,7 @@ def kinds_of(meaning: Meaning) -> frozenset[str]:
 def load_licence(
     features: Values, degrees: Mapping[str, Confidence], path: Path = LICENCE_FILE
 ) -> LicenceTable:
-    """Return the licence of a file.
-
-    Args:
-        features: all values of each feature.
-        degrees: the interval of each degree.
-        path: the file.
+    """Return the licence of a file, with all values of each feature and the interval per degree.
 
     Raises:
         DataError: the file is not as expected, or a kind of meaning has no row without features.

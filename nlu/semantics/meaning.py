@@ -91,9 +91,7 @@ Rule = FunctionalRule | ActionRule
 def is_contradictory(rules: Sequence[Rule]) -> bool:
     """Return whether of some rules, in the order they were said, one contradicts another.
 
-    Two rules do that are the same but for their confidence. A rule on grasping that follows one on
-    an action with the same grip, "to pass it grab the rim and never grab the rim", is about that
-    action, too.
+    A rule on grasping after one on an action with the same grip is about that action, too.
     """
     said: dict[Rule, Confidence] = {}
     for rule in rules:
@@ -392,11 +390,7 @@ class Retraction:
 
 @dataclass(frozen=True)
 class TopicStatement(_Record):
-    """What the next sentences are about: "I'm going to teach you about a soldering iron".
-
-    Attributes:
-        topic: a kind of object, which may be new.
-    """
+    """The kind of object that comes next: "I'm going to teach you about a soldering iron"."""
 
     kind: ClassVar[str] = "topic"
     topic: str

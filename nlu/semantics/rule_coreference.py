@@ -13,7 +13,6 @@ from .predicates import PredicateForm, UninterpretableError
 
 IT = PredicateForm("it")
 
-
 _HILT = PredicateForm("self")
 _TWICE = frozenset({"obliged", "beforehand", "without", "whenIs"})
 """Norms that may name an object twice, once as "it"."""
