@@ -299,11 +299,7 @@ class Language:
         return replace(found, text=text) if found.meaning.as_json() == meaning else None
 
     def phrase_of(self, text: str, meaning: Meaning) -> PhrasePattern | None:
-        """Return the turn of phrase by which a text has a confirmed meaning.
-
-        It is None where the phrase is not to be learned: too short, with a word that is not known,
-        or with a name that the meaning does not have.
-        """
+        """Return the phrase by which a text has a confirmed meaning; None as of `phrase_from`."""
         tokens = self._tokens(text)
         unknown = (token.word for token in self.offers.known.unknown(tokens))
         mentions = self.offers.mentions(tokens, Discourse())
@@ -343,10 +339,7 @@ class Language:
         )
 
     def chosen(self, text: str, count: int) -> int | None:
-        """Return which of `count` numbered choices an answer takes, from 1 on.
-
-        It is 0 for none of them ("neither"), and None for a text that is no such answer.
-        """
+        """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
         words = tokenize(text, self.builder.contractions).words
         return load_choice_words(_folder(self.name) / "offers.yaml").chosen(words, count)
 

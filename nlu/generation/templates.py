@@ -181,10 +181,7 @@ class AnswerTemplates:
         return self.adverbs[min(self.adverbs, key=distance)]
 
     def with_notes(self, what: str, often: str, speaker: str) -> str:
-        """Return some words with how often they hold and who said it: "cutting (often, from Kim)".
-
-        Without either of them, the words alone.
-        """
+        """Return words with how often they hold and who said it, if given: "cutting (often)"."""
         source = self.fill(self.phrases["source"], {"speaker": speaker}) if speaker else ""
         notes = ", ".join(filter(None, (often, source)))
         return self.fill(self.phrases["noted"], {"what": what, "notes": notes}) if notes else what

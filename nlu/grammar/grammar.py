@@ -80,11 +80,7 @@ class Grammar:
     def verify(
         self, category: Category, term: Term, field: YamlNode, extra: Signature | None = None
     ) -> None:
-        """Check that a term has the type of its category.
-
-        Raises:
-            DataError: it has not, or an atom of the category is not declared.
-        """
+        """Check the type of a term; `DataError` if it or an atom does not fit the category."""
         signature = {**self.signature, **extra} if extra else self.signature
         expected = _type_of(category, self.types, field)
         try:

@@ -92,10 +92,7 @@ class KnownWords:
         return word in self.lexicon or word in self.builder.closed
 
     def names(self, word: str, role: str | None = None) -> bool:
-        """Whether a word, in any form, names what a role may be taken for.
-
-        Without a role: whether it occurs in the name of an object, a part or a material.
-        """
+        """Whether a word, in any form, may have a role, or else occurs in the name of a thing."""
         if role is None:
             return self.lexicon.is_in_name(word, NOUNS)
         return self.lexicon.is_name(word, _NAMED_BY[role])

@@ -30,10 +30,7 @@ class ChoiceWords:
     none: frozenset[Phrase]
 
     def chosen(self, words: Sequence[str], count: int) -> int | None:
-        """Return the number of the choice out of `count` that an answer takes, from 1 on.
-
-        It is 0 for none of them, and None for an utterance that is no such answer.
-        """
+        """Return which of `count` choices words take, from 1 on: 0 for none, None for no answer."""
         if tuple(words) in self.none:
             return 0
         # "The first one", but also "one": it is a number only where there is no other.

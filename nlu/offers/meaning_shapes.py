@@ -210,10 +210,6 @@ def meaning_from_json(json_object: Json) -> Meaning:  # noqa: PLR0911 - a case p
             return Statement(tuple(map(_rule, rules)))
         case {"rule": str()}:
             return Statement((_rule(json_object),))
-        case {"patient": str(), "tool": dict(tool)}:
-            return ToolCommand(**{**json_object, "tool": _reference(tool)})  # pyright: ignore
-        case {"goal": str(), "target": dict(target)}:
-            return Command(**{**json_object, "target": _reference(target)})  # pyright: ignore
         case {"action": str(), "parameters": list()}:
             return _definition(json_object)
         case {"goal": str()}:

@@ -112,10 +112,7 @@ def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterato
 
 
 def left_over(candidate: CandidateMeaning, mentions: Mentions) -> Mapping[str, frozenset[int]]:
-    """Return the places of the names that a candidate does not use, by role.
-
-    The role `new` is that of unknown words, and `known` of known ones that could name something.
-    """
+    """Return the places of unused names by role; `new` are unknown words, `known` may be names."""
     spans = {
         place for used in candidate.used.values() for m in used for place in range(m.start, m.end)
     }

@@ -36,10 +36,7 @@ _NEAR = {
 
 
 def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
-    """Yield the utterance with its misspelled words corrected, the likeliest correction first.
-
-    A word that is near no known one stays as it is.
-    """
+    """Yield the utterance with the words corrected that are near known ones, likeliest first."""
     words, text = dict.fromkeys(token.word for token in known.unknown(tokens)), tokens.text
     if not words or len(words) > MAX_NEW_WORDS or not all(map(str.isalpha, words)):
         return

@@ -67,10 +67,7 @@ class SentenceParser:
     def readings(
         self, chart: Chart, tokens: Tokens, context: UtteranceContext
     ) -> tuple[list[Reading], UninterpretableError | None]:
-        """Return one reading per meaning of the whole sentence, the likeliest first.
-
-        The second result is why the likeliest derivation without a meaning has none.
-        """
+        """Return the readings, one a meaning, likeliest first, and why the best other has none."""
         best: dict[Meaning, Reading] = {}
         refusal: UninterpretableError | None = None
         for act, derivation in self._derivations(chart):

@@ -177,8 +177,6 @@ class ProcedureReader:
                         return Procedure(meant, discourse)
         return None
 
-    # --- The head -----------------------------------------------------------------------------
-
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
         """Yield the heads that an utterance may have, each with its body."""
         for key, name, place, body in self._places(tokens):
@@ -213,7 +211,7 @@ class ProcedureReader:
             return None
         for length in (2, 1):
             name = " ".join(bare.words[:length])
-            has_particle = bare.words[1] in self.words.particles if len(bare.words) > 1 else False
+            has_particle = not self.words.particles.isdisjoint(bare.words[1:2])
             if (length == 2 and not has_particle) or self._is_other(name):
                 continue
             found = self.things(bare.part(length, len(bare.items)), may_be_new=True)
@@ -234,8 +232,6 @@ class ProcedureReader:
             return False
         kinds = self.known.lexicon.name_categories(name)
         return name in self.known.builder.closed or any(each.startswith(_ACTS) for each in kinds)
-
-    # --- Words --------------------------------------------------------------------------------
 
     def bare(self, tokens: Tokens) -> Tokens | None:
         """Return some words with the gerund that they begin with as a bare verb; else None."""
@@ -342,8 +338,6 @@ class _Clauses:
             if len(tokens.items) in self._words.ends("behind", tokens, start):
                 yield start
 
-    # --- Steps --------------------------------------------------------------------------------
-
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
         """The command that a clause is, and the state after it."""
         control = self._reader.controls.match(
@@ -408,8 +402,6 @@ class _Clauses:
         if not found or len(found[0]) != 1 or not reader.known.builder.is_determiner(rest[0]):
             return None
         return Command(verb, ObjectReference(found[0][0][0], props=found[0][0][1]))
-
-    # --- Conditions and failures --------------------------------------------------------------
 
     def _named(self, tokens: Tokens, state: ClauseState) -> str | None:
         """The kind of object that some words name or refer to."""
@@ -478,10 +470,7 @@ def _generalised(act: Command | ToolCommand) -> Act:
 
 
 def _is_of_same(one: Act, other: Act) -> bool:
-    """Whether a command says more of the one before: "hold the mug, by the barrel".
-
-    To take something and do something with it is one act.
-    """
+    """Whether a command says more of the one before: "hold the mug, by the barrel"."""
     if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _TAKING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):

@@ -68,10 +68,7 @@ class UtteranceParser:
     def understand(
         self, text: str, context: UtteranceContext, accepted: Collection[str]
     ) -> Understanding:
-        """Return what one utterance means, or the clarification that it needs.
-
-        Words in `accepted` are new although they are close to known ones.
-        """
+        """Return what an utterance means, or its clarification; no word in `accepted` is a slip."""
         tokens = tokenize(text, self.builder.contractions)
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
@@ -146,14 +143,9 @@ class _Attempt:
         """The first result with a meaning, else the first question, else the first failure."""
         problem = self._tools.clarification.of_too_many_unknown_words(tokens)
         if problem is not None:
-            return self._first_of(
-                ()
-                if is_core
-                else (self._by_definition, self._by_name, self._by_core, self._by_plan),
-                _understanding(tokens, context, problem),
-                tokens,
-                context,
-            )
+            others = (self._by_definition, self._by_name, self._by_core, self._by_plan)
+            answer = _understanding(tokens, context, problem)
+            return self._first_of(() if is_core else others, answer, tokens, context)
         result = self._as_sentence(tokens, context)
         strategies = self._strategies_after(result, is_core=is_core)
         return self._first_of(strategies, result, tokens, context)

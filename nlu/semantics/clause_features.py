@@ -173,11 +173,7 @@ class FeatureReader:
 
 
 def load_features(path: Path) -> FeatureReader:
-    """Return the reader of features by its data file.
-
-    Raises:
-        DataError: the file is not as expected, or one phrase has two values of one feature.
-    """
+    """Return the reader of a file; `DataError` also where a phrase has two values of a feature."""
     parts = read_yaml(path).entries(required=_KEYS, optional=())
     found: dict[tuple[str, ...], dict[str, frozenset[str]]] = {}
     values: dict[str, frozenset[str]] = {}

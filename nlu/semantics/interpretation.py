@@ -51,16 +51,13 @@ _UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past"}
 
 _QUESTIONS = {
     "usesOf": "uses_of",
-    "about": "about",
     "aboutUse": "about",
     "best": "best_for",
     "whatIf": "what_if",
     "isTrue": "is_used_for",
-    "why": "why",
     "whyPart": "why",
     "whyNot": "why_not",
     "whyNotPart": "why_not",
-    "exceptions": "exceptions",
     "howSure": "confidence",
     "identityOf": "identity",
     "inHand": "holding",
@@ -69,12 +66,8 @@ _QUESTIONS = {
     "lastSpokenOf": "last_spoken_of",
     "lastTold": "last_told",
     "firstTold": "first_told",
-    "source": "source",
-    "see": "see",
-    "told": "told",
-    "trust": "trust",
 }
-"""The name of the question that the form of each name asks."""
+"""The questions that are not called like their forms."""
 
 
 @dataclass(frozen=True)
@@ -338,21 +331,22 @@ class Interpreter:
         return ActionRule(name, act_name(context.name), name_of(part), confidence, props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
+        ask = _QUESTIONS.get(form.name, form.name)
         match form.name, form.arguments:
             case (name, ()) if name in _BARE_QUESTIONS:
-                return Question(_QUESTIONS.get(name, name))
+                return Question(ask)
             case ("usesOf" | "about" | "exceptions" | "inHand", (thing, *_)):
-                return Question(_QUESTIONS[form.name], object=_kind(thing))
+                return Question(ask, object=_kind(thing))
             case ("aboutUse" | "best" | "whatIf", (use, *_)):
-                return _question_on_use(_QUESTIONS[form.name], use)
+                return _question_on_use(ask, use)
             case ("whyPart" | "whyNotPart", (part, *_)):
-                return Question(_QUESTIONS[form.name], part=_part_name(part))
+                return Question(ask, part=_part_name(part))
             case ("trust" | "told" | "firstTold" | "lastTold" | "identityOf", (person, *_)):
-                return Question(_QUESTIONS[form.name], speaker=name_of(person))
+                return Question(ask, speaker=name_of(person))
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
                 return Question("confidence", object=_kind(thing))
             case "isTrue" | "howSure", (rule, *_):
-                return self._question_on_rule(_QUESTIONS[form.name], rule)
+                return self._question_on_rule(ask, rule)
             case "source", (PredicateForm(name="implies" | "and") as rule, *_):
                 return self._question_on_rule("source", rule)
             case "source", (PredicateForm(name="holding" | "graspObject") as act, *_):
@@ -368,7 +362,7 @@ class Interpreter:
             case "how", (PredicateForm(name="implies", arguments=(act, *_)) | act, *_):
                 return self._question_on_act("how", act)
             case "why" | "whyNot", reason:
-                return self._question_on_reason(_QUESTIONS[form.name], *reason)
+                return self._question_on_reason(ask, *reason)
             case "whichContext", (act, part, *_):
                 asked = self._question_on_act("which_context", act)
                 # "Held by the blade" asks for any context, "passed by the blade" for passing only.

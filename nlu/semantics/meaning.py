@@ -111,10 +111,7 @@ def _restates(general: Rule, rule: Rule) -> bool:
 
 @dataclass(frozen=True)
 class Statement:
-    """One or more rules that the speaker wants believed, in the order they were said.
-
-    All have the same source.
-    """
+    """Rules of one source that the speaker wants believed, in the order they were said."""
 
     rules: tuple[Rule, ...]
 

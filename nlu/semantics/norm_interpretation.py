@@ -34,11 +34,7 @@ _LIKELY = 0.5  # a rule whose upper bound is below states that something is not 
 
 
 def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Discourse) -> Meaning:
-    """Return the meaning of an intention: norms, a question about them, or anything else.
-
-    Raises:
-        UninterpretableError: the intention is nothing that Hilt can believe, do or answer.
-    """
+    """Return norms, a question about them, or any other meaning; else `UninterpretableError`."""
     content = intention.arguments[-1]
     if intention.name == "wantRevise" and content.name == "correct":
         content = content.arguments[0]
