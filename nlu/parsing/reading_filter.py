@@ -20,6 +20,7 @@ from ..semantics.meaning import (
     Command,
     FunctionalRule,
     Meaning,
+    NormStatement,
     Question,
     Rule,
     Statement,
@@ -88,7 +89,7 @@ class ReadingFilter:
                 and not self._may_name_agent(words)
                 and not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
             )
-        if isinstance(meaning, TopicStatement):
+        if isinstance(meaning, (TopicStatement, NormStatement)):
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
             return is_thing and [word.role for word in words] == ["object"]
         if len(words) > MAX_NEW_NAMES:
@@ -116,7 +117,7 @@ class ReadingFilter:
             return False  # "send an email to my landlord"
         is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
         return (
-            isinstance(reading.meaning, (Command, Statement))
+            isinstance(reading.meaning, (Command, Statement, NormStatement))
             and not is_said_of_them
             and not any(map(self._may_be_no_person, people))
         )

@@ -222,8 +222,7 @@ class Norm(_Record):
     def as_json(self) -> Json:
         """Return the norm as a JSON object, in which the act stands as a command does."""
         others = {key: value for key, value in super().as_json().items() if key != "act"}
-        act = replace(self.act, negated=self.norm == "forbidden").as_json()
-        return {"norm": others.pop("norm")} | act | others
+        return {"norm": others.pop("norm")} | self.act.as_json() | others
 
 
 @dataclass(frozen=True)
