@@ -11,7 +11,7 @@ from typing import Any
 from ...inference.settings import CONTRADICTION, OPERATORS, THRESHOLD, Settings
 from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
-from ...kb.rule import Atom
+from ...kb.rule import Atom, Rule
 from ...ontology.errors import DataError
 from ...sim.scene.scene import Placement, Scene
 from ..config import household
@@ -34,6 +34,8 @@ def request_as_json(request: Request) -> Json:
         "assumed": sorted(request.assumed),
         "excluded": sorted(request.excluded),
         "agreed": dict(request.agreed),
+        "momentary": [_norm_as_json(norm) for norm in request.momentary],
+        "unheeded": sorted(request.unheeded),
     }
 
 
@@ -51,6 +53,30 @@ def request_from_json(kept: Mapping[str, Any]) -> Request:
         frozenset(kept["assumed"]),
         frozenset(kept.get("excluded", ())),  # episodes of older versions have none
         dict(kept.get("agreed", {})),
+        tuple(map(_norm_from_json, kept.get("momentary", ()))),
+        frozenset(kept.get("unheeded", ())),
+    )
+
+
+def _norm_as_json(norm: Rule) -> Json:
+    return {
+        "features": sorted(map(str, norm.features)),
+        "contexts": sorted(map(str, norm.contexts)),
+        "functor": norm.functor,
+        "argument": None if norm.argument is None else str(norm.argument),
+        "interval": [norm.interval.lower, norm.interval.upper],
+        "speaker": norm.speaker,
+    }
+
+
+def _norm_from_json(kept: Mapping[str, Any]) -> Rule:
+    return Rule(
+        frozenset(map(Atom.parse, kept["features"])),
+        frozenset(map(Atom.parse, kept["contexts"])),
+        kept["functor"],
+        Atom.parse(kept["argument"]) if kept["argument"] else None,
+        Interval(*kept["interval"]),
+        kept["speaker"],
     )
 
 

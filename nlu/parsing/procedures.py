@@ -140,8 +140,13 @@ class ProcedureReader:
             case () | (_,):
                 return None
             case _:
-                is_known = any(self.is_act(each.goal) for each in steps)
-                return Procedure(Plan(steps), found[-1][1].discourse) if is_known else None
+                is_plan = self._may_be_plan([each.goal for each in steps])
+                return Procedure(Plan(steps), found[-1][1].discourse) if is_plan else None
+
+    def _may_be_plan(self, goals: Sequence[str]) -> bool:
+        """Whether one of some acts is known, and no other is a known word that names no act."""
+        unknown = [goal for goal in goals if not self.is_act(goal)]
+        return len(unknown) < len(goals) and not any(map(self._is_known_verb, unknown))
 
     def _definition(
         self, head: ActionHead, body: Tokens, clauses: _Clauses

@@ -21,9 +21,9 @@ from hilt.agent.execution.request import Request
 from hilt.agent.replay import find_episode, replay
 from hilt.inference.settings import Settings
 from hilt.inference.types import Conclusion, Target
-from hilt.kb.interval import Interval
+from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.rule import Atom
+from hilt.kb.rule import Atom, norm
 from hilt.ontology.errors import HiltError, UnknownNameError
 
 from .conftest import LESSONS
@@ -52,6 +52,8 @@ def test_request_comes_back_whole(part: str | None, target: Target):
     request = Request(
         "pass", {"object": target, "recipient": "anna"}, "sam", part,
         {Atom("place", "kitchen"): Interval(0.5, 1)}, frozenset({"object"}),
+        momentary=(norm("forbidden", "pass", "knife", Atom("part", "blade"), interval=CERTAIN),),
+        unheeded=frozenset({"rule/3f9c"}),
     )  # fmt: skip
 
     kept = json.loads(json.dumps(request_as_json(request)))

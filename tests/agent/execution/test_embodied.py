@@ -9,7 +9,7 @@ from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
 from hilt.agent.execution.outcome import WorldOutcome
-from hilt.sim.body import MEETING
+from hilt.sim.manipulation.hand_motions import MEETING
 
 pytestmark = pytest.mark.sim
 
