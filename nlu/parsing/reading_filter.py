@@ -91,7 +91,8 @@ class ReadingFilter:
             )
         if isinstance(meaning, (TopicStatement, NormStatement)):
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
-            return is_thing and [word.role for word in words] == ["object"]
+            is_of_use = isinstance(meaning, NormStatement) and _is_of_tool(meaning)
+            return is_thing and not is_of_use and [word.role for word in words] == ["object"]
         if len(words) > MAX_NEW_NAMES:
             return False
         if isinstance(meaning, (Command, ToolCommand)):
@@ -117,7 +118,7 @@ class ReadingFilter:
             return False  # "send an email to my landlord"
         is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
         return (
-            isinstance(reading.meaning, (Command, Statement, NormStatement))
+            isinstance(reading.meaning, (Command, Statement))
             and not is_said_of_them
             and not any(map(self._may_be_no_person, people))
         )
@@ -148,6 +149,11 @@ class ReadingFilter:
             word in said and place in tokens.pauses and tokens.words[place - 1] in uses
             for place, word in enumerate(tokens.words)
         )
+
+
+def _is_of_tool(meaning: NormStatement) -> bool:
+    """Whether norms are about a use: "you can't cut bread with a saw" is a rule on saws."""
+    return any(isinstance(norm.act, ToolCommand) for norm in meaning.norms)
 
 
 def _is_negative(meaning: Meaning) -> bool:

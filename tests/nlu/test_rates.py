@@ -103,7 +103,8 @@ def fits(found: dict[str, object], wanted: dict[str, object] | None) -> bool:
         choices = wanted["any_of"]
         assert isinstance(choices, list)
         return any(fits(found, each) for each in choices)
-    return wanted.items() <= found.items()
+    forbids = {"negated": True} if found.get("norm") == "forbidden" else {}
+    return wanted.items() <= (found | forbids).items()
 
 
 @pytest.mark.parametrize("name", [*UNDERSTOOD, *REFUSED])
