@@ -363,7 +363,7 @@ class Language:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
         return self._courtesies.introduction(self._tokens(text), self.utterance_parser.known_words)
 
-    @property
+    @cached_property
     def _courtesies(self) -> CourtesyPhrases:
         return load_courtesies(_folder(self.name) / "courtesies.yaml")
 

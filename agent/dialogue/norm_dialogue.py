@@ -204,7 +204,9 @@ class NormDialogue:
     def _permission(self, turn: UnderstoodTurn, norm: meaning.Norm) -> Answered:
         tools = self._conversation.language.tool_acts
         request = request_from_command(norm.act, turn.speaker, tools)
-        contexts = {a: CERTAIN for a in rule_from_norm(norm, "sam").contexts if a.kind == "place"}
+        contexts = {
+            a: CERTAIN for a in rule_from_norm(norm, turn.speaker).contexts if a.kind == "place"
+        }
         try:
             verdict = self._judge(replace(request, contexts=contexts, momentary=self.momentary))
         except UnknownNameError:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from datetime import datetime
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -18,29 +17,31 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
-from ...inference.abduction import Hypothesis
-from ...inference.conflicts import Conflict
-from ...inference.experience import GraspRecord, TeacherRecord
-from ...inference.explanation import Counterfactual
-from ...inference.induction import InducedRule
-from ...inference.types import Candidate
-from ...kb.diff import BaseDifference, UtteranceChanges
-from ...kb.episodes import Episode
-from ...kb.history import Utterance
-from ...kb.interval import Interval
-from ...kb.learned_words import LearnedPhrase, LearnedWord
 from ...kb.rdf.terms import Iri, Term
-from ...kb.rule import Rule
-from ...kb.sparql.named_queries import NamedQuery
 from ...kb.sparql.results import BooleanResult, SelectResult
-from ...kb.taught_actions import TaughtAction
-from ...nlu.parsing.understanding import Understanding
 from ...ontology.vocabulary import prefixed
-from ..dialogue.reply import Reply
-from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome
 from .plain_text import counted, printable
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
+    from ...inference.abduction import Hypothesis
+    from ...inference.conflicts import Conflict
+    from ...inference.experience import GraspRecord, TeacherRecord
+    from ...inference.explanation import Counterfactual
+    from ...inference.induction import InducedRule
+    from ...inference.types import Candidate
+    from ...kb.diff import BaseDifference, UtteranceChanges
+    from ...kb.episodes import Episode
+    from ...kb.history import Utterance
+    from ...kb.interval import Interval
+    from ...kb.learned_words import LearnedPhrase, LearnedWord
+    from ...kb.rule import Rule
+    from ...kb.sparql.named_queries import NamedQuery
+    from ...kb.taught_actions import TaughtAction
+    from ...nlu.parsing.understanding import Understanding
+    from ..dialogue.reply import Reply
+    from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome
     from ..merge_report import MergeReport
     from ..replay import ReplayResult
 

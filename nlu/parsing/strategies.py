@@ -114,7 +114,7 @@ class _Attempt:
         if found and (isinstance(found.meaning, (Command, ToolCommand)) or _revises(found.meaning)):
             return found
         untagged = self._markers.remove_tag(tokens)
-        return self._understand(tokens if untagged.asks else untagged, context)
+        return self._understand(untagged, context)
 
     def _by_name(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """As what is asked or taken back of an action that was taught."""
