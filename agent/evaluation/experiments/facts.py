@@ -168,9 +168,9 @@ class FactsExperiment(Experiment):
 
 
 def _tell(agent: Agent, fact: Fact) -> tuple[Sequence[Rule], str]:
-    before = {rule.id for rule in agent.base.rules()}
     try:
-        said = agent.hear(fact.sentence, only="tell").said
+        reply = agent.hear(fact.sentence, only="tell")
     except HiltError as error:
-        said = str(error)
-    return [rule for rule in agent.base.rules() if rule.id not in before], said
+        return (), str(error)
+    learned = reply.rules if reply.is_done else ()
+    return [agent.base.rule(rule.id) for rule in learned], reply.said
