@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 What = Annotated[
     str | None,
     typer.Argument(
-        help="paper, situations, grasps, all-scenarios, random, noise, experience, custom, or "
-        "module:Class."
+        help="paper, situations, grasps, teachers, all-scenarios, random, noise, custom, "
+        "facts, or module:Class."
     ),
 ]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
@@ -29,9 +29,7 @@ Gap = Annotated[
     typer.Option(min=0.01, max=0.2, help="Least distance between things on a robot's table [m]."),
 ]
 Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
-Trials = Annotated[
-    int | None, typer.Option(min=1, help="Trials: at each point of a noise curve, of experience.")
-]
+Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
 Curves = Annotated[str | None, typer.Option(help="Noise curves, with commas between them.")]
 File = Annotated[Path | None, typer.Option(help="The YAML file of a custom experiment.")]
 FileArgument = Annotated[
@@ -90,9 +88,9 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
     8 objects x 2 contexts from random poses. teachers: four who disagree. all-scenarios: every set
     of rules that can be taught, by factorisation; --out keeps the certificate. random: random sets
-    of rules. noise: accuracy under failing vision, hearing and teachers, as curves. experience:
-    regret with a bad teacher. custom: objects, norms and scenes of your own, from FILE. facts: a
-    table of object, use and share, from FILE.
+    of rules. noise: accuracy under failing vision, hearing and teachers, as curves. custom:
+    objects, norms and scenes of your own, from FILE. facts: a table of object, use and share, from
+    FILE.
 
     --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
     code 1 when they do.

@@ -1,7 +1,6 @@
 from .all_scenarios import AllScenariosExperiment
 from .command_experiment import DecisionExperiment
 from .custom import CustomExperiment
-from .experience import ExperienceExperiment
 from .grasps import GraspExperiment
 from .noise_robustness import NoiseExperiment
 from .paper import PaperExperiment, SituationsExperiment
@@ -12,7 +11,6 @@ __all__ = [
     "AllScenariosExperiment",
     "CustomExperiment",
     "DecisionExperiment",
-    "ExperienceExperiment",
     "GraspExperiment",
     "NoiseExperiment",
     "PaperExperiment",

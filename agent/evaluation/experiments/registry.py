@@ -18,7 +18,6 @@ EXPERIMENTS: Mapping[str, str] = {
     "all-scenarios": ".all_scenarios:AllScenariosExperiment",
     "random": ".all_scenarios:RandomScenariosExperiment",
     "noise": ".noise_robustness:NoiseExperiment",
-    "experience": ".experience:ExperienceExperiment",
     "facts": ".facts:FactsExperiment",
     "custom": ".custom:CustomExperiment",
 }

@@ -1,6 +1,6 @@
-"""Makes the helper modules of these tests importable, also in the worker processes they start."""
+"""Makes the helpers of these tests and the experiments of `benchmarks/` importable."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[3] / "benchmarks")]

@@ -1,5 +1,9 @@
 """Regret with a deliberately bad teacher, with and without experience.
 
+    export PYTHONPATH=benchmarks
+    hilt evaluate experience:ExperienceExperiment --report regret.html
+    hilt evaluate experience:ExperienceExperiment --sim
+
 The model: each part of each object holds with a probability of its own, drawn uniformly from [0, 1]
 once for a trial; a grasp that does not hold slips when the object is lifted. The teacher tells of
 each object the worst part to pass it by. Each episode asks for a random object, and the person says
@@ -24,20 +28,20 @@ from random import Random
 from statistics import fmean, stdev
 from typing import ClassVar, cast
 
-from ....ontology.actions import load_actions
-from ....sim.manipulation.motion_report import MotionReport
-from ....sim.scene.scene import scene_with
-from ....sim.vision.percept import Percept
-from ...agent import Agent
-from ...config import AgentConfig, household, load_language, open_base
-from ...dialogue.reply import Reply
-from ...execution.embodiment import Embodiment
-from ...execution.outcome import Json
-from ...protocols import Motion
-from ..case import Case, CaseResult
-from ..experiment import Experiment
-from ..learning_scenarios import grasp_sentence
-from .noise_curves import Z
+from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig, household, load_language, open_base
+from hilt.agent.dialogue.reply import Reply
+from hilt.agent.evaluation.case import Case, CaseResult
+from hilt.agent.evaluation.experiment import Experiment
+from hilt.agent.evaluation.experiments.noise_curves import Z
+from hilt.agent.evaluation.learning_scenarios import grasp_sentence
+from hilt.agent.execution.embodiment import Embodiment
+from hilt.agent.execution.outcome import Json
+from hilt.agent.protocols import Motion
+from hilt.ontology.actions import load_actions
+from hilt.sim.manipulation.motion_report import MotionReport
+from hilt.sim.scene.scene import scene_with
+from hilt.sim.vision.percept import Percept
 
 _Regrets = dict[str, list[float]]
 
@@ -117,7 +121,7 @@ class ExperienceExperiment(Experiment):
         sim: whether a simulated robot acts, instead of the model above.
     """
 
-    name: ClassVar[str] = "experience"
+    name: ClassVar[str] = "experience:ExperienceExperiment"
     trials: int = 10
     episodes: int = 200
     sim: bool = False

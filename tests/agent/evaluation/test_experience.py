@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from experience import ExperienceExperiment, is_contradicted
 
-from hilt.agent.evaluation.experiments.experience import ExperienceExperiment, is_contradicted
 from hilt.agent.evaluation.reports.html import render_page
 from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.local import SerialRunner
