@@ -1,11 +1,10 @@
 from .manager import DialogueManager
-from .questions import AnswerSources, answer
+from .questions import answer
 from .reply import Reply
 from .teaching import Lesson, lesson_from_statement
 from .translation import meaning_from_rule, request_from_command, rule_from_meaning
 
 __all__ = [
-    "AnswerSources",
     "DialogueManager",
     "Lesson",
     "Reply",

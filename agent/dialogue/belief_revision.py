@@ -37,17 +37,14 @@ class BeliefRevision:
         self._base, self._conversation = base, conversation
 
     def learn(self, turn: UnderstoodTurn, said: meaning.Statement) -> Reply:
-        """Believe what a trusted speaker states, and return the reply that says what that is."""
+        """Believe what a speaker states, and return the reply that says what that is."""
         conversation = self._conversation
-        if not conversation.trusts(turn.speaker):
-            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         taught = lesson_from_statement(
             self._base, said, turn.speaker, turn.heard, conversation.topic
         )
         weight = trust_in(self._base, taught.source or turn.speaker)
         words = (*turn.understood.new_words, *self._new_names(said, turn))
-        describe = conversation.knowledge(turn).describe
-        echo = taught.echo(describe, turn.speaker, weight, turn.heard, words)
+        echo = taught.echo(conversation.describe, turn.speaker, weight, turn.heard, words)
         spoken = " ".join(map(conversation.say, echo))
         reasons = conversation.language.reasons(turn.understood.text)
         grounds = reason_rules(taught.rules, reasons)
@@ -85,8 +82,6 @@ class BeliefRevision:
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
         conversation = self._conversation
-        if not conversation.trusts(turn.speaker):
-            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         spoken = conversation.say(AnswerContent("topic", {"object": said.topic}))
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.open_question = OpenQuestion(turn.speaker)
@@ -120,12 +115,12 @@ class BeliefRevision:
         self._conversation.open_question = OpenQuestion(
             turn.speaker, lambda: self._retract(turn, rules)
         )
-        described = self._conversation.knowledge(turn).describe(rules[-1])
+        described = self._conversation.describe(rules[-1])
         return self._conversation.answered(turn, "forget_what", "asked", rule=described)
 
     def _retract(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
         conversation = self._conversation
-        phrases = tuple(map(conversation.knowledge(turn).describe, rules))
+        phrases = tuple(map(conversation.describe, rules))
         spoken = conversation.say(AnswerContent("forgotten", {"rules": phrases}))
         retracts = [rule.id for rule in rules]
         conversation.believe(turn, (), spoken, retracts=retracts, kind="correction")

@@ -17,13 +17,14 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.discourse import Discourse
 from ...nlu.semantics.meaning import Meaning
 from .. import protocols
-from ..execution.outcome import AnswerContent, Ending, Slot
+from ..execution.outcome import AnswerContent, Decision, Ending, Slot
 from .acquaintances import Acquaintances
-from .answer_sources import AnswerSources
 from .open_question import OpenQuestion
 from .reply import Reply
 from .teaching import phrase_to_keep, word_to_keep
-from .translation import meaning_from_rule
+from .translation import meaning_from_rule, norm_from_rule
+
+Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class Conversation:
         other: a language part that is asked first.
 
     Attributes:
+        listener: who spoke last, and is answered.
         language: grows with every word that is learned.
         discourse: what a later utterance can refer to.
         open_question: the question of Hilt that waits for an answer, if any.
@@ -94,8 +96,9 @@ class Conversation:
         self.control_done: AnswerContent | None = None
         self.prohibition: Understanding | None = None
         self.people = Acquaintances(base)
-        self._base, self._seed, self._other = base, seed, other
-        self._visible, self._holding = visible, holding
+        self.base, self._seed, self._other = base, seed, other
+        self.listener = ""
+        self.visible, self.holding = visible, holding
 
     # --- What is understood and known ---------------------------------------------------------
 
@@ -114,23 +117,16 @@ class Conversation:
             text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
         )
 
-    def knowledge(self, turn: UnderstoodTurn) -> AnswerSources:
-        """Return what a question of this turn is answered from."""
-        return AnswerSources(
-            self._base,
-            self.language.answers,
-            turn.speaker,
-            self._visible,
-            self.last_done,
-            self.topic,
-            self._holding,
-            self.last_said,
-            self.control_done,
-            self.retracted,
-            self.prohibition,
-            self.unanswered,
-            self.people.called(turn.speaker),
-        )
+    @property
+    def decision(self) -> Decision | None:
+        """The decision of the last command; None when it made none."""
+        result = self.last_done.result if self.last_done else None
+        return result.decision if result else None
+
+    def person(self, name: str) -> str:
+        """Return the speaker whom a name means; who asks goes by the name given to Hilt."""
+        speaker = self.base.match_speaker(name)
+        return self.people.called(speaker) if speaker == self.listener else speaker
 
     def trusts(self, speaker: str) -> bool:
         """Return whether what a speaker says counts at all."""
@@ -151,7 +147,7 @@ class Conversation:
         The rest is as in `KnowledgeBase.believe`.
         """
         understood = turn.understood
-        self._base.believe(
+        self.base.believe(
             understood.text,
             understood.content,
             turn.speaker,
@@ -165,7 +161,7 @@ class Conversation:
 
     def lesson_reply(self, turn: UnderstoodTurn, rules: Iterable[Rule], spoken: str) -> Reply:
         """Return the reply to a lesson, and make its rules the topic."""
-        told = tuple(self._base.rule(rule.id) for rule in rules)
+        told = tuple(self.base.rule(rule.id) for rule in rules)
         self.set_topic(told)
         self.topic_from = "lesson"
         return replace(self.reply(turn, spoken), rules=told)
@@ -175,7 +171,7 @@ class Conversation:
         phrase = self.language.phrase_of(turn.understood.text, meant)
         if phrase is not None and self.trusts(turn.speaker):
             self.language = self.language.with_phrases([phrase])
-            self._base.learn_phrase(phrase_to_keep(phrase, turn.understood.text, turn.speaker))
+            self.base.learn_phrase(phrase_to_keep(phrase, turn.understood.text, turn.speaker))
 
     def refer_to(self, name: str) -> None:
         """Make the object of this name the one that "it" refers to."""
@@ -198,6 +194,28 @@ class Conversation:
             self.discourse = replace(self.discourse, rule=said)
 
     # --- Answers and replies ------------------------------------------------------------------
+
+    def describe(self, rule: Rule) -> str:
+        """Return a rule in words: "to pass a knife, often grab it by the blade"."""
+        laid_down, words = norm_from_rule(rule), self.language.answers
+        if laid_down:
+            return words.norm_phrase(laid_down)
+        said = meaning_from_rule(rule)
+        return words.rule_phrase(said) if said else repr(rule)
+
+    def quote(self, rule: Rule) -> str:
+        """Return a rule in words, with who told it if that is not the listener."""
+        return self.language.answers.with_notes(self.describe(rule), "", self._source(rule))
+
+    def note(self, what: str, rule: Rule) -> str:
+        """Return some words with how often they hold by a rule, and who told it."""
+        words = self.language.answers
+        often = words.adverb((rule.interval.lower, rule.interval.upper))
+        return words.with_notes(what, often, self._source(rule))
+
+    def _source(self, rule: Rule) -> str:
+        """Who told a rule, if that is not the listener."""
+        return rule.speaker if rule.speaker != self.listener else ""
 
     def say(self, answered: AnswerContent) -> str:
         """Return an answer in words, with the slots that its template has."""
@@ -229,7 +247,7 @@ class Conversation:
         """Write the reply to a turn to the history, if the turn is to be kept."""
         if not turn.keep:
             return
-        self._base.record(
+        self.base.record(
             reply.text,
             reply.understanding.content,
             reply.speaker,
@@ -238,3 +256,9 @@ class Conversation:
             answer=reply.said,
             heard=turn.heard,
         )
+
+
+def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> AnswerContent:
+    """Return an answer by its key, with those of its slots that are filled."""
+    given = {name: value for name, value in slots.items() if value is not None}
+    return AnswerContent(key, given, "done" if done else "failed")

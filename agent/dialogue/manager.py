@@ -104,21 +104,22 @@ class DialogueManager:
         self._last: tuple[UnderstoodTurn, Request] | None = None  # the last command
         self._norms = NormDialogue(base, self._conversation, judge)
         self._just_stopped: AnswerContent | None = None  # until a control has confirmed it
-        self._listeners: dict[type, Callable[[UnderstoodTurn, Any], Reply]] = {
-            meaning.Statement: self._beliefs.learn,
-            meaning.NormStatement: self._norms.lay_down,
-            meaning.Retraction: self._forget,
-            meaning.ActionDefinition: self.lessons.learn,
-            meaning.ActionCommand: self._carry_out_plan,
-            meaning.Plan: self._carry_out_plan,
-            meaning.TopicStatement: self._beliefs.open_topic,
-            meaning.Command: self._carry_out_command,
-            meaning.ToolCommand: self._carry_out_command,
-            meaning.Question: self._answer,
-            meaning.Acknowledgement: self._acknowledge,
-            meaning.Control: self._obey,
-            meaning.AskBack: self._clarification.ask_back,
-            meaning.Misunderstanding: self._clarification.not_understood,
+        # Meaning -> who responds, and the answer where only trusted speakers may say it.
+        self._listeners: dict[type, tuple[Callable[[UnderstoodTurn, Any], Reply], str]] = {
+            meaning.Statement: (self._beliefs.learn, "not_trusted"),
+            meaning.NormStatement: (self._norms.lay_down, "not_trusted"),
+            meaning.Retraction: (self._forget, ""),
+            meaning.ActionDefinition: (self.lessons.learn, "not_trusted"),
+            meaning.ActionCommand: (self._carry_out_plan, "not_obeyed"),
+            meaning.Plan: (self._carry_out_plan, "not_obeyed"),
+            meaning.TopicStatement: (self._beliefs.open_topic, "not_trusted"),
+            meaning.Command: (self._carry_out_command, "not_obeyed"),
+            meaning.ToolCommand: (self._carry_out_command, "not_obeyed"),
+            meaning.Question: (self._answer, ""),
+            meaning.Acknowledgement: (self._acknowledge, ""),
+            meaning.Control: (self._obey, "not_obeyed"),
+            meaning.AskBack: (self._clarification.ask_back, ""),
+            meaning.Misunderstanding: (self._clarification.not_understood, ""),
         }
 
     @property
@@ -150,6 +151,7 @@ class DialogueManager:
             StoreError: what was said could not be stored; then nothing was believed.
         """
         speaker = self._conversation.people.speaker(self._base.match_speaker(speaker))
+        self._conversation.listener = speaker
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
             self._conversation.last_said = reply.said
@@ -186,7 +188,12 @@ class DialogueManager:
         said = turn.understood.meaning
         if turn.understood.kind in {"statement", "correction", "command"}:
             self._conversation.prohibition = None
-        reply = self._listeners[type(said)](turn, said)
+        respond, refusal = self._listeners[type(said)]
+        is_halt = isinstance(said, meaning.Control) and said.is_halt  # everybody may stop the arm
+        if not refusal or is_halt or self._conversation.trusts(turn.speaker):
+            reply = respond(turn, said)
+        else:
+            reply = self._conversation.answered(turn, refusal, "refused", speaker=turn.speaker)
         self._conversation.last_said = reply.said
         return reply
 
@@ -198,8 +205,6 @@ class DialogueManager:
     def _carry_out_command(
         self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand
     ) -> Reply:
-        if not self._conversation.trusts(turn.speaker):
-            return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.negated:
             reading = turn.understood.reading
             if reading and "lasting" in reading.features.main:
@@ -218,8 +223,6 @@ class DialogueManager:
         self, turn: UnderstoodTurn, said: meaning.Plan | meaning.ActionCommand
     ) -> Reply:
         """Carry out several commands in order, up to the first that fails."""
-        if not self._conversation.trusts(turn.speaker):
-            return self._conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         steps = said.steps if isinstance(said, meaning.Plan) else (said,)
         unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
         acts = self.language.tool_acts
@@ -378,8 +381,6 @@ class DialogueManager:
             return conversation.answered(
                 turn, "waiting" if said.control == "wait" else "idle", "done"
             )
-        if not conversation.trusts(turn.speaker):
-            return conversation.answered(turn, "not_obeyed", "refused", speaker=turn.speaker)
         if said.control == "continue":
             return self._continue(turn, pending)
         if conversation.last_done is None:  # there is no need of a body yet
@@ -407,7 +408,7 @@ class DialogueManager:
     def _answer(self, turn: UnderstoodTurn, said: meaning.Question) -> Reply:
         conversation = self._conversation
         about_norms = self._norms.answer(turn, said)
-        found, rules = about_norms or answer(said, conversation.knowledge(turn))
+        found, rules = about_norms or answer(said, conversation)
         if not rules and (said.object or said.affordance):
             conversation.topic = ()
         if found.ending == "failed":

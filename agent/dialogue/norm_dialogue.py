@@ -23,8 +23,7 @@ from ...ontology.errors import UnknownNameError
 from ...ontology.vocabulary import Iri
 from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Request
-from .answer_sources import Answered, spoken
-from .conversation import Conversation, UnderstoodTurn
+from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
 from .teaching import trust_in
 from .translation import norm_from_rule, request_from_command, rule_from_norm
@@ -53,10 +52,8 @@ class NormDialogue:
     # --- Laid down and lifted -------------------------------------------------------------------
 
     def lay_down(self, turn: UnderstoodTurn, said: meaning.NormStatement) -> Reply:
-        """Keep norms of a trusted speaker, and return the reply that says what they are."""
+        """Keep norms, and return the reply that says what they are."""
         conversation = self._conversation
-        if not conversation.trusts(turn.speaker):
-            return conversation.answered(turn, "not_trusted", "refused", speaker=turn.speaker)
         rules = [rule_from_norm(each, turn.speaker, turn.heard) for each in said.norms]
         contrary = [(new, old) for new in rules for old in self._contrary(new)]
         for new, old in contrary:
@@ -66,10 +63,9 @@ class NormDialogue:
 
     def _kept(self, turn: UnderstoodTurn, rules: Sequence[Rule], ended: Sequence[str]) -> Reply:
         conversation = self._conversation
-        describe = conversation.knowledge(turn).describe
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
         key = "known_already" if all(rule.id in active for rule in rules) else "learned"
-        slots = {"rules": tuple(map(describe, rules)), "speaker": turn.speaker}
+        slots = {"rules": tuple(map(conversation.describe, rules)), "speaker": turn.speaker}
         text = conversation.say(AnswerContent(key, slots))
         conversation.believe(turn, rules, text, turn.understood.new_words, supersedes=ended)
         for new in rules:
@@ -189,16 +185,15 @@ class NormDialogue:
     def answer(self, turn: UnderstoodTurn, asked: meaning.Question) -> Answered | None:
         """Return the answer to a question about norms; None where it asks for something else."""
         if asked.ask == "forbidden":
-            return self._listed(turn)
+            return self._listed()
         return self._permission(turn, asked.norm) if asked.norm else None
 
-    def _listed(self, turn: UnderstoodTurn) -> Answered:
+    def _listed(self) -> Answered:
         rows = self._base.answer("forbidden").rows
         rules = [self._base.rule(rule_id(cast(Iri, row[-1]))) for row in rows][:MOST_LISTED]
         if not rules and not self._momentary:
             return spoken("nothing_forbidden", done=True), ()
-        quote = self._conversation.knowledge(turn).quote
-        said = tuple(quote(rule) for rule in (*rules, *self.momentary))
+        said = tuple(self._conversation.quote(rule) for rule in (*rules, *self.momentary))
         return spoken("about", done=True, rules=said), tuple(rules)
 
     def _permission(self, turn: UnderstoodTurn, norm: meaning.Norm) -> Answered:

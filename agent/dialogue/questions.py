@@ -21,7 +21,7 @@ from ...nlu.semantics.meaning import Command, Question, ToolCommand
 from ...ontology.vocabulary import Iri
 from ..execution.outcome import AnswerContent, Decision, Slot
 from ..execution.outcome_answer import use_slot
-from .answer_sources import Answered, AnswerSources, spoken
+from .conversation import Answered, Conversation, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
 from .teaching import reporter_of
@@ -36,24 +36,24 @@ SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
 
 
-def answer(question: Question, known: AnswerSources) -> Answered:
+def answer(question: Question, known: Conversation) -> Answered:
     """Return the answer to a question, and the rules that it rests on."""
     return _ANSWERS[question.ask](question, known)
 
 
-def _uses_of(question: Question, known: AnswerSources) -> Answered:
+def _uses_of(question: Question, known: Conversation) -> Answered:
     strongest = _strongest(known.base.rules(object=question.object), "affordance")
     rules = [rule for rule in strongest if rule.asserts]
     if not rules:
         return spoken("no_uses_of", object=question.object), ()
     uses = tuple(
-        known.note(known.words.use_phrase(rule.affordance or "", rule.material), rule)
+        known.note(known.language.answers.use_phrase(rule.affordance or "", rule.material), rule)
         for rule in rules
     )
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
-def _objects_for(question: Question, known: AnswerSources) -> Answered:
+def _objects_for(question: Question, known: Conversation) -> Answered:
     rules = [r for r in _functional(question, known) if r.asserts]
     if not rules:
         return spoken("nothing_known_for", affordance=_use(question)), ()
@@ -63,7 +63,7 @@ def _objects_for(question: Question, known: AnswerSources) -> Answered:
     return said, tuple(rules)
 
 
-def _best_for(question: Question, known: AnswerSources) -> Answered:
+def _best_for(question: Question, known: Conversation) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
     names = dict.fromkeys(rule.object for rule in rules if rule.object)
@@ -77,19 +77,19 @@ def _best_for(question: Question, known: AnswerSources) -> Answered:
     return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
 
 
-def _how(question: Question, known: AnswerSources) -> Answered:
+def _how(question: Question, known: Conversation) -> Answered:
     grasps = _strongest(_grasp_rules(question, known), "part")
     taught = {each.name: each for each in known.base.actions()}.get(question.context or "")
     if taught:
         said = spoken("source", done=True, speaker=taught.speaker, texts=taught.said)
         return said, tuple(grasps[:1])
     if not grasps:
-        key = "no_how_with" if question.context in known.words.tool_acts else "no_how"
+        key = "no_how_with" if question.context in known.language.answers.tool_acts else "no_how"
         return spoken(key, goal=question.context or "grasp", object=question.object), ()
     return _told("how", grasps[0], known), (grasps[0],)
 
 
-def _grasp_rules(question: Question, known: AnswerSources) -> list[Rule]:
+def _grasp_rules(question: Question, known: Conversation) -> list[Rule]:
     """The rules on how an object is held: about it or its nearest kind, else about any object."""
     named = Atom("object", question.object) if question.object else None
     kinds = Taxonomy.from_base(known.base).above(named) if named else ()
@@ -105,7 +105,7 @@ def _grasp_rules(question: Question, known: AnswerSources) -> list[Rule]:
     return [known.base.rule(rule_id(cast(Iri, row[0]))) for row in found]
 
 
-def _is_used_for(question: Question, known: AnswerSources) -> Answered:
+def _is_used_for(question: Question, known: Conversation) -> Answered:
     rules = [r for r in _functional(question, known) if r.object == question.object]
     if not rules:
         slots = {"object": question.object, "affordance": _use(question)}
@@ -121,7 +121,7 @@ def _is_used_for(question: Question, known: AnswerSources) -> Answered:
     return _told(key, rules[0], known), (rules[0],)
 
 
-def _about(question: Question, known: AnswerSources) -> Answered:
+def _about(question: Question, known: Conversation) -> Answered:
     if question.object is None:
         return _objects_for(question, known)
     rules = known.base.rules(object=question.object)
@@ -130,7 +130,7 @@ def _about(question: Question, known: AnswerSources) -> Answered:
     return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
 
 
-def _confidence(question: Question, known: AnswerSources) -> Answered:
+def _confidence(question: Question, known: Conversation) -> Answered:
     if known.retracted and question == Question("confidence"):
         said = tuple(known.describe(rule) for rule in known.retracted)
         return spoken("no_longer_sure", done=True, rules=said), ()
@@ -145,7 +145,7 @@ def _confidence(question: Question, known: AnswerSources) -> Answered:
     return spoken(key, done=True, rule=known.describe(rule), speaker=rule.speaker), (rule,)
 
 
-def _source(question: Question, known: AnswerSources) -> Answered:
+def _source(question: Question, known: Conversation) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
         return spoken("no_source"), ()
@@ -157,14 +157,14 @@ def _source(question: Question, known: AnswerSources) -> Answered:
     return spoken("source_of_report", done=True, texts=said, **people), (rule,)
 
 
-def _texts(question: Question, rules: Sequence[Rule], known: AnswerSources) -> tuple[str, ...]:
+def _texts(question: Question, rules: Sequence[Rule], known: Conversation) -> tuple[str, ...]:
     """In which words the first of some rules was told; "who told you that?" asks for them all."""
     asked = rules if question == Question("source") else rules[:1]
     told = (rule for rule in asked if rule.utterance and rule.speaker == rules[0].speaker)
     return tuple(dict.fromkeys(known.base.utterance(rule.utterance or 0).text for rule in told))
 
 
-def _what_if(question: Question, known: AnswerSources) -> Answered:
+def _what_if(question: Question, known: Conversation) -> Answered:
     """Abduction: of which things would it follow that they are used for something?"""
     argument = Atom("affordance", question.affordance or "")
     given = frozenset([Atom("material", question.material)] if question.material else ())
@@ -178,7 +178,7 @@ def _what_if(question: Question, known: AnswerSources) -> Answered:
     return said, tuple(rule for each in found for rule in each.rules)
 
 
-def _thing(hypothesis: Hypothesis, known: AnswerSources) -> str:
+def _thing(hypothesis: Hypothesis, known: Conversation) -> str:
     """What a thing would have to be: "sharp knife", "red thing with a handle"."""
     named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
     for atom in sorted(hypothesis.features | hypothesis.contexts):
@@ -187,11 +187,11 @@ def _thing(hypothesis: Hypothesis, known: AnswerSources) -> str:
     places = "".join(f" in a {place}" for place in named.get("place", ()))
     thing = " ".join([*named["property"], *(named["object"] or ["thing"])])
     for material in named.get("material", ()):
-        thing = known.words.object_for(thing, material)
+        thing = known.language.answers.object_for(thing, material)
     return thing + parts + places
 
 
-def _which_context(question: Question, known: AnswerSources) -> Answered:
+def _which_context(question: Question, known: Conversation) -> Answered:
     """Abduction: which context explains that a thing is held by a part?"""
     given = frozenset({Atom("object", question.object or "")})
     wanted = Conclusion(GRASP_OBJECT, Atom("part", question.part or ""))
@@ -206,7 +206,7 @@ def _which_context(question: Question, known: AnswerSources) -> Answered:
     return spoken("explained", done=True, rules=said), rules
 
 
-def _see(question: Question, known: AnswerSources) -> Answered:
+def _see(question: Question, known: Conversation) -> Answered:
     names = known.visible()
     if question.object:
         seen = question.object in names
@@ -214,7 +214,7 @@ def _see(question: Question, known: AnswerSources) -> Answered:
     return (spoken("see", done=True, objects=names) if names else spoken("see_nothing")), ()
 
 
-def _trust(question: Question, known: AnswerSources) -> Answered:
+def _trust(question: Question, known: Conversation) -> Answered:
     if question.speaker is None:
         return spoken("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
     speaker = known.person(question.speaker)
@@ -229,26 +229,26 @@ def _trust(question: Question, known: AnswerSources) -> Answered:
 # --- Why, and why not ----------------------------------------------------------------------
 
 
-def why(question: Question, known: AnswerSources) -> Answered:
+def why(question: Question, known: Conversation) -> Answered:
     """Return the sentences that a choice rests on, or the rules that were mentioned last."""
     if known.prohibition and not question.part:
         return _because_forbidden(known.prohibition), ()
     rules = _reasons(question, known)
     if rules:
         return _because(rules, known)
-    if known.last is None:
+    if known.last_done is None:
         return spoken("nothing_done"), ()
     wrong = _not_so(question, known.decision)
     if wrong:
         return spoken(wrong, object=question.object, part=question.part), ()
     if question.object or question.part or (known.decision and known.decision.object.best):
         # What the command itself names needs no rule.
-        last = known.last
+        last = known.last_done
         return spoken("because_told", done=True, speakers=(last.speaker,), texts=(last.text,)), ()
-    return _because_of_decision(known, known.last), ()
+    return _because_of_decision(known, known.last_done), ()
 
 
-def _because_of_decision(known: AnswerSources, last: Reply) -> AnswerContent:
+def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
     """Why the last command was carried out, or was not, where no rule says it."""
     reason = _reason(known.decision, None)
     if reason:
@@ -258,25 +258,25 @@ def _because_of_decision(known: AnswerSources, last: Reply) -> AnswerContent:
     return spoken("because_not_done", done=True, said=last.said)
 
 
-def why_not(question: Question, known: AnswerSources) -> Answered:
+def why_not(question: Question, known: Conversation) -> Answered:
     """Return the reasons against another object, or another part."""
     if known.prohibition and not question.part:
         return _because_forbidden(known.prohibition), ()
     if not question.part and not question.object:
-        is_failed = known.last is not None and not known.last.is_done
+        is_failed = known.last_done is not None and not known.last_done.is_done
         return why(question, known) if is_failed else (spoken("not_told"), ())
-    if question.part and not question.object and (known.last or _grasps(known.topic)):
+    if question.part and not question.object and (known.last_done or _grasps(known.topic)):
         return _why_not_part(question.part, known)
-    if known.last is None:
+    if known.last_done is None:
         return spoken("nothing_done"), ()
-    return _why_not_thing(question.object or "thing", known.last, known)
+    return _why_not_thing(question.object or "thing", known.last_done, known)
 
 
 def _because_forbidden(said: Understanding) -> AnswerContent:
     return spoken("because_told", done=True, speakers=(said.speaker,), texts=(said.text,))
 
 
-def _why_not_thing(name: str, last: Reply, known: AnswerSources) -> Answered:
+def _why_not_thing(name: str, last: Reply, known: Conversation) -> Answered:
     best = known.decision and known.decision.object.best
     denials = _denials(known.decision and known.decision.object, name)
     reason, wanted = _reason(known.decision, name), _wanted_use(last, name)
@@ -295,7 +295,7 @@ def _why_not_thing(name: str, last: Reply, known: AnswerSources) -> Answered:
     return said, ()
 
 
-def _why_not_part(part: str, known: AnswerSources) -> Answered:
+def _why_not_part(part: str, known: Conversation) -> Answered:
     decision = known.decision
     if decision is not None and decision.chosen_part == part:
         return spoken("is_so_part", done=True, part=part), ()
@@ -318,14 +318,14 @@ def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
     return tuple(rule for each in denied for rule in each.rules if not rule.asserts)
 
 
-def _sources(rules: Sequence[Rule], known: AnswerSources) -> dict[str, tuple[str, ...]]:
+def _sources(rules: Sequence[Rule], known: Conversation) -> dict[str, tuple[str, ...]]:
     """Who told Hilt some rules, and in which words, each once."""
     texts = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
     speakers = dict.fromkeys(reporter_of(known.base, rule) for rule in rules)
     return {"speakers": tuple(speakers), "texts": texts}
 
 
-def _reasons(question: Question, known: AnswerSources) -> Sequence[Rule]:
+def _reasons(question: Question, known: Conversation) -> Sequence[Rule]:
     decision = known.decision
     if not question.object and not question.part:
         return [rule for rule in known.topic if rule.utterance]
@@ -340,13 +340,13 @@ def _reasons(question: Question, known: AnswerSources) -> Sequence[Rule]:
     return rules if any(rule.part is None for rule in rules) else ()
 
 
-def _because(rules: Sequence[Rule], known: AnswerSources) -> Answered:
+def _because(rules: Sequence[Rule], known: Conversation) -> Answered:
     if rules[-1].status == "induced":
         return spoken("because_alike", done=True, texts=_words(rules[-1], known)), tuple(rules)
     return spoken("because_told", done=True, **_sources(rules, known)), tuple(rules)
 
 
-def _words(rule: Rule, known: AnswerSources) -> str:
+def _words(rule: Rule, known: Conversation) -> str:
     """The sentence that taught a rule; what came from a file was not said in words."""
     utterance = known.base.utterance(rule.utterance or 0)
     return known.describe(rule) if utterance.kind == "import" else utterance.text
@@ -390,7 +390,7 @@ def _wanted_use(last: Reply, name: str) -> Question | None:
 # --- Helpers -------------------------------------------------------------------------------
 
 
-def _told(key: str, rule: Rule, known: AnswerSources) -> AnswerContent:
+def _told(key: str, rule: Rule, known: Conversation) -> AnswerContent:
     return spoken(key, done=True, rule=known.quote(rule))
 
 
@@ -400,33 +400,33 @@ def _use(question: Question, *materials: str) -> Slot | None:
     return use_slot(use, *(materials or (question.material,))) if use else None
 
 
-def _named(rule: Rule, question: Question, known: AnswerSources) -> str:
+def _named(rule: Rule, question: Question, known: Conversation) -> str:
     """The object of a rule, with its material where the question names another one or none."""
     name = rule.object or "thing"
     if rule.material is None or rule.material == question.material:
         return name
-    return known.words.object_for(name, rule.material)
+    return known.language.answers.object_for(name, rule.material)
 
 
-def _functional(question: Question, known: AnswerSources) -> list[Rule]:
+def _functional(question: Question, known: Conversation) -> list[Rule]:
     """The rules about the use that a question names, those about its material first."""
     rules = known.base.rules(object=question.object, affordance=question.affordance)
     return _on_material(rules, question, known)
 
 
-def _on_material(rules: Iterable[Rule], question: Question, known: AnswerSources) -> list[Rule]:
+def _on_material(rules: Iterable[Rule], question: Question, known: Conversation) -> list[Rule]:
     """The rules that apply to the material that a question names, those about it first."""
     kinds = material_kinds(question.material, Taxonomy.from_base(known.base))
     applying = _by_strength(rule for rule in rules if rule.applies_to(kinds))
     return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
 
 
-def _meant(question: Question, known: AnswerSources) -> list[Rule]:
+def _meant(question: Question, known: Conversation) -> list[Rule]:
     """The rules a question is about: those it names, else those last spoken of."""
     named = (question.object, question.affordance, question.context)
     if not any(named):
         latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
-        return list(known.topic) or ([] if known.said else latest)
+        return list(known.topic) or ([] if known.last_said else latest)
     rules = known.base.rules(
         object=question.object, affordance=question.affordance, context=question.context
     )
@@ -448,7 +448,7 @@ def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
     return list(best.values())
 
 
-_ANSWERS: Mapping[str, Callable[[Question, AnswerSources], Answered]] = {
+_ANSWERS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     **SELF_REPORTS,
     "about": _about,
     "best_for": _best_for,

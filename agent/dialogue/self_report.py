@@ -9,7 +9,7 @@ from functools import partial
 from ...kb.history import Utterance
 from ...kb.rule import Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
-from .answer_sources import Answered, AnswerSources, spoken
+from .conversation import Answered, Conversation, spoken
 from .reply import Reply
 
 MOST_LISTED = 5
@@ -22,12 +22,12 @@ _TAUGHT = frozenset({"statement", "correction"})
 _ASKED = frozenset({"command", "control", "question"})
 
 
-def _fixed(key: str, _: Question, __: AnswerSources) -> Answered:
+def _fixed(key: str, _: Question, __: Conversation) -> Answered:
     """The answer that is always the same."""
     return spoken(key, done=True), ()
 
 
-def _capabilities(_: Question, known: AnswerSources) -> Answered:
+def _capabilities(_: Question, known: Conversation) -> Answered:
     """What Hilt can do, the actions included that it was taught."""
     taught = tuple(each.name for each in known.base.actions())
     if not taught:
@@ -35,17 +35,17 @@ def _capabilities(_: Question, known: AnswerSources) -> Answered:
     return spoken("capabilities_taught", done=True, actions=taught), ()
 
 
-def _identity(question: Question, known: AnswerSources) -> Answered:
+def _identity(question: Question, known: Conversation) -> Answered:
     """Who Hilt is, or who somebody is, of whom it knows what they told and whether to trust it."""
     if question.speaker is None:
         return spoken("identity", done=True), ()
     speaker = known.person(question.speaker)
-    if speaker in {known.listener, known.called}:
+    if speaker in {known.listener, known.people.called(known.listener)}:
         return spoken("identity_of", done=True, speaker=speaker), ()
     return _told(question, known)
 
 
-def _holding(question: Question, known: AnswerSources) -> Answered:
+def _holding(question: Question, known: Conversation) -> Answered:
     held = known.holding()
     if question.object and question.object != held:
         return spoken("not_held", done=True, object=question.object), ()
@@ -54,10 +54,10 @@ def _holding(question: Question, known: AnswerSources) -> Answered:
     return spoken("grasped_somewhere", done=True, object=held), ()
 
 
-def _last_done(_: Question, known: AnswerSources) -> Answered:
-    last, decision = known.last, known.decision
-    if known.control:
-        return known.control, ()
+def _last_done(_: Question, known: Conversation) -> Answered:
+    last, decision = known.last_done, known.decision
+    if known.control_done:
+        return known.control_done, ()
     if last is None or last.result is None:
         return spoken("nothing_done"), ()
     best = decision.object.best if decision else None
@@ -75,18 +75,20 @@ def _goal(reply: Reply) -> str:
     return said.goal if isinstance(said, (Command, ToolCommand)) else "use"
 
 
-def _repeated(_: Question, known: AnswerSources) -> Answered:
-    return spoken("repeated" if known.said else "nothing_said", done=True, said=known.said), ()
+def _repeated(_: Question, known: Conversation) -> Answered:
+    return spoken(
+        "repeated" if known.last_said else "nothing_said", done=True, said=known.last_said
+    ), ()
 
 
-def _known(_: Question, known: AnswerSources) -> Answered:
+def _known(_: Question, known: Conversation) -> Answered:
     count, rules = known.base.count_and_some_rules(MOST_READ)
     if not rules:
         return spoken("nothing_known", done=True), ()
     return _listed("known", count, rules, known)
 
 
-def _told(question: Question, known: AnswerSources) -> Answered:
+def _told(question: Question, known: Conversation) -> Answered:
     speaker = known.base.match_speaker(question.speaker or "")
     count, rules = known.base.count_and_some_rules(MOST_READ, speaker=speaker)
     if not rules:
@@ -95,7 +97,7 @@ def _told(question: Question, known: AnswerSources) -> Answered:
 
 
 def _listed(
-    key: str, count: int, rules: Sequence[Rule], known: AnswerSources, **slots: str
+    key: str, count: int, rules: Sequence[Rule], known: Conversation, **slots: str
 ) -> Answered:
     """The rules themselves, or what some of them are about if there are many."""
     if count <= MOST_LISTED:
@@ -106,7 +108,7 @@ def _listed(
     return spoken(f"{key}_many", done=True, number=number, objects=objects, **slots), ()
 
 
-def _told_at_an_end(question: Question, known: AnswerSources, *, newest_first: bool) -> Answered:
+def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bool) -> Answered:
     """What a speaker taught first, or last."""
     speaker = known.base.match_speaker(question.speaker or "")
     found = next(_taught_by(speaker, known, newest_first=newest_first), None)
@@ -119,7 +121,7 @@ def _told_at_an_end(question: Question, known: AnswerSources, *, newest_first: b
     return spoken(key, done=True, speaker=speaker, texts=found.text), rules
 
 
-def _last_said(_: Question, known: AnswerSources, *, kinds: Collection[str]) -> Answered:
+def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> Answered:
     """What the listener said last that is of one of some kinds."""
     for each in known.base.history(newest_first=True):
         is_looking_back = each.predicate in {"lastAsked", "lastSpokenOf"}
@@ -128,14 +130,14 @@ def _last_said(_: Question, known: AnswerSources, *, kinds: Collection[str]) -> 
     return spoken("you_said_nothing", done=True), ()
 
 
-def _taught_by(speaker: str, known: AnswerSources, *, newest_first: bool) -> Iterator[Utterance]:
+def _taught_by(speaker: str, known: Conversation, *, newest_first: bool) -> Iterator[Utterance]:
     """What a speaker taught, in order or newest first."""
     for each in known.base.history(newest_first=newest_first):
         if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
             yield each
 
 
-def _exceptions(question: Question, known: AnswerSources) -> Answered:
+def _exceptions(question: Question, known: Conversation) -> Answered:
     others = known.base.rules(object=question.object) if question.object else known.base.rules()
     rules = others if question.object else known.topic or others
     found = tuple(dict.fromkeys(_exceptions_to(rules, others)))
@@ -159,7 +161,7 @@ def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Ru
                 yield other
 
 
-SELF_REPORTS: Mapping[str, Callable[[Question, AnswerSources], Answered]] = {
+SELF_REPORTS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "capabilities": _capabilities,
     "exceptions": _exceptions,
     "first_told": partial(_told_at_an_end, newest_first=False),
