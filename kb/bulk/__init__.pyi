@@ -3,7 +3,7 @@ from .importer import ImportObserver, import_rules, import_statements
 from .nquads_reader import RuleBlock, StatementGroup, read_groups
 from .reconciliation import ImportConflict, ImportSummary
 from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
-from .statement_scan import scan_rules
+from .exporter import scan_rules
 
 __all__ = [
     "FastRuleReader",

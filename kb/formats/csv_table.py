@@ -9,21 +9,16 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from datetime import datetime
 from functools import lru_cache
 from operator import itemgetter
-from typing import TextIO, TypeAlias, cast
+from typing import TextIO, TypeAlias
 
 from ...ontology.errors import DataError, HiltError, ValidationError
-from ...ontology.vocabulary import Iri
-from ..bulk.nquads_reader import MAX_KNOWN, remember
+from ..bulk.nquads_reader import remember
 from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule
-from ..bulk.statement_scan import RULE_PREDICATES, read_row, scan_converted
 from ..interval import DIGITS
-from ..rdf import rule_mapping
-from ..rdf.terms import Term, write_time
+from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
-from ..stores.base import Store
 from . import value_notation
 from .value_notation import split_atoms
 
@@ -33,13 +28,6 @@ COLUMNS = (
 )
 REQUIRED = ("features", "functor", "lower")
 Cells: TypeAlias = Sequence[str]  # of a rule, one for each of `COLUMNS`
-
-_FEATURES, _CONTEXTS, _LOWER, _UPPER, _TIME, _SHARED = range(6)
-_PLACES = {
-    **{rule_mapping.FEATURE: _FEATURES, rule_mapping.CONTEXT: _CONTEXTS},
-    **{rule_mapping.LOWER: _LOWER, rule_mapping.UPPER: _UPPER, rule_mapping.GENERATED_AT: _TIME},
-}
-_KINDS = (value_notation.FEATURE_KIND, value_notation.CONTEXT_KIND)
 
 
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]:
@@ -55,56 +43,11 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]
     yield from value_notation.read_all(rows, _RowReader(_header(first, source), source).read)
 
 
-def write_table(target: TextIO, rules: Iterable[Cells]) -> None:
+def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
     """Write a table with a row for each rule."""
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows(rules)
-
-
-def scan_cells(store: Store) -> Iterator[Cells]:
-    """Iterate over the cells of every rule of a store; as `statement_scan.scan_converted`."""
-    predicates = [one for one in RULE_PREDICATES if one != rule_mapping.DERIVED_FROM]
-    return scan_converted(store, _CellConverter().convert, predicates=predicates)
-
-
-class _CellConverter:
-    """Converts rules of a store to cells without making a `Rule` of each.
-
-    Rules differ in their features, contexts, bounds and times. Of rules that share all the rest,
-    the first is read and checked as a `Rule`, and so is every one that is not plain.
-    """
-
-    def __init__(self) -> None:
-        """Start without any rule."""
-        self._read = lru_cache(MAX_KNOWN)(_placed_cell)
-        self._templates: dict[tuple[str, ...], Cells] = {}
-
-    def convert(self, rows: Sequence[str]) -> Cells:
-        """Return the cells of a rule, given its rows as `scan_converted` passes them.
-
-        Raises:
-            ValidationError: the rule is malformed.
-        """
-        found, shared = [""] * _SHARED, list[str]()
-        for row in rows:
-            place, cell = self._read(row)
-            if place == _SHARED or (found[place] and place > _CONTEXTS):
-                shared.append(row)
-            elif found[place]:
-                found[place] = _union(found[place], cell, _KINDS[place])
-            else:
-                found[place] = cell
-        key = tuple(shared)
-        features, contexts, lower, upper, time = found
-        template = self._templates.get(key)
-        if template and (features or contexts) and "0" <= lower <= upper <= "1":
-            _, _, functor, argument, _, _, speaker, status, _ = template
-            seen = features or value_notation.ANY
-            return seen, contexts, functor, argument, lower, upper, speaker, status, time
-        cells = rule_cells(rule_mapping.read_rule(map(read_row, rows)))
-        remember(self._templates, key, cells)
-        return cells
+    writer.writerows(map(rule_cells, rules))
 
 
 def rule_cells(rule: Rule) -> Cells:
@@ -121,37 +64,6 @@ def rule_cells(rule: Rule) -> Cells:
         rule.status,
         write_time(rule.time) if rule.time else "",
     )
-
-
-def _placed_cell(row: str) -> tuple[int, str]:
-    """The place of a cell and the cell."""
-    predicate, value = read_row(row)
-    place = _PLACES.get(predicate, _SHARED)
-    try:
-        return place, _cell(place, value)
-    except (AttributeError, TypeError, ValueError, ValidationError):
-        return _SHARED, ""  # reading it as a `Rule` reports the error
-
-
-def _cell(place: int, value: Term) -> str:
-    """The cell of an object; ValueError for a bound that has to be rounded."""
-    if place <= _CONTEXTS:
-        return value_notation.write_atom(
-            rule_mapping.atom_from_iri(cast(Iri, value)), _KINDS[place]
-        )
-    if place <= _UPPER:
-        bound = float(cast(float, value))
-        text = _write_bound(bound)
-        if float(text) != bound:
-            raise ValueError(bound)
-        return text
-    return write_time(cast(datetime, value)) if place == _TIME else ""
-
-
-@lru_cache(maxsize=2**16)
-def _union(first: str, second: str, kind: str) -> str:
-    """The cell with the atoms of two cells."""
-    return _write_atoms(split_atoms(first, kind) | split_atoms(second, kind), kind)
 
 
 @lru_cache(maxsize=2**16)

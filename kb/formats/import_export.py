@@ -13,17 +13,23 @@ from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from ..bulk.exporter import TEXT_FORMATS, statements, write_statements
+from ..bulk.exporter import (
+    MAX_SORTED,
+    ProgressCounter,
+    scan_rules,
+    statements,
+    write_statements,
+)
 from ..bulk.importer import import_rules, import_statements
 from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, expand_blocks, read_groups
 from ..bulk.reconciliation import ImportSummary
 from ..bulk.rule_nquads import RuleSerializer, SerializedRule
-from ..bulk.statement_scan import MAX_SORTED, ProgressCounter, scan_rules
 from ..knowledge_base import KnowledgeBase
 from ..merge import merge
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import Quad
+from ..rule import Rule
 from ..stores.base import Store
 from ..validation import findings, raise_findings, stage, stage_rules
 from .file_streams import CheckedStream, Progress, open_input, open_output
@@ -67,19 +73,16 @@ def write_base(
 ) -> int:
     """Write the rules or the whole base into a stream; as `export_file`."""
     store, only = base.store, rules_only or not FORMATS[format].whole
-    if format in TEXT_FORMATS:
+    if format not in {*RULE_FORMATS, "turtle12"}:
         return write_statements(store, stream, format, progress, rules_only=only)
     counter = ProgressCounter(progress)
     if format in RULE_FORMATS:
-        _write_rules(store, stream, format, counter)
-        return counter.total
-    quads = counter.counted(statements(store, rules_only=only))
-    if format == "turtle12":
-        stream.writelines(line.encode() for line in write_annotated(quads))
+        _write_rules(counter.counted(scan_rules(store)), stream, format)
     else:
-        from ..stores.rdf_text import write_rdf_to
+        from ..stores.term_conversion import quad_from_engine
 
-        write_rdf_to(quads, stream, format=format)
+        quads = map(quad_from_engine, counter.counted(statements(store, rules_only=only)))
+        stream.writelines(line.encode() for line in write_annotated(quads))
     return counter.total
 
 
@@ -190,18 +193,17 @@ def _flat(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
         yield from item.quads() if isinstance(item, StatementGroup) else (item,)
 
 
-def _write_rules(store: Store, stream: BinaryIO, name: str, counter: ProgressCounter) -> None:
+def _write_rules(rules: Iterable[Rule], stream: BinaryIO, name: str) -> None:
     if name == "graphml":
         from .graphml import write_graphml
 
-        stream.write(write_graphml(counter.counted(scan_rules(store))))
+        stream.write(write_graphml(rules))
         return
-    from .csv_table import scan_cells, write_table
+    from .csv_table import write_table
     from .rule_yaml import write_sheet
 
     text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
     try:
-        write = write_table if name == "csv" else write_sheet
-        write(text, counter.counted(scan_cells(store)))
+        (write_table if name == "csv" else write_sheet)(text, rules)
     finally:
         text.detach()

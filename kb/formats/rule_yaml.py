@@ -12,16 +12,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import lru_cache
-from typing import TextIO
+from typing import Any, TextIO
 
 from ...ontology.errors import DataError, HiltError
 from ...ontology.yaml_reader import YamlNode, parse_yaml
 from ..interval import Interval
-from ..rule import GRASP_OBJECT, NORMS, USED_FOR, Atom, Rule
+from ..rdf.terms import write_time
+from ..rule import ARGUMENT_KINDS, GRASP_OBJECT, NORMS, USED_FOR, Atom, Rule
 from . import value_notation
-from .csv_table import Cells
 
+MAX_LINE = 2**20  # characters
 _CONCLUSIONS = ("affordance", "part", "functor", *NORMS)
 _KEYS = (
     *("object", "properties", "features", "context", "contexts", "material"),
@@ -40,12 +40,17 @@ def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
     yield from value_notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
-def write_sheet(target: TextIO, rules: Iterable[Cells]) -> None:
+def write_sheet(target: TextIO, rules: Iterable[Rule]) -> None:
     """Write a sheet with an entry for each rule."""
+    import yaml  # imported here to save start-up time
+
+    dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+    style: Any = {"default_flow_style": True, "sort_keys": False, "allow_unicode": True}
     target.write("# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:")
     end = " []\n"
-    for cells in rules:
-        target.write(_written_rule(cells))
+    for rule in rules:
+        entry = yaml.dump(_entry(rule), Dumper=dumper, width=MAX_LINE, **style)
+        target.write(f"\n  - {entry.rstrip()}")
         end = "\n"
     target.write(end)
 
@@ -129,46 +134,29 @@ def _optional(found: Mapping[str, YamlNode], key: str) -> str | None:
     return found[key].text() if key in found else None
 
 
-def _written_rule(cells: Cells) -> str:
-    """The line of a rule; the status of an active one is left out."""
-    features, contexts, functor, argument, lower, upper, speaker, status, time = cells
-    seen, context = _written_atoms(features, "object"), _written_atoms(contexts, "context")
-    rest = f", status: {status}" if status != "active" else ""
-    if time:
-        rest += f', time: "{time}"'
-    return (
-        f"\n  - {{{seen}{context}{_written_conclusion(functor, argument)}, "
-        f"interval: [{lower}, {upper}], speaker: {_quoted(speaker)}{rest}}}"
-    )
+def _entry(rule: Rule) -> dict[str, object]:
+    """What `_rule` reads; the status of an active rule is left out."""
+    functor, argument, interval = rule.functor, rule.argument, rule.interval
+    concluded = {USED_FOR: "affordance", GRASP_OBJECT: "part"}.get(functor, "argument")
+    named = {} if functor in ARGUMENT_KINDS else {"functor": functor}
+    said = value_notation.write_atom(argument, ARGUMENT_KINDS.get(functor)) if argument else ""
+    return {
+        **_written_atoms(rule.features, value_notation.FEATURE_KIND, "object", "features"),
+        **_written_atoms(rule.contexts, value_notation.CONTEXT_KIND, "context", "contexts"),
+        **named,
+        **({concluded: said} if said else {}),
+        "interval": [interval.lower, interval.upper],
+        "speaker": rule.speaker,
+        **({"status": rule.status} if rule.status != "active" else {}),
+        **({"time": write_time(rule.time)} if rule.time else {}),
+    }
 
 
-@lru_cache(maxsize=2**16)
-def _written_atoms(cell: str, key: str) -> str:
-    """The entry for the features or contexts in a cell, and what divides it from the next."""
-    names = [_quoted(name) for name in cell.split(value_notation.BETWEEN)]
-    if cell in {"", value_notation.ANY}:
-        return ""
-    if key == "context" and len(names) == 1 and cell.startswith("material:"):
-        return f"material: {_quoted(cell.removeprefix('material:'))}, "
-    if len(names) == 1 and ":" not in cell:
-        return f"{key}: {names[0]}, "
-    return f"{'features' if key == 'object' else 'contexts'}: [{', '.join(names)}], "
-
-
-@lru_cache(maxsize=2**16)
-def _written_conclusion(functor: str, argument: str) -> str:
-    """The entries for the functor and the argument of a rule."""
-    if functor in {USED_FOR, GRASP_OBJECT}:
-        return f"{'affordance' if functor == USED_FOR else 'part'}: {_quoted(argument)}"
-    return f"functor: {functor}" + (f", argument: {_quoted(argument)}" if argument else "")
-
-
-@lru_cache(maxsize=2**16)
-def _quoted(text: str) -> str:
-    """A text as YAML reads it back as a text: bare when it is one plain word, else in quotes."""
-    if text.isascii() and text.isalpha() and text.lower() not in _NO_TEXTS:
-        return text
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-_NO_TEXTS = frozenset({"true", "false", "yes", "no", "on", "off", "null", "y", "n", "inf", "nan"})
+def _written_atoms(
+    atoms: frozenset[Atom], kind: str, one: str, several: str
+) -> dict[str, str | list[str]]:
+    """The entry for one atom of the usual kind, or for other or several ones; none without any."""
+    names = [value_notation.write_atom(atom, kind) for atom in sorted(atoms)]
+    if len(names) == 1 and ":" not in names[0]:
+        return {one: names[0]}
+    return {several: names} if names else {}

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from itertools import islice
 from pathlib import Path
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from ...ontology.vocabulary import Iri
 from ..rdf.terms import Quad, Term
@@ -22,6 +22,7 @@ from ..sparql.results import QueryLimits, QueryResult, SelectResult
 
 MEMORY = "memory:"
 T = TypeVar("T")
+EngineQuad: TypeAlias = Any  # a statement as pyoxigraph has it
 
 
 class Store(Protocol):
@@ -103,11 +104,15 @@ class Store(Protocol):
 
 @runtime_checkable
 class EmbeddedStore(Protocol):
-    """What a store of this process can do besides: read and load many statements as text."""
+    """What a store of this process can do besides: read and load many statements."""
 
     @property
     def is_sorted(self) -> bool:
         """Whether the statements of a graph come subject by subject."""
+        ...
+
+    def statements(self, graph: Iri) -> Iterator[EngineQuad]:
+        """The statements of a graph as the engine has them, to be serialized (`rdf_text`)."""
         ...
 
     def rows(self, query: str) -> Iterator[list[str]]:

@@ -177,6 +177,10 @@ class OxigraphStore:
         """Whether `quads` of a graph has the statements of a node together."""
         return self._folder is not None or self._snapshot is not None
 
+    def statements(self, graph: Iri) -> Iterator[engine.Quad]:
+        """The statements of a graph as pyoxigraph has them."""
+        return self._engine().quads_for_pattern(None, None, None, named_node(graph))
+
     def rows(self, query: str) -> Iterator[list[str]]:
         """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
         with tempfile.TemporaryDirectory(prefix="hilt-") as folder:

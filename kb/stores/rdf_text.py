@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 from typing import Any, BinaryIO, cast
 
@@ -13,10 +13,11 @@ import pyoxigraph as engine
 from ...ontology.errors import DataError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
 from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
+from ..rdf.rule_mapping import TYPE
 from ..rdf.terms import Quad
-from .base import batched
+from .base import EmbeddedStore, EngineQuad, Store, batched
 from .errors import syntax_error, translated_errors, translated_text_errors
-from .term_conversion import from_engine, quad_from_engine, quad_to_engine, triple_to_engine
+from .term_conversion import from_engine, quad_from_engine, quad_to_engine
 
 RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
@@ -30,8 +31,7 @@ _WITH_PREFIXES = frozenset({"turtle", "trig"})
 _LINE_FORMATS = frozenset({"nquads", "ntriples"})  # one statement a line
 _MAX_LINE = 2**20  # bytes of a line that an error message looks at
 _CHUNK = 2**18  # bytes that are read at once
-_BATCH = 2_000  # statements that are made into lines at once
-_PREFIXES = dict(PREFIXES)
+_BATCH = 10_000  # statements that are made into text at once
 _NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
@@ -108,28 +108,50 @@ def read_triples(data: bytes, *, source: str) -> list[Quad]:
         return [quad_from_engine(q) for q in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
 
 
+def graph_statements(store: Store, graph: Iri, *, is_sorted: bool) -> Iterable[EngineQuad]:
+    """The statements of a graph, to be serialized; sorted by subject, the class of each first."""
+    if isinstance(store, EmbeddedStore):
+        found = store.statements(graph)
+    else:
+        found = map(quad_to_engine, store.quads(None, None, None, graph))
+    return sorted(found, key=_order) if is_sorted else found
+
+
 def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
     """Statements as RDF text in UTF-8 in one of `RDF_FORMATS`, without graphs where it has none."""
-    stream = io.BytesIO()
-    write_rdf_to(quads, stream, format=format)
-    written = stream.getvalue()
-    return _with_sorted_prefixes(written) if format in _WITH_PREFIXES else written
+    statements, stream = [quad_to_engine(quad) for quad in quads], io.BytesIO()
+    plain = cast(bytes, engine.serialize(statements, format=engine.RdfFormat.N_QUADS)).decode()
+    used = {name: space for name, space in PREFIXES.items() if f"<{space}" in plain}
+    write_rdf_to(statements, stream, format=format, prefixes=used)
+    return stream.getvalue()
 
 
-def write_rdf_to(quads: Iterable[Quad], stream: BinaryIO, *, format: str) -> None:  # noqa: A002
-    """Write statements as RDF text into a stream, one after the other; as `write_rdf` otherwise.
+def write_rdf_to(
+    statements: Iterable[EngineQuad],
+    stream: BinaryIO,
+    *,
+    format: str,  # noqa: A002
+    prefixes: Mapping[str, str] = PREFIXES,
+) -> None:
+    """Write statements of pyoxigraph as RDF text into a stream; as `write_rdf` otherwise.
 
     Raises:
         DataError: a text has a character that XML cannot hold.
     """
-    chosen = RDF_FORMATS[format]
+    chosen, declared = RDF_FORMATS[format], dict(prefixes)
     if chosen == engine.RdfFormat.RDF_XML:
-        quads = map(_checked_for_xml, quads)
-    if chosen.supports_datasets:
-        statements = map(quad_to_engine, quads)
-    else:
-        statements = map(triple_to_engine, quads)
-    engine.serialize(statements, stream, format=chosen, prefixes=_PREFIXES)
+        statements = map(_checked_for_xml, statements)
+    if not chosen.supports_datasets:
+        statements = (quad.triple for quad in statements)
+    if format not in _WITH_PREFIXES:
+        engine.serialize(statements, stream, format=chosen, prefixes=declared)
+        return
+    # pyoxigraph writes the prefixes in a random order.
+    head = "".join(f"@prefix {name}: <{space}> .\n" for name, space in prefixes.items()).encode()
+    stream.write(head)
+    for some in batched(statements, _BATCH):
+        written = cast(bytes, engine.serialize(some, format=chosen, prefixes=declared))
+        stream.write(written[len(head) :])
 
 
 def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
@@ -152,28 +174,21 @@ def _line(stream: BinaryIO, number: int) -> str:
     return text.decode("utf-8", "replace")
 
 
-def _checked_for_xml(quad: Quad) -> Quad:
+def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
     """The statement itself; pyoxigraph would write what no XML parser reads."""
     value = quad.object
-    found = _NOT_IN_XML.search(value) if isinstance(value, str) else None
+    found = _NOT_IN_XML.search(value.value) if isinstance(value, engine.Literal) else None
     if found:
         raise DataError(
-            f"XML cannot hold the character U+{ord(found[0]):04X} of {shortened(quad.subject)}. "
+            f"XML cannot hold the character U+{ord(found[0]):04X} of "
+            f"{shortened(cast(Iri, from_engine(quad.subject)))}. "
             "Choose Turtle, N-Quads or another format.",
             source="RDF/XML",
         )
     return quad
 
 
-def _with_sorted_prefixes(written: bytes) -> bytes:
-    """The text with the prefixes it uses, in a fixed order; pyoxigraph's order is random."""
-    lines = written.split(b"\n")
-    count = next((i for i, line in enumerate(lines) if not line.startswith(b"@prefix")), len(lines))
-    body = b"\n".join(lines[count:])
-    used = set(re.findall(rb"(?<![\w<])([a-z]+):", body))
-    head = [
-        f"@prefix {prefix}: <{namespace}> .\n"
-        for prefix, namespace in PREFIXES.items()
-        if prefix.encode() in used
-    ]
-    return "".join([*head, "\n"]).encode() + body
+def _order(quad: engine.Quad) -> tuple[str, bool, str, str]:
+    """Subject by subject, the class of each first."""
+    predicate = quad.predicate.value
+    return str(quad.subject), predicate != TYPE, predicate, str(quad.object)

@@ -57,13 +57,6 @@ def named_node(iri: str) -> engine.NamedNode:
     return engine.NamedNode(iri)
 
 
-def triple_to_engine(quad: Quad) -> engine.Triple:
-    """The pyoxigraph triple of a statement, without its graph; errors as for `to_engine`."""
-    return engine.Triple(
-        named_node(quad.subject), named_node(quad.predicate), to_engine(quad.object)
-    )
-
-
 def quad_to_engine(quad: Quad) -> engine.Quad:
     """The pyoxigraph quad of a statement; errors as for `to_engine`."""
     graph = engine.DefaultGraph() if quad.graph is None else named_node(quad.graph)

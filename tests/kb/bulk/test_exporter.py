@@ -17,9 +17,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk import statement_scan
-from hilt.kb.bulk.exporter import write_statements
-from hilt.kb.bulk.statement_scan import CODES, scan_rules
+from hilt.kb.bulk import exporter
+from hilt.kb.bulk.exporter import scan_rules, write_statements
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql
@@ -39,10 +38,12 @@ TIMES = (None, TIME.replace(microsecond=123_000))
 NODES = st.sampled_from(
     [*(iri("object", name) for name in ("knife", "a b", "1")), iri("rule", "3f9c"), Iri("urn:x:1")]
 )
-KEYS = st.sampled_from([*(pair.predicate for pair in CODES), term("x"), Iri("urn:x:2")])
+KEYS = st.sampled_from(
+    [rule_mapping.TYPE, rule_mapping.STATUS, rule_mapping.DERIVED_FROM, term("x"), Iri("urn:x:2")]
+)
 VALUES: st.SearchStrategy[Term] = st.one_of(
     NODES,
-    st.sampled_from([pair.object for pair in CODES if pair.object]),
+    st.sampled_from([*rule_mapping.CLASSES.values(), rule_mapping.status_iri("active")]),
     st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=5),
     *(st.booleans(), st.integers(-9, 9), st.just(TIME), st.sampled_from([0.5, 1e30])),
     st.decimals(0, 1, places=2).map(Decimal.normalize),
@@ -66,7 +67,7 @@ def filled(kind: str, quads: list[Quad]) -> Iterator[Store]:
     """A store with some statements."""
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         is_large = kind == "large folder"
-        patch.setattr(statement_scan, "MAX_SORTED", 0 if is_large else 200_000)
+        patch.setattr(exporter, "MAX_SORTED", 0 if is_large else 200_000)
         store = open_folder(Path(folder) / "base") if is_large else open_memory()
         store.apply(insert=quads)
         yield cast(Store, PlainStore(store)) if kind == "endpoint" else store
@@ -186,7 +187,7 @@ def test_rule_with_two_bounds_is_reported():
 
 def test_progress_is_reported(monkeypatch: pytest.MonkeyPatch):
     """As the number of the statements that are done."""
-    monkeypatch.setattr(statement_scan, "_STEP", 1)
+    monkeypatch.setattr(exporter, "_STEP", 1)
     heard: list[int] = []
 
     some = [quad for rule in (BLADE, CUTTING) for quad in rule_mapping.rule_quads(rule)]

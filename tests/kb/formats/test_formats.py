@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rdflib import Graph
 
-from hilt.kb.bulk import importer, statement_scan
+from hilt.kb.bulk import exporter, importer
 from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import import_export
-from hilt.kb.formats.csv_table import read_table, rule_cells, write_table
+from hilt.kb.formats.csv_table import read_table, write_table
 from hilt.kb.formats.file_streams import CheckedStream
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
 from hilt.kb.formats.import_export import (
@@ -64,7 +64,7 @@ def contents(base: KnowledgeBase) -> set[object]:
 @pytest.fixture
 def streamed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every file is large."""
-    monkeypatch.setattr(statement_scan, "MAX_SORTED", 0)
+    monkeypatch.setattr(exporter, "MAX_SORTED", 0)
     monkeypatch.setattr(import_export, "MAX_STAGED", 0)
     monkeypatch.setattr(importer, "_MAX_APPLIED", 0)
 
@@ -149,8 +149,8 @@ def test_full_disk_is_blamed_on_the_file(tmp_path: Path):
 def test_sheet_and_table_and_graph_hold_whole_rules(some: list[Rule]):
     """As values, without a base between."""
     table, text = io.StringIO(), io.StringIO()
-    write_table(table, map(rule_cells, some))
-    write_sheet(text, map(rule_cells, some))
+    write_table(table, some)
+    write_sheet(text, some)
 
     assert list(read_sheet(text.getvalue(), source="x")) == some
     found = read_table(table.getvalue().splitlines(True), source="x")

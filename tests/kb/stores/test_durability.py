@@ -20,7 +20,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.bulk.statement_scan import scan_rules
+from hilt.kb.bulk.exporter import scan_rules
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import functional, grasping
