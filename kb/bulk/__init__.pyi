@@ -1,9 +1,8 @@
-from .exporter import write_statements
+from .exporter import scan_rules, write_statements
 from .importer import ImportObserver, import_rules, import_statements
 from .nquads_reader import RuleBlock, StatementGroup, read_groups
 from .reconciliation import ImportConflict, ImportSummary
 from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
-from .exporter import scan_rules
 
 __all__ = [
     "FastRuleReader",
