@@ -24,8 +24,9 @@ from .agent import Agent
 from .config import AgentConfig, actions_with, load_language, open_base
 from .dialogue.teaching import word_from_base
 from .episodes.recorder import AGAIN
-from .episodes.serialization import embodiment_from_json, file_from_json, request_from_json
+from .episodes.serialization import embodiment_from_json, file_from_json, from_json
 from .execution.outcome import GoalResult, Json
+from .execution.request import Request
 
 LAST = "last"
 COMPARED = ("outcome", "said", "decision", "steps", "world", "state")
@@ -145,7 +146,7 @@ def _run(agent: Agent, base: KnowledgeBase, episode: Episode) -> ReplayResult:
     experience = Experience(base, agent.robot, before=episode.utterance)
     agent.goals.affordances = agent.affordances_from(past, experience)
     again = _again(episode)
-    result, said = agent.attempt(episode.text, request_from_json(again["request"]))
+    result, said = agent.attempt(episode.text, from_json(Request, again["request"]))
     recorded = json.loads(episode.document) | {"state": again["state"]}
     ended = {"outcome": result.answer.ending, "said": said, "state": agent.state()}
     repeated = json.loads(json.dumps(result.as_json() | ended))

@@ -18,7 +18,7 @@ from ...kb.rule import Atom
 from ..dialogue.reply import Reply
 from ..execution.outcome import Json, WalkStep
 from ..execution.request import Request
-from .serialization import request_as_json
+from .serialization import as_json
 
 AGAIN = "again"  # key of the document
 
@@ -57,7 +57,7 @@ class EpisodeRecorder:
         circumstances = self._circumstances()
         if circumstances is None or not self._is_whole:
             return None
-        kept: Json = {"request": request_as_json(request), "state": self._state()}
+        kept: Json = {"request": as_json(request), "state": self._state()}
         return kept | {"circumstances": circumstances, "after": self._last}
 
 

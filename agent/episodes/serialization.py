@@ -1,129 +1,85 @@
-"""JSON forms of what an episode keeps to be run again: request, embodiment, settings, files."""
+"""JSON forms of what an episode keeps to be run again: request, embodiment, settings, files.
+
+A value becomes an object of its fields. Atoms are texts, an interval is the list of its bounds, a
+conclusion that of its functor and argument; sets are sorted.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, replace
+from collections.abc import Collection, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from ...inference.settings import CONTRADICTION, OPERATORS, THRESHOLD, Settings
-from ...inference.types import Conclusion, Target
+from ...inference.types import Conclusion
 from ...kb.interval import Interval
-from ...kb.rule import Atom, Rule
+from ...kb.rule import Atom
 from ...ontology.errors import DataError
-from ...sim.scene.scene import Placement, Scene
+from ...sim.scene.scene import Scene
 from ..config import household
-from ..execution.embodiment import Embodiment
+from ..execution.embodiment import ROBOT_OPTIONS, Embodiment
 from ..execution.outcome import Json
-from ..execution.request import Request
+
+T = TypeVar("T")
 
 
-def request_as_json(request: Request) -> Json:
-    """Return a request as an episode keeps it."""
-    return {
-        "action": request.action,
-        "arguments": {
-            name: _target_as_json(each) if isinstance(each, Target) else each
-            for name, each in request.arguments.items()
-        },
-        "speaker": request.speaker,
-        "part": request.part,
-        "contexts": {str(a): [held.lower, held.upper] for a, held in request.contexts.items()},
-        "assumed": sorted(request.assumed),
-        "excluded": sorted(request.excluded),
-        "agreed": dict(request.agreed),
-        "momentary": [_norm_as_json(norm) for norm in request.momentary],
-        "unheeded": sorted(request.unheeded),
-    }
+def as_json(value: object) -> Any:
+    """Return the JSON form of a request, a scene, or anything that they consist of."""
+    match value:
+        case None | str() | int() | float():
+            return value
+        case Atom():
+            return str(value)
+        case Interval() | Conclusion():
+            return [as_json(getattr(value, each.name)) for each in fields(value)]
+        case Mapping():
+            return {str(key): as_json(each) for key, each in value.items()}
+        case Collection():
+            found = [as_json(each) for each in value]
+            return sorted(found) if isinstance(value, frozenset) else found
+        case _:
+            return {name: as_json(getattr(value, name)) for name in _types(type(value))}
 
 
-def request_from_json(kept: Mapping[str, Any]) -> Request:
-    """Return the request that was kept."""
-    return Request(
-        kept["action"],
-        {
-            name: _target_from_json(each) if isinstance(each, dict) else each
-            for name, each in kept["arguments"].items()
-        },
-        kept["speaker"],
-        kept["part"],
-        {Atom.parse(atom): Interval(*held) for atom, held in kept["contexts"].items()},
-        frozenset(kept["assumed"]),
-        frozenset(kept.get("excluded", ())),  # episodes of older versions have none
-        dict(kept.get("agreed", {})),
-        tuple(map(_norm_from_json, kept.get("momentary", ()))),
-        frozenset(kept.get("unheeded", ())),
-    )
+def from_json(kind: type[T], kept: Any) -> T:
+    """Return the value of a type that `as_json` wrote; a field that is missing has its default."""
+    return _read(kind, kept)
 
 
-def _norm_as_json(norm: Rule) -> Json:
-    return {
-        "features": sorted(map(str, norm.features)),
-        "contexts": sorted(map(str, norm.contexts)),
-        "functor": norm.functor,
-        "argument": None if norm.argument is None else str(norm.argument),
-        "interval": [norm.interval.lower, norm.interval.upper],
-        "speaker": norm.speaker,
-    }
+def _read(kind: Any, kept: Any) -> Any:
+    wanted, inner = get_origin(kind), get_args(kind)
+    if kind is Atom:
+        return Atom.parse(kept)
+    if isinstance(kind, type) and is_dataclass(kind):
+        types = _types(kind)
+        given = kept if isinstance(kept, dict) else dict(zip(types, kept, strict=False))
+        return kind(**{name: _read(types[name], each) for name, each in given.items()})
+    if wanted is Mapping:
+        return {_read(inner[0], key): _read(inner[1], each) for key, each in kept.items()}
+    if wanted in {tuple, frozenset}:
+        of_each = inner if inner[-1] is not ... and wanted is tuple else (inner[0],) * len(kept)
+        return wanted(map(_read, of_each, kept))
+    structured = [each for each in inner if is_dataclass(each) or get_origin(each)]
+    is_plain = kept is None or (isinstance(kept, str) and Atom not in inner)
+    return kept if is_plain or not structured else _read(structured[0], kept)
 
 
-def _norm_from_json(kept: Mapping[str, Any]) -> Rule:
-    return Rule(
-        frozenset(map(Atom.parse, kept["features"])),
-        frozenset(map(Atom.parse, kept["contexts"])),
-        kept["functor"],
-        Atom.parse(kept["argument"]) if kept["argument"] else None,
-        Interval(*kept["interval"]),
-        kept["speaker"],
-    )
-
-
-def _target_as_json(target: Target) -> Json:
-    affords = target.affords
-    return {
-        "object": target.object,
-        "used_for": target.used_for,
-        "not_used_for": target.not_used_for,
-        "affords": affords
-        and [affords.functor, None if affords.argument is None else str(affords.argument)],
-        "properties": sorted(target.properties),
-        "is_confirmed": target.is_confirmed,
-        "material": target.material,
-    }
-
-
-def _target_from_json(kept: dict[str, Any]) -> Target:
-    affords = None
-    if kept["affords"]:
-        functor, argument = kept["affords"]
-        affords = Conclusion(functor, Atom.parse(argument) if argument else None)
-    return Target(
-        kept["object"],
-        kept["used_for"],
-        kept["not_used_for"],
-        affords,
-        frozenset(kept["properties"]),
-        kept["is_confirmed"],
-        kept.get("material"),  # episodes of older versions have none
-    )
+@cache
+def _types(kind: type) -> Mapping[str, Any]:
+    """Field of a dataclass -> its type."""
+    hints = get_type_hints(kind)
+    return {each.name: hints[each.name] for each in fields(kind)}
 
 
 def embodiment_as_json(embodiment: Embodiment) -> Json:
     """Return all that is needed to make the same embodiment again, but for the window."""
-    scene = embodiment.scene
     return {
-        "scene": {
-            "placements": [asdict(placement) for placement in scene.placements],
-            "seed": scene.seed,
-            "gap": scene.gap,
-        },
+        "scene": as_json(embodiment.scene),
         "objects": file_as_json(embodiment.objects_file),
-        "robot": embodiment.robot,
-        "vision": embodiment.vision,
-        "noise": embodiment.noise,
-        "simulate": embodiment.simulate,
+        **{name: getattr(embodiment, name) for name in ROBOT_OPTIONS},
     }
 
 
@@ -135,22 +91,11 @@ def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embod
         UnknownNameError: the robot is gone.
     """
     objects = file_from_json(kept["objects"])
-    scene = kept["scene"]
+    kept = {"simulate": kept.get("simulated"), **kept}  # its name until version 0.1
+    robot = {name: kept[name] for name in ROBOT_OPTIONS}
     return Embodiment(
-        Scene(tuple(map(_placement, scene["placements"])), scene["seed"], scene["gap"]),
-        household(objects),
-        objects,
-        kept["robot"],
-        kept["vision"],
-        kept["noise"],
-        kept["simulate"] if "simulate" in kept else kept["simulated"],  # until version 0.1
-        gui,
+        from_json(Scene, kept["scene"]), household(objects), objects, gui=gui, **robot
     )
-
-
-def _placement(kept: dict[str, Any]) -> Placement:
-    placement = Placement(**kept)
-    return replace(placement, at=(kept["at"][0], kept["at"][1])) if kept["at"] else placement
 
 
 def settings_as_choices(settings: Settings) -> list[str]:

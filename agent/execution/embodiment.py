@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ...sim.vision.perception_noise import NoiseLevels
 
 _DEFAULTS = AgentConfig()
+ROBOT_OPTIONS = ("robot", "vision", "noise", "simulate")  # of a configuration, without the window
 
 
 @dataclass(frozen=True)
@@ -70,16 +71,8 @@ class Embodiment:
         """
         kinds = household(config.objects)
         scene = parse_scene(config.scene, seed=config.seed, objects=kinds.objects)
-        return cls(
-            scene,
-            kinds,
-            config.objects,
-            config.robot,
-            config.vision,
-            config.noise,
-            config.simulate,
-            config.gui,
-        )
+        robot = {name: getattr(config, name) for name in ROBOT_OPTIONS}
+        return cls(scene, kinds, config.objects, gui=config.gui, **robot)
 
     def open_body(self, interruption: Interruption | None = None) -> Body:
         """Return a new simulated body, whose motions can be interrupted.

@@ -11,11 +11,7 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
-from hilt.agent.episodes.serialization import (
-    request_as_json,
-    request_from_json,
-    settings_as_choices,
-)
+from hilt.agent.episodes.serialization import as_json, from_json, settings_as_choices
 from hilt.agent.execution.perception import PerfectVision
 from hilt.agent.execution.request import Request
 from hilt.agent.replay import find_episode, replay
@@ -56,9 +52,9 @@ def test_request_comes_back_whole(part: str | None, target: Target):
         unheeded=frozenset({"rule/3f9c"}),
     )  # fmt: skip
 
-    kept = json.loads(json.dumps(request_as_json(request)))
+    kept = json.loads(json.dumps(as_json(request)))
 
-    assert request_from_json(kept) == request
+    assert from_json(Request, kept) == request
     assert {each.name for each in fields(Request)} == kept.keys()
     assert {each.name for each in fields(Target)} == kept["arguments"]["object"].keys()
 
