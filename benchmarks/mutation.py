@@ -3,7 +3,7 @@
     python benchmarks/mutation.py                       every mutant, which takes hours
     python benchmarks/mutation.py --sample 40 --seed 1  some of them
     python benchmarks/mutation.py --only decision.py    those of files with this in their path
-    python benchmarks/mutation.py --evaluate teachers   which ones `hilt evaluate teachers` notices
+    python benchmarks/mutation.py --evaluate paper      which ones `hilt evaluate paper` notices
 
 A mutant is the program with one operator or constant replaced. It is killed if a test fails, or if
 the tests take longer than the limit; those that survive are printed: each is a behaviour that no

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 What = Annotated[
     str | None,
     typer.Argument(
-        help="paper, situations, grasps, teachers, all-scenarios, random, noise, custom, "
+        help="paper, situations, grasps, all-scenarios, random, noise, custom, "
         "facts, or module:Class."
     ),
 ]
@@ -86,11 +86,10 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     """Repeat the paper's evaluation, and go beyond it.
 
     paper: 2 scenarios x 10 scenes x 15 commands. situations: all 256 scenes, 7,680 cases. grasps:
-    8 objects x 2 contexts from random poses. teachers: four who disagree. all-scenarios: every set
-    of rules that can be taught, by factorisation; --out keeps the certificate. random: random sets
-    of rules. noise: accuracy under failing vision, hearing and teachers, as curves. custom:
-    objects, norms and scenes of your own, from FILE. facts: a table of object, use and share, from
-    FILE.
+    8 objects x 2 contexts from random poses. all-scenarios: every set of rules that can be taught,
+    by factorisation; --out keeps the certificate. random: random sets of rules. noise: accuracy
+    under failing vision, hearing and teachers, as curves. custom: objects, norms and scenes of your
+    own, from FILE. facts: a table of object, use and share, from FILE.
 
     --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
     code 1 when they do.

@@ -23,9 +23,8 @@ from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
-from ..disputed_scenarios import Scenario
 from ..experiment import Experiment
-from ..learning_scenarios import ACTIONS, command, load_scenarios
+from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 
 GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
@@ -49,12 +48,12 @@ class DecisionExperiment(Experiment):
         return tuple(ACTIONS)
 
     @cached_property
-    def scenarios(self) -> Mapping[str, Scenario]:
+    def scenarios(self) -> Mapping[str, LearningScenario]:
         """The scenarios by name."""
         return {scenario.name: scenario for scenario in load_scenarios()}
 
     def commands(
-        self, scenario: Scenario, name: str, scene: Sequence[str], seed: int
+        self, scenario: LearningScenario, name: str, scene: Sequence[str], seed: int
     ) -> Iterator[Case]:
         """Yield a case for each command in a scene: 15 for a scenario of the paper.
 
@@ -117,7 +116,7 @@ class DecisionExperiment(Experiment):
         return {name: teach(each, self.new_agent()) for name, each in self.scenarios.items()}
 
 
-def teach(scenario: Scenario, agent: Agent) -> Agent:
+def teach(scenario: LearningScenario, agent: Agent) -> Agent:
     """Tell an agent the sentences of a scenario, and return it."""
     for speaker, trust in scenario.trust.items():
         agent.base.set_trust(speaker, float(trust))

@@ -32,7 +32,6 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..case import Case
-from ..disputed_scenarios import Scenario
 from ..learning_scenarios import (
     ACTIONS,
     CONTEXTS,
@@ -65,7 +64,7 @@ class CustomExperiment(DecisionExperiment):
         return self._spec.actions
 
     @cached_property
-    def scenarios(self) -> Mapping[str, Scenario]:
+    def scenarios(self) -> Mapping[str, LearningScenario]:
         """The scenario of the file, and its mirror image if requested."""
         return {scenario.name: scenario for scenario in self._spec.scenarios}
 

@@ -17,7 +17,7 @@ from ....inference.types import Candidate
 from ...dialogue.reply import Reply
 from ...execution.outcome import Decision, GoalResult, Json, WorldOutcome
 from ..case import Case, CaseResult, Kind
-from ..disputed_scenarios import Scenario
+from ..learning_scenarios import LearningScenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]
 LIFTED_M = 0.10  # how high it must be lifted [m]
@@ -39,7 +39,7 @@ class CorrectChoices:
 
     @classmethod
     def from_scenario(
-        cls, scenario: Scenario, action: str, affordance: str, scene: Collection[str]
+        cls, scenario: LearningScenario, action: str, affordance: str, scene: Collection[str]
     ) -> CorrectChoices:
         """Return the ground truth for a command, from the tables of a scenario."""
         best = scenario.best(affordance, scene)

@@ -7,15 +7,13 @@ has all objects, they are distinct, and together they test all four principles. 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations, cycle
 from random import Random
 from typing import ClassVar
 
 from ..case import Case
-from ..disputed_scenarios import DisputedScenario, Scenario
 from .command_experiment import DecisionExperiment
 from .ground_truth import CorrectChoices
 
@@ -57,22 +55,6 @@ class PaperExperiment(DecisionExperiment):
             for affordance in scenario.affordances
         }
         return tested >= PRINCIPLES or len(scenes) == 1
-
-
-@dataclass(frozen=True)
-class TeachersExperiment(PaperExperiment):
-    """The evaluation of the paper with teachers who disagree, drawn from the seed."""
-
-    name: ClassVar[str] = "teachers"
-
-    @cached_property
-    def scenarios(self) -> Mapping[str, Scenario]:
-        """Two disputed scenarios."""
-        return {name: DisputedScenario(name, self.seed) for name in "AB"}
-
-    def _covers(self, scenes: Sequence[frozenset[str]]) -> bool:
-        """Take the scenes as they come: a seed may have no two objects with equal opinions."""
-        return True
 
 
 @dataclass(frozen=True)

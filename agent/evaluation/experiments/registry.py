@@ -12,7 +12,6 @@ from ..experiment import Experiment
 # Name -> module and class. Modules are imported on demand: some take a second to load.
 EXPERIMENTS: Mapping[str, str] = {
     "paper": ".paper:PaperExperiment",
-    "teachers": ".paper:TeachersExperiment",
     "situations": ".paper:SituationsExperiment",
     "grasps": ".grasps:GraspExperiment",
     "all-scenarios": ".all_scenarios:AllScenariosExperiment",

@@ -5,15 +5,15 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-
-from hilt.agent.evaluation.disputed_scenarios import (
+from teachers import (
     DisputedScenario,
     Opinion,
+    TeachersExperiment,
     fused,
     plausibility,
     standing,
 )
-from hilt.agent.evaluation.experiments.paper import TeachersExperiment
+
 from hilt.inference.interval_operators import Operators
 from hilt.inference.settings import Settings
 

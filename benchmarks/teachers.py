@@ -1,4 +1,6 @@
-"""Learning scenarios in which teachers disagree, with right choices in exact fractions.
+"""The evaluation of the paper with teachers who disagree, with right choices in exact fractions.
+
+    PYTHONPATH=benchmarks hilt evaluate teachers:TeachersExperiment --seed 0
 
 Of each cell (an object and an affordance, or an object, a part and a context) there are up to five
 opinions: of teachers who are trusted to different degrees, for and against it, about the object,
@@ -15,9 +17,11 @@ from fractions import Fraction
 from functools import cache, cached_property
 from math import log2, prod
 from random import Random
+from typing import ClassVar
 
-from ..config import household
-from .learning_scenarios import CONTEXTS, LearningScenario, load_scenarios, rule_sentence
+from hilt.agent.config import household
+from hilt.agent.evaluation.experiments.paper import PaperExperiment
+from hilt.agent.evaluation.learning_scenarios import CONTEXTS, load_scenarios, rule_sentence
 
 TRUST: Mapping[str, str] = {"sam": "1", "ann": "0.9", "bob": "0.75", "eve": "0.5"}
 WORDS: Mapping[str, tuple[str, str]] = {  # word -> interval
@@ -176,7 +180,20 @@ class DisputedScenario:
         return tuple(opinion for cell in cells for opinion in _drawn(*cell, rng))
 
 
-Scenario = LearningScenario | DisputedScenario
+@dataclass(frozen=True)
+class TeachersExperiment(PaperExperiment):
+    """The evaluation of the paper with teachers who disagree, drawn from the seed."""
+
+    name: ClassVar[str] = "teachers:TeachersExperiment"
+
+    @cached_property
+    def scenarios(self) -> Mapping[str, DisputedScenario]:
+        """Two disputed scenarios."""
+        return {name: DisputedScenario(name, self.seed) for name in "AB"}
+
+    def _covers(self, _: object) -> bool:
+        """Take the scenes as they come: a seed may have no two objects with equal opinions."""
+        return True
 
 
 def _properties(name: str) -> list[str]:
