@@ -12,6 +12,7 @@ import argparse
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,7 +26,6 @@ from hilt.sim.vision.percept import Percept
 from hilt.sim.vision.perception_noise import NoiseLevels, with_depth_noise
 
 OBJECTS = load_objects()
-ALL = [f"object:{name}" for name in OBJECTS]
 BINS = 10
 NEAR = 0.01  # [m], a point so near to the bounding box of an object belongs to it
 DEPTH_NOISE = 0.002  # [m]
@@ -42,7 +42,7 @@ class Tally:
     points: Counter[bool] = field(default_factory=Counter)
     false: int = 0
 
-    def add(self, body: Body, percepts: tuple[Percept, ...]) -> None:
+    def add(self, body: Body, percepts: Iterable[Percept]) -> None:
         """Compare percepts with the objects of the world."""
         left = dict.fromkeys(body.world.kinds)
         for percept in percepts:
@@ -65,7 +65,7 @@ class Tally:
         corners = body.world.models[percept.object].corners
         object_from_world = np.linalg.inv(body.world.pose(name))
         for part, seen in percept.parts.items():
-            points = seen.cloud @ object_from_world[:3, :3].T + object_from_world[:3, 3]
+            points = seen @ object_from_world[:3, :3].T + object_from_world[:3, 3]
             gaps = {each: _gap(points, corners[each]) for each in corners}
             least = np.min([gap for each, gap in gaps.items() if each != part], axis=0)
             wrong = int((gaps[part] > least + 0.004).sum())
@@ -128,16 +128,14 @@ def main() -> None:
         with Body(
             parse_scene(f"random:{seed}", seed=0, objects=OBJECTS), OBJECTS, seed=seed
         ) as body:
-            detector = LearnedDetector(body.world.engine, OBJECTS)
+            detector = LearnedDetector(body.world)
             images = detector.capture()
             begun = time.process_time()
-            tallies["4 cameras"].add(body, detector.search(ALL, images=images))
+            tallies["4 cameras"].add(body, detector.detect(images))
             seconds += time.process_time() - begun
-            rough = replace(detector, noise=NoiseLevels(depth_m=DEPTH_NOISE))
-            tallies["4 cameras, 2 mm noise"].add(
-                body, rough.search(ALL, images=noisy(images, seed))
-            )
-            tallies["1 camera"].add(body, detector.search(ALL, images=[images[seed % len(images)]]))
+            rough = LearnedDetector(body.world, noise=NoiseLevels(depth_m=DEPTH_NOISE))
+            tallies["4 cameras, 2 mm noise"].add(body, rough.detect(noisy(images, seed)))
+            tallies["1 camera"].add(body, detector.detect([images[seed % len(images)]]))
         if sys.stderr.isatty() or seed % 50 == 49:
             print(f"\r{seed - given.seed + 1} scenes", end="", file=sys.stderr, flush=True)
     print(

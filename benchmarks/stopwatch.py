@@ -13,13 +13,15 @@ from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import KinematicChain
 from hilt.sim.robot.path_planner import PathPlanner
 from hilt.sim.vision.mask_detector import MaskDetector
+from hilt.sim.vision.object_detector import ObjectDetector
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("stepping", PhysicsEngine, "step"),
     ("loading", Bodies, "load"),
     ("vision", MaskDetector, "capture"),
-    ("vision", MaskDetector, "search"),
-    ("vision", MaskDetector, "obstacles"),
+    ("vision", ObjectDetector, "search"),
+    ("vision", ObjectDetector, "find"),
+    ("vision", ObjectDetector, "obstacles"),
     ("candidates", selection, "plan_grasps"),
     ("scoring", scoring, "score_grasps"),
     ("joints", KinematicChain, "solve"),

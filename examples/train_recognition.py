@@ -25,6 +25,7 @@ from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point_inputs
 from hilt.sim.vision.mask_detector import MaskDetector
 from hilt.sim.vision.neural_classifier import Classifier, NoveltyDetector
+from hilt.sim.vision.object_detector import ObjectDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.point_cloud_operations import farthest_points
 from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
@@ -47,6 +48,12 @@ MAX_LIMIT_RATIO = 1.25  # of a limit to the median of all limits
 Rows = list[
     tuple[np.ndarray, int, np.ndarray, np.ndarray]
 ]  # descriptor, type, point inputs, their parts
+
+
+class WholeImages(MaskDetector):
+    """The mask detector with images of the whole table."""
+
+    _render = ObjectDetector._render
 
 
 @dataclass(frozen=True)
@@ -93,9 +100,7 @@ class TrainingScenes:
         )
         try:
             with World.build(self.make_scene(seed), self.objects) as world:
-                images = MaskDetector(
-                    world.engine, world.kinds, world.models, noise=noise
-                ).capture()
+                images = WholeImages(world, noise=noise).capture()
                 kinds = {name: kind.name for name, kind in world.kinds.items()}
         except SimulationError:  # a table that is too full
             return []

@@ -3,13 +3,12 @@ from .manipulation.motion_report import REASONS, MotionReport
 from .robot.models import RobotType, find_robot, load_robots
 from .scene.scene import Placement, Scene, parse_scene
 from .scene.world import World
-from .vision.percept import PartPercept, Percept
+from .vision.percept import Percept
 
 __all__ = [
     "REASONS",
     "Body",
     "MotionReport",
-    "PartPercept",
     "Percept",
     "Placement",
     "RobotType",

@@ -25,7 +25,7 @@ from .scene.scene import Scene
 from .scene.world import SleepManager, World
 from .vision.percept import Percept, visible_features
 from .vision.perception_noise import NoiseLevels
-from .vision.vision_backends import CachedVision, open_vision
+from .vision.vision_backends import open_vision
 
 if TYPE_CHECKING:
     from .media.recording import WorldRecorder
@@ -64,7 +64,7 @@ class Body(Striking, AbstractContextManager["Body"]):
     ) -> None:
         kind = find_robot(robot)
         world = World.build(scene, objects, gui=gui)
-        seen = CachedVision(world, open_vision(world, source=vision, noise=noise))
+        seen = open_vision(world, source=vision, noise=noise)
         sleeping = SleepManager(world)
         arm = Robot(world.engine, kind, step=sleeping.step, interruption=interruption)
         super().__init__(world, arm, seen, sleeping, seed=seed)

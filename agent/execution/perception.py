@@ -11,7 +11,7 @@ from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.objects import ObjectType
 from ...sim.scene.scene import Scene
-from ...sim.vision.percept import PartPercept, Percept
+from ...sim.vision.percept import Percept
 
 
 def percept_as_observation(
@@ -43,11 +43,6 @@ def _shows(percept: Percept, feature: Atom) -> bool:
     return feature.name in shown.get(feature.kind, ())
 
 
-def _unseen(part: str) -> PartPercept:
-    """A part without any point of its surface."""
-    return PartPercept(part, np.zeros((0, 3)), 0)
-
-
 class PerfectVision:
     """Vision that reports everything in a scene with certainty (paper, section 4.1)."""
 
@@ -57,7 +52,7 @@ class PerfectVision:
                 name=placement.name,
                 object=placement.object,
                 confidence=1.0,
-                parts={name: _unseen(name) for name in objects[placement.object].parts},
+                parts={name: np.zeros((0, 3)) for name in objects[placement.object].parts},
                 properties=objects[placement.object].properties,
             )
             for placement in scene.placements

@@ -133,9 +133,7 @@ class GraspContext:
     def centre_of_mass(self) -> Array:
         """The centre of mass (3,) estimated from the visible parts and their masses [m]."""
         masses = {name: self.kind.parts[name].mass for name in self.percept.parts}
-        moments = [
-            masses[name] * part.cloud.mean(axis=0) for name, part in self.percept.parts.items()
-        ]
+        moments = [masses[name] * cloud.mean(axis=0) for name, cloud in self.percept.parts.items()]
         return np.sum(moments, axis=0) / sum(masses.values())
 
     def labelled_cloud(self, table: float) -> LabelledPointCloud:
@@ -151,5 +149,5 @@ class GraspContext:
 
     def _cloud(self, *, allowed: bool) -> Array:
         parts = self.percept.parts.items()
-        clouds = [part.cloud for name, part in parts if (name in self.allowed_parts) == allowed]
+        clouds = [cloud for name, cloud in parts if (name in self.allowed_parts) == allowed]
         return np.vstack([_EMPTY, *clouds])

@@ -22,8 +22,8 @@ from ..robot.grasp_poses import Grasp
 from ..robot.path_planner import GraspPath, PathPlanner
 from ..robot.robot import FingerContacts, Robot
 from ..scene.world import SleepManager, World
+from ..vision.object_detector import ObjectDetector
 from ..vision.percept import Percept
-from ..vision.vision_backends import CachedVision
 from .hand_motions import HandMotion, HeldObject
 from .motion_report import MotionReport
 
@@ -55,7 +55,7 @@ class PickAndPlace:
         self,
         world: World,
         robot: Robot,
-        vision: CachedVision,
+        vision: ObjectDetector,
         sleeping: SleepManager,
         *,
         seed: int,

@@ -1,22 +1,21 @@
 from .camera import Camera, CameraImage
 from .learned_detector import LearnedDetector, Recogniser
 from .mask_detector import MaskDetector
-from .percept import PartPercept, Percept, visible_features
+from .object_detector import ObjectDetector
+from .percept import Percept, visible_features
 from .perception_noise import NoiseLevels, NoisyDetector
-from .vision_backends import CachedVision, VisionSensor, open_vision
+from .vision_backends import open_vision
 
 __all__ = [
-    "CachedVision",
     "Camera",
     "CameraImage",
     "LearnedDetector",
     "MaskDetector",
     "NoiseLevels",
     "NoisyDetector",
-    "PartPercept",
+    "ObjectDetector",
     "Percept",
     "Recogniser",
-    "VisionSensor",
     "open_vision",
     "visible_features",
 ]

@@ -8,30 +8,30 @@ stored in `recognition.npz`. The confidence of a percept is the calibrated proba
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
-from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 
 from ...ontology.errors import DataError
-from ...ontology.objects import ObjectType
-from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
-from .mask_detector import OBSTACLE_SPACING, with_camera_noise
+from ..scene.world import World
+from .camera import CameraImage
 from .neural_classifier import Classifier, NoveltyDetector, read_arrays
-from .percept import PartPercept, Percept, visible_features
+from .object_detector import ObjectDetector
+from .percept import Percept
 from .perception_noise import NoiseLevels
-from .point_cloud_operations import voxel_downsample, voxel_keys
+from .point_cloud_operations import voxel_keys
 from .segmentation import TABLE_MARGIN, Segment, describe_points, describe_segment, segment_images
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
 MIN_PART_POINTS = 12  # fewer are errors of the part classifier
 NOISE_MARGIN = 4.0  # standard deviations of depth noise that still belong to the table
 SMOOTHING = 0.006  # [m], voxels in which points share their part
+SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,29 +111,26 @@ def _voxel_means(points: Array, logits: Array) -> Array:
     return np.column_stack(sums)[index] / counts[index, None]
 
 
-@dataclass(frozen=True)
-class LearnedDetector:
-    """Detects objects by trained classifiers; used like `MaskDetector`.
+class LearnedDetector(ObjectDetector):
+    """Detects objects by trained classifiers; only the types that they know.
 
-    Attributes:
-        objects: all types, by name; only those of the recogniser are detected.
-        noise: only its depth noise is used here.
-        track: names a percept; by its type when left out.
-        recogniser: that of Hilt's own objects when left out.
+    The names of percepts are those of the nearest objects of the world, in place of the tracking by
+    which a robot would keep them.
 
     Raises:
-        DataError: the recogniser knows a type that is not among the objects.
+        DataError: the recogniser knows a type that is not among the objects of the world.
     """
 
-    engine: PhysicsEngine
-    objects: Mapping[str, ObjectType]
-    cameras: tuple[Camera, ...] = CAMERAS_ROUND_TABLE
-    noise: NoiseLevels = field(default_factory=NoiseLevels)
-    track: Callable[[Percept], str] = attrgetter("object")
-    recogniser: Recogniser = field(default_factory=Recogniser.default)
-
-    def __post_init__(self) -> None:
-        missing = [kind for kind in self.recogniser.kinds if kind not in self.objects]
+    def __init__(
+        self,
+        world: World,
+        *,
+        recogniser: Recogniser | None = None,
+        noise: NoiseLevels | None = None,
+    ) -> None:
+        super().__init__(world, noise=noise)
+        self._recogniser = recogniser or Recogniser.default()
+        missing = [kind for kind in self._recogniser.kinds if kind not in world.objects]
         if missing:
             raise DataError(
                 f"the classifiers were trained on {', '.join(missing)}, which is not among the "
@@ -141,69 +138,42 @@ class LearnedDetector:
                 source="classifiers",
             )
 
-    def capture(self) -> tuple[CameraImage, ...]:
-        """Take one image with each camera."""
-        images = (camera.capture(self.engine) for camera in self.cameras)
-        return with_camera_noise(images, self.noise, self.engine.steps)
+    def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
+        """Return the objects that images of one moment seem to show, most confident first.
 
-    def search(
-        self, features: Iterable[str], *, images: Sequence[CameraImage] | None = None
-    ) -> tuple[Percept, ...]:
-        """Return the objects that seem to have one of the features; see `MaskDetector.search`."""
-        wanted = frozenset(features)
-        images = self.capture() if images is None else images
+        Where several have the same nearest object of the world, their names get numbers.
+        """
         margin = TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m
         segments = segment_images(images, margin=margin)
-        percepts = [
-            percept
-            for segment, (kind, confidence) in [(s, self.recogniser.recognise(s)) for s in segments]
-            if any(
-                wanted & visible_features(self.objects[each]) for each in self._with_mounted(kind)
-            )
-            for percept in self._percepts(segment, kind, confidence)
-            if wanted & visible_features(self.objects[percept.object])
-        ]
-        ordered = sorted(percepts, key=lambda percept: -percept.confidence)
-        return tuple(_named(ordered, self.track))
+        percepts = [percept for segment in segments for percept in self._percepts(segment)]
+        taken = Counter[str]()
+        for percept in sorted(percepts, key=lambda percept: -percept.confidence):
+            name = self._nearest_object(percept)
+            taken[name] += 1
+            number = taken[name]
+            yield replace(percept, name=name if number == 1 else f"{name} {number}")
 
-    def obstacles(
-        self, exclude: str | None, *, images: Sequence[CameraImage] | None = None
-    ) -> Array:
-        """Return points (n, 3) on all detected objects but `exclude`, in the world [m]."""
-        features = [f"object:{kind}" for kind in self.objects]
-        found = self.search(features, images=images)
-        clouds = [percept.cloud for percept in found if percept.name != exclude]
-        cloud = np.vstack([np.empty((0, 3)), *clouds])
-        return cloud[voxel_downsample(cloud, OBSTACLE_SPACING)]
-
-    def _with_mounted(self, kind: str) -> tuple[str, ...]:
-        """A type, and the types that may stand in it: together they are one segment."""
-        mounted = (
-            name
-            for name in self.recogniser.kinds
-            if (mount := self.objects[name].mount) and mount.support == kind
-        )
-        return (kind, *mounted)
-
-    def _percepts(self, segment: Segment, kind: str, confidence: float) -> Iterator[Percept]:
-        """The percepts of one segment: an object of that type, and what stands in it."""
-        kinds = self._with_mounted(kind)
-        candidates = [(each, part) for each in kinds for part in self.objects[each].parts]
-        parts = self.recogniser.assign_parts(segment, kind, candidates)
+    def _percepts(self, segment: Segment) -> Iterator[Percept]:
+        """The percepts of one segment: an object, and what stands in it."""
+        objects = self.world.objects
+        kind, confidence = self._recogniser.recognise(segment)
+        mounts = ((name, objects[name].mount) for name in self._recogniser.kinds)
+        kinds = [kind, *(name for name, mount in mounts if mount and mount.support == kind)]
+        candidates = [(each, part) for each in kinds for part in objects[each].parts]
+        parts = self._recogniser.assign_parts(segment, kind, candidates)
         for each in kinds:
             visible = {
-                part: PartPercept(part, segment.points[parts == i], int((parts == i).sum()))
+                part: segment.points[parts == i]
                 for i, (owner, part) in enumerate(candidates)
                 if owner == each and (parts == i).sum() >= MIN_PART_POINTS
             }
             if visible:
-                yield Percept(each, each, confidence, visible, self.objects[each].properties)
+                yield Percept(each, each, confidence, visible, objects[each].properties)
 
-
-def _named(percepts: Sequence[Percept], track: Callable[[Percept], str]) -> Iterator[Percept]:
-    """The percepts under the names of their objects; a name given twice gets a number."""
-    taken: dict[str, int] = {}
-    for percept in percepts:
-        name = track(percept)
-        taken[name] = number = taken.get(name, 0) + 1
-        yield replace(percept, name=name if number == 1 else f"{name} {number}")
+    def _nearest_object(self, percept: Percept) -> str:
+        """The nearest object of the world, preferably of the detected type."""
+        world = self.world
+        gaps = {n: np.linalg.norm((world.top(n) - percept.centre)[:2]) for n in world.kinds}
+        alike = [name for name, kind in world.kinds.items() if kind.name == percept.object]
+        near = [name for name in alike if gaps[name] < SAME_PLACE]
+        return min(near or gaps, key=lambda name: gaps[name], default=percept.object)

@@ -11,30 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ontology.errors import UnknownNameError
 from ...ontology.objects import ObjectType
 from ..poses import Array
-
-
-@dataclass(frozen=True, eq=False)
-class PartPercept:
-    """The visible surface of one part.
-
-    Attributes:
-        name: name of the part.
-        cloud: points on its surface (n, 3), in the world [m]; read-only.
-        pixels: number of pixels that show it, of all cameras.
-    """
-
-    name: str
-    cloud: Array
-    pixels: int
-
-    def __post_init__(self) -> None:
-        self.cloud.flags.writeable = False
-
-    def __repr__(self) -> str:
-        return f"<PartPercept {self.name}, {len(self.cloud)} points>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,30 +23,24 @@ class Percept:
         name: name under which the object is tracked.
         object: its detected type.
         confidence: confidence in that type, in [0, 1].
-        parts: the visible parts, by name.
+        parts: the visible parts: points on the surface of each (n, 3), in the world [m]; read-only.
         properties: properties of the object as a whole.
     """
 
     name: str
     object: str
     confidence: float
-    parts: Mapping[str, PartPercept]
+    parts: Mapping[str, Array]
     properties: frozenset[str] = field(default_factory=frozenset[str])
 
-    def part(self, name: str) -> PartPercept:
-        """One of the visible parts.
-
-        Raises:
-            UnknownNameError: the object has no such part, or the part is not visible.
-        """
-        if name not in self.parts:
-            raise UnknownNameError(f"visible part of {self.name}", name, self.parts)
-        return self.parts[name]
+    def __post_init__(self) -> None:
+        for cloud in self.parts.values():
+            cloud.flags.writeable = False
 
     @cached_property
     def cloud(self) -> Array:
         """The points of all its parts (n, 3), in the world [m]."""
-        return np.vstack([part.cloud for part in self.parts.values()])
+        return np.vstack(list(self.parts.values()))
 
     @cached_property
     def centre(self) -> Array:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
-from .percept import PartPercept, Percept, visible_features
+from .percept import Percept, visible_features
 
 # The largest amounts; no camera has depth noise of 5 cm.
 _MAX = {"missed": 1.0, "confused": 1.0, "confidence": 1.0, "depth_m": 0.05}
@@ -128,10 +128,7 @@ class NoisyDetector:
 
 def relabelled(percept: Percept, kind: ObjectType) -> Percept:
     """Return a percept with the type, part names and properties of another type."""
-    parts = {
-        name: PartPercept(name, part.cloud, part.pixels)
-        for name, part in zip(kind.parts, percept.parts.values(), strict=False)
-    }
+    parts = dict(zip(kind.parts, percept.parts.values(), strict=False))
     return replace(percept, object=kind.name, parts=parts, properties=kind.properties)
 
 

@@ -66,7 +66,7 @@ def test_hand_over_turns_the_free_part_to_the_receiver(knife_body: Body):
 
     knife = knife_body.search(["object:knife"])[0]
 
-    handle, blade = (knife.part(part).cloud.mean(axis=0) for part in ("handle", "blade"))
+    handle, blade = (knife.parts[part].mean(axis=0) for part in ("handle", "blade"))
     assert handle[0] > blade[0] + 0.03
 
 

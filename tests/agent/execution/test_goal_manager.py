@@ -20,7 +20,7 @@ from hilt.inference.taxonomy import Taxonomy
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule
 from hilt.sim.manipulation.motion_report import MotionReport
-from hilt.sim.vision.percept import PartPercept, Percept
+from hilt.sim.vision.percept import Percept
 
 POUND = "pound the nail"
 POINT = np.zeros((1, 3))
@@ -518,7 +518,7 @@ def test_guess_about_a_use_is_said_to_be_one_and_asked_about(threshold: float):
 )
 def test_part_that_is_forbidden_is_avoided_and_another_one_named(lessons: list[str], part: str):
     """The plan without a robot names the part, and a robot takes hold of it."""
-    seen = Percept("knife", "knife", 1.0, {name: PartPercept("", POINT, 1) for name in PARTS})
+    seen = Percept("knife", "knife", 1.0, dict.fromkeys(PARTS, POINT))
     arm = Arm({})
     with (
         Agent.open("memory:", AgentConfig(simulate=False)) as planner,
@@ -547,7 +547,7 @@ def test_part_made_for_holding_is_taken_first_where_others_are_forbidden():
 
 def test_object_that_may_not_be_held_by_any_part_is_left():
     """With both parts forbidden nothing is done."""
-    seen = Percept("knife", "knife", 1.0, {name: PartPercept("", POINT, 1) for name in PARTS})
+    seen = Percept("knife", "knife", 1.0, dict.fromkeys(PARTS, POINT))
     arm = Arm({})
     with Agent.open("memory:", vision=OneThing(seen), motion=arm) as agent:
         for part in PARTS:
@@ -561,7 +561,7 @@ def test_object_that_may_not_be_held_by_any_part_is_left():
 def test_part_of_a_kind_is_the_part_that_the_thing_has():
     """What was told of blades holds for the serrated blade of a bread knife."""
     blade, serrated = Atom("part", "blade"), Atom("part", "serrated blade")
-    seen = Percept("bread knife", "knife", 1.0, {"serrated blade": PartPercept("", POINT, 1)})
+    seen = Percept("bread knife", "knife", 1.0, {"serrated blade": POINT})
     arm = Arm({})
     with Agent.open("memory:", vision=Eyes(), motion=arm) as agent:
         agent.affordances.taxonomy = Taxonomy([(serrated, blade)])

@@ -141,7 +141,7 @@ def test_second_robot_grasps_by_the_part():
         assert body.lift().ok
         report = body.hand_over()
         handle, blade = (
-            body.search(["object:knife"])[0].part(part).cloud.mean(axis=0)
+            body.search(["object:knife"])[0].parts[part].mean(axis=0)
             for part in ("handle", "blade")
         )
 

@@ -14,7 +14,6 @@ from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, LearnedDetector, Recogniser
-from hilt.sim.vision.mask_detector import MaskDetector
 from hilt.sim.vision.point_cloud_operations import voxel_keys
 from hilt.sim.vision.segmentation import (
     Segment,
@@ -55,14 +54,14 @@ def world() -> Iterator[World]:
 @pytest.fixture(scope="module")
 def views(world: World) -> tuple[CameraImage, ...]:
     """Images of the cameras without their mask."""
-    seen = MaskDetector(world.engine, world.kinds, world.models).capture()
+    seen = LearnedDetector(world).capture()
     return tuple(replace(view, labels=np.full_like(view.labels, -1), names={}) for view in seen)
 
 
 @pytest.fixture(scope="module")
 def detector(world: World) -> LearnedDetector:
     """The detector of that world."""
-    return LearnedDetector(world.engine, OBJECTS)
+    return LearnedDetector(world)
 
 
 def test_each_object_is_one_segment(views: tuple[CameraImage, ...]):
@@ -78,7 +77,7 @@ def test_each_object_is_one_segment(views: tuple[CameraImage, ...]):
 def test_empty_table_has_no_segments():
     """An empty table has no segments and no percepts."""
     with World.build(Scene((), 0), OBJECTS) as world:
-        detector = LearnedDetector(world.engine, OBJECTS)
+        detector = LearnedDetector(world)
 
         assert segment_images(detector.capture()) == ()
         assert detector.search(ALL) == ()
@@ -88,7 +87,7 @@ def test_all_objects_are_recognised_without_the_mask(
     world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
     """Each object is detected with its type, at its place."""
-    percepts = detector.search(ALL, images=views)
+    percepts = tuple(detector.detect(views))
 
     assert {percept.object for percept in percepts} == set(graspable(OBJECTS))
     for percept in percepts:
@@ -100,49 +99,46 @@ def test_points_are_shared_out_to_their_parts(
     world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
 ):
     """Nineteen of twenty points at least lie in the box round their part."""
-    for percept in detector.search(ALL, images=views):
+    for percept in detector.detect(views):
         object_from_world = poses.inverse(world.pose(percept.name))
         assert set(percept.parts) == set(OBJECTS[percept.object].parts)
-        for name, part in percept.parts.items():
-            points = poses.transform(object_from_world, part.cloud)
+        for name, cloud in percept.parts.items():
+            points = poses.transform(object_from_world, cloud)
             corners = world.models[percept.object].corners[name]
             low, high = corners.min(axis=0) - 0.004, corners.max(axis=0) + 0.004
             assert ((points > low) & (points < high)).all(axis=1).mean() > 0.95
 
 
-def test_only_what_is_asked_is_found(detector: LearnedDetector, views: tuple[CameraImage, ...]):
+def test_only_what_is_asked_is_found(detector: LearnedDetector):
     """The learned detector searches for features, too."""
-    assert {p.name for p in detector.search(["property:sharp"], images=views)} == {"knife"}
-    assert detector.search(["action:pass"], images=views) == ()
+    assert {p.name for p in detector.search(["property:sharp"])} == {"knife"}
+    assert detector.search(["action:pass"]) == ()
 
 
-def test_obstacles_are_all_the_others(
-    world: World, detector: LearnedDetector, views: tuple[CameraImage, ...]
-):
+def test_obstacles_are_all_the_others(world: World, detector: LearnedDetector):
     """Obstacles are points of all other objects."""
-    obstacles = detector.obstacles("mug", images=views)
+    obstacles = detector.obstacles("mug")
 
     distance = np.linalg.norm(obstacles[:, :2] - world.pose("mug")[:2, 3], axis=1)
     assert len(obstacles) > 1000
     assert distance.min() > 0.03
 
 
-def test_objects_get_the_names_of_the_tracker(views: tuple[CameraImage, ...], world: World):
-    """The tracker names objects; equal names get numbers."""
-    detector = LearnedDetector(world.engine, OBJECTS, track=lambda percept: "thing")
+def test_equal_names_get_numbers(views: tuple[CameraImage, ...]):
+    """Where the world has a single object, everything is taken for that."""
+    with World.build(parse_scene("objects:mug", seed=2, objects=OBJECTS), OBJECTS) as world:
+        names = {percept.name for percept in LearnedDetector(world).detect(views)}
 
-    names = {percept.name for percept in detector.search(ALL, images=views)}
-
-    assert names == {"thing", *(f"thing {number}" for number in range(2, 9))}
+    assert names == {"mug", *(f"mug {number}" for number in range(2, 9))}
 
 
 def test_nail_is_seen_in_its_block():
     """A nail and the block in which it stands are one segment and two objects."""
     with World.build(parse_scene("objects:nail", seed=2, objects=OBJECTS), OBJECTS) as world:
-        percepts = {p.object: p for p in LearnedDetector(world.engine, OBJECTS).search(ALL)}
+        percepts = {p.object: p for p in LearnedDetector(world).search(ALL)}
 
         assert percepts.keys() == {"nail", "block"}
-        away = percepts["nail"].part("head").cloud.mean(axis=0) - world.top("nail")
+        away = percepts["nail"].parts["head"].mean(axis=0) - world.top("nail")
         assert np.linalg.norm(away) < 0.01
 
 
@@ -155,7 +151,7 @@ def test_novel_object_has_low_confidence(strange: str, tmp_path: Path):
     objects = load_household(tmp_path / "mine.yaml", added_to=load_household()).objects
 
     with World.build(Scene((Placement("thing", "thing", (0.5, 0.1)),), 0), objects) as world:
-        percepts = LearnedDetector(world.engine, objects).search(ALL)
+        percepts = LearnedDetector(world).percepts
 
     assert all(percept.confidence < 0.15 for percept in percepts)
 
@@ -195,4 +191,4 @@ def test_recogniser_needs_the_objects_that_it_was_trained_on(world: World):
     knowing = replace(knowing, kinds=("rolling pin", *knowing.kinds[1:]))
 
     with pytest.raises(DataError, match=r"trained on rolling pin.* --objects"):
-        LearnedDetector(world.engine, OBJECTS, recogniser=knowing)
+        LearnedDetector(world, recogniser=knowing)

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from hilt.ontology.errors import UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.scene.scene import graspable, parse_scene
 from hilt.sim.scene.world import World
+from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, CameraImage
 from hilt.sim.vision.mask_detector import FULL_CONFIDENCE, MaskDetector, smooth_depth
-from hilt.sim.vision.percept import PartPercept, Percept, visible_features
+from hilt.sim.vision.percept import Percept, visible_features
 from hilt.sim.vision.perception_noise import NoiseLevels
 
 OBJECTS = load_objects()
@@ -30,7 +30,12 @@ def world() -> Iterator[World]:
 @pytest.fixture(scope="module")
 def vision(world: World) -> MaskDetector:
     """The detector of that world."""
-    return MaskDetector(world.engine, world.kinds, world.models)
+    return MaskDetector(world)
+
+
+def whole_images(world: World) -> list[CameraImage]:
+    """Images in which the table hides what is below it."""
+    return [camera.capture(world.engine) for camera in CAMERAS_ROUND_TABLE]
 
 
 def names(percepts: tuple[Percept, ...]) -> set[str]:
@@ -72,9 +77,9 @@ def test_cloud_lies_on_its_part(world: World, vision: MaskDetector):
     (percept,) = vision.search(["object:hammer"])
 
     object_from_world = poses.inverse(world.pose("hammer"))
-    for part in percept.parts.values():
-        points = poses.transform(object_from_world, part.cloud)
-        corners = world.models["hammer"].corners[part.name]
+    for part, cloud in percept.parts.items():
+        points = poses.transform(object_from_world, cloud)
+        corners = world.models["hammer"].corners[part]
         assert (points > corners.min(axis=0) - 0.0005).all()
         assert (points < corners.max(axis=0) + 0.0005).all()
 
@@ -83,10 +88,9 @@ def test_cloud_lies_on_its_part(world: World, vision: MaskDetector):
 def test_half_hidden_object_is_less_sure():
     """A glass of which only the upper third is in sight is seen with less confidence."""
     with World.build(parse_scene("objects:glass", seed=0, objects=OBJECTS), OBJECTS) as world:
-        vision = MaskDetector(world.engine, world.kinds, world.models)
-        (before,) = vision.search(["object:glass"])
+        (before,) = MaskDetector(world).detect(whole_images(world))
         world.engine.bodies.place("glass", poses.translation(0, 0, -0.12) @ world.pose("glass"))
-        (after,) = vision.search(["object:glass"])
+        (after,) = MaskDetector(world).detect(whole_images(world))
 
     assert before.confidence == FULL_CONFIDENCE
     assert after.confidence < 0.9 * FULL_CONFIDENCE
@@ -98,9 +102,8 @@ def test_absent_object_is_not_seen():
     """An object that has left the table is not found."""
     with World.build(parse_scene("objects:mug", seed=0, objects=OBJECTS), OBJECTS) as world:
         world.engine.bodies.place("mug", poses.translation(0, 0, -0.6))
-        vision = MaskDetector(world.engine, world.kinds, world.models)
 
-        assert vision.search(["object:mug"]) == ()
+        assert not tuple(MaskDetector(world).detect(whole_images(world)))
 
 
 @pytest.mark.sim
@@ -117,14 +120,13 @@ def test_obstacles_are_the_other_objects(world: World, vision: MaskDetector):
 def test_depth_noise_blurs_clouds_and_comes_from_its_seed(world: World):
     """With 2 mm of depth noise points still leave their part, the same ones each time."""
     noise = NoiseLevels(depth_m=0.002, seed=4)
-    detector = MaskDetector(world.engine, world.kinds, world.models, noise=noise)
 
-    (percept,) = detector.search(["object:mug"])
-    (again,) = detector.search(["object:mug"])
+    (percept,) = MaskDetector(world, noise=noise).search(["object:mug"])
+    (again,) = MaskDetector(world, noise=noise).search(["object:mug"])
 
-    points = poses.transform(poses.inverse(world.pose("mug")), percept.part("barrel").cloud)
+    points = poses.transform(poses.inverse(world.pose("mug")), percept.parts["barrel"])
     beyond = points.max(axis=0) - world.models["mug"].corners["barrel"].max(axis=0)
-    assert 0.0004 < beyond.max() < 0.004  # [m]
+    assert 0.0004 < beyond.max() < 0.006  # [m]
     assert (percept.cloud == again.cloud).all()
 
 
@@ -133,20 +135,12 @@ def test_features_of_a_type_are_its_names_parts_and_properties():
     assert {"object:knife", "part:blade", "property:sharp"} <= visible_features(OBJECTS["knife"])
 
 
-def test_part_out_of_sight_is_an_error():
-    """The error lists the visible parts."""
-    percept = Percept("mug", "mug", 0.9, {"barrel": PartPercept("barrel", np.zeros((4, 3)), 4)})
-
-    with pytest.raises(UnknownNameError, match=r'visible part of mug "handle".*Known: barrel'):
-        percept.part("handle")
-
-
 def test_clouds_cannot_be_changed():
     """The points of a percept are read-only."""
-    part = PartPercept("barrel", np.zeros((4, 3)), 4)
+    percept = Percept("mug", "mug", 0.9, {"barrel": np.zeros((4, 3))})
 
     with pytest.raises(ValueError, match="read-only"):
-        part.cloud[0, 0] = 1.0
+        percept.parts["barrel"][0, 0] = 1.0
 
 
 def test_plane_stays_what_it_is():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import graspable
-from hilt.sim.vision.percept import PartPercept, Percept, visible_features
+from hilt.sim.vision.percept import Percept, visible_features
 from hilt.sim.vision.perception_noise import (
     NoiseLevels,
     NoisyDetector,
@@ -40,7 +40,7 @@ class Crowd:
 
 def percept(name: str, kind: str) -> Percept:
     """A object seen for certain, with a point on each part."""
-    parts = {part: PartPercept(part, np.zeros((1, 3)), 1) for part in OBJECTS[kind].parts}
+    parts = {part: np.zeros((1, 3)) for part in OBJECTS[kind].parts}
     return Percept(name, kind, 1.0, parts, OBJECTS[kind].properties)
 
 

@@ -34,7 +34,7 @@ def world() -> Iterator[World]:
 
 def windows(world: World) -> tuple[CameraImage, ...]:
     """The images of the cameras, of the region of interest only."""
-    return MaskDetector(world.engine, world.kinds, world.models, room=ROOM).capture()
+    return MaskDetector(world).capture()
 
 
 def shown(view: CameraImage) -> dict[tuple[str, str], np.ndarray]:
