@@ -7,7 +7,6 @@ possible ones, those ruled out, and the chosen one.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,6 @@ from ..execution.outcome import WalkStep
 if TYPE_CHECKING:
     from ...sim.body import Body
     from ...sim.grasping.planner import RankedGrasps
-    from ...sim.media.pictures import GraspMark
     from ...sim.media.recording import WorldRecorder
     from ...sim.robot.grasp_poses import Grasp
     from ..execution.goal_manager import GoalManager
@@ -65,14 +63,14 @@ class Film:
 
     def end(self, said: str) -> None:
         """The robot answers."""
-        self._recorder.tint, self._recorder.grasps = None, ()
+        self._recorder.tint, self._recorder.grasps = None, {}
         self._write(said)
         self._recorder.pause(SHOW_ANSWER)
 
     def _at(self, step: WalkStep) -> None:
         """A node is reached, or left when something is said to have been done there."""
         if step.action:
-            self._recorder.grasps = ()
+            self._recorder.grasps = {}
             return
         bound = step.constraint
         if bound:  # what the hand is bound to goes on holding
@@ -85,17 +83,17 @@ class Film:
     def _planned(
         self, name: str, part: str | None, plan: RankedGrasps, taken: Grasp | None
     ) -> None:
-        marks = [_mark(grasp, accepted=True) for grasp in plan.grasps]
-        marks += [_mark(grasp, accepted=False) for grasp in plan.examples]
-        if taken:
-            marks.append(replace(_mark(taken, accepted=True), chosen=True))
-        if not marks:
+        from ...sim.media.pictures import ACCEPTED, CHOSEN, REJECTED
+
+        chosen = (taken,) if taken else ()
+        shown = (*chosen, *plan.grasps, *plan.examples)
+        if not shown:
             return
         recorder, words = self._recorder, self._recorder.caption
         recorder.tint = (name, part) if part else None
-        recorder.grasps, recorder.caption = marks, f"{words}\n{LEGEND}"
-        first = next((mark for mark in marks if mark.chosen), marks[0])
-        recorder.pause(SHOW_GRASPS, at=first.world_from_grip[:3, 3])
+        recorder.grasps = {REJECTED: plan.examples, ACCEPTED: plan.grasps, CHOSEN: chosen}
+        recorder.caption = f"{words}\n{LEGEND}"
+        recorder.pause(SHOW_GRASPS, at=shown[0].world_from_grip[:3, 3])
         recorder.caption = words
 
     def _write(self, answer: str = "", *, node: str = "") -> None:
@@ -108,9 +106,3 @@ class Film:
             interval=self._interval if node else None,
         )
         self._recorder.caption = "\n".join(filter(None, (words, answer)))
-
-
-def _mark(grasp: Grasp, *, accepted: bool) -> GraspMark:
-    from ...sim.media.pictures import GraspMark  # numpy only when something is filmed
-
-    return GraspMark(grasp.world_from_grip, grasp.opening, accepted)

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from math import radians
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from .. import poses
 from ..physics.engine import PhysicsEngine
 from ..physics.rendering import Lighting
 from ..poses import Array
+from ..robot.grasp_poses import Grasp
 from ..vision.camera import Camera
 
 with extra_required("sim", "pillow"):
@@ -45,10 +46,20 @@ TINT = (0.10, 0.45, 1.0)  # red, green, blue of a highlighted part
 WALL_TOP, WALL_BOTTOM = (250, 247, 242), (232, 224, 213)  # warm white
 
 FINGER, STEM = 0.035, 0.075  # [m], from the tips back to the palm and to the end of the wrist
-REJECTED, ACCEPTED, CHOSEN = (205, 40, 30, 130), (20, 150, 80, 220), (0, 110, 50, 255)
 OVERSAMPLING = 2  # drawn so many times as large, then reduced: lines without teeth
 LABEL_LIFT = 0.03  # [m], of a label above what it names
 LABEL_PAD = 4 * OVERSAMPLING  # pixels of the finer picture round a name
+
+
+class Pen(NamedTuple):
+    """How lines are drawn: red, green, blue and opacity in 0..255, and a relative width."""
+
+    colour: tuple[int, int, int, int]
+    width: float
+
+
+REJECTED, ACCEPTED = Pen((205, 40, 30, 130), 1.2), Pen((20, 150, 80, 220), 1.2)
+CHOSEN = Pen((0, 110, 50, 255), 3.0)
 
 Label: TypeAlias = tuple[float, float, float, float]  # left, top, right, bottom in pixels
 
@@ -204,45 +215,30 @@ def wrap_caption(picture: Picture, text: str) -> list[str]:
     return lines
 
 
-@dataclass(frozen=True, eq=False)
-class GraspMark:
-    """A grasp to draw.
+def draw_grasps(picture: Picture, camera: Camera, grasps: Mapping[Pen, Iterable[Grasp]]) -> Picture:
+    """Return a picture that a camera took with grasps drawn into it.
 
-    Attributes:
-        world_from_grip: pose (4, 4) of the grip frame: origin between the pads, y along the closing
-            direction, z ahead.
-        opening: distance between the fingers [m].
-        accepted: whether the grasp is possible.
-        chosen: whether it is the grasp that is carried out.
+    Those of each pen (`REJECTED`, `ACCEPTED`, `CHOSEN`) are drawn over those before it.
     """
-
-    world_from_grip: Array
-    opening: float
-    accepted: bool
-    chosen: bool = False
-
-
-def draw_grasps(picture: Picture, camera: Camera, marks: Sequence[GraspMark]) -> Picture:
-    """Return a picture that a camera took with grasps drawn into it, accepted ones on top."""
     size = max(1, round(picture.shape[0] / 360))
     overlay, draw = _overlay(picture)
-    for mark in sorted(marks, key=lambda mark: (mark.chosen, mark.accepted)):
-        colour = CHOSEN if mark.chosen else ACCEPTED if mark.accepted else REJECTED
-        width = round(OVERSAMPLING * size * (3 if mark.chosen else 1.2))
-        for line in _hand(mark):
+    for pen, grasp in ((pen, grasp) for pen, some in grasps.items() for grasp in some):
+        width = round(OVERSAMPLING * size * pen.width)
+        for line in _hand(grasp):
             at = camera.pixels(line) * OVERSAMPLING
             if np.isfinite(at).all():
-                draw.line([tuple(point) for point in at], fill=colour, width=width, joint="curve")
+                corners = [tuple(point) for point in at]
+                draw.line(corners, fill=pen.colour, width=width, joint="curve")
     return _composited(picture, overlay)
 
 
-def _hand(mark: GraspMark) -> tuple[Array, Array]:
+def _hand(grasp: Grasp) -> tuple[Array, Array]:
     """Return the fingers with the palm, and the wrist, as lines of points (n, 3) [m]."""
-    half = mark.opening / 2
+    half = grasp.opening / 2
     fingers = np.array([[0, -half, 0], [0, -half, -FINGER], [0, half, -FINGER], [0, half, 0]])
     wrist = np.array([[0, 0, -FINGER], [0, 0, -STEM]])
-    world_from_grip = mark.world_from_grip
-    return poses.transform(world_from_grip, fingers), poses.transform(world_from_grip, wrist)
+    at = grasp.world_from_grip
+    return poses.transform(at, fingers), poses.transform(at, wrist)
 
 
 def draw_names(picture: Picture, camera: Camera, places: Mapping[str, Array]) -> Picture:

@@ -6,7 +6,7 @@ suffix of the file names the format. A world that is not recorded has no cost of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,12 +18,13 @@ from PIL import Image
 from ...ontology.errors import MissingExtraError
 from ..physics.engine import TIME_STEP
 from ..poses import Array
+from ..robot.grasp_poses import Grasp
 from ..scene.world import World
 from ..vision.camera import Camera
 from .pictures import (
     OVERVIEW,
     PICTURE_LIGHT,
-    GraspMark,
+    Pen,
     Picture,
     add_caption,
     check_writable,
@@ -54,7 +55,7 @@ class WorldRecorder:
     Attributes:
         caption: text below the pictures from now on; none when empty.
         tint: a body and the part of it that is highlighted from now on; None for nothing.
-        grasps: drawn into the pictures from now on.
+        grasps: drawn into the pictures from now on; see `draw_grasps`.
     """
 
     def __init__(self, world: World, path: Path, *, camera: Camera = RECORDING_CAMERA) -> None:
@@ -63,7 +64,7 @@ class WorldRecorder:
             raise MissingExtraError("sim", "imageio-ffmpeg")
         self.caption = ""
         self.tint: tuple[str, str] | None = None
-        self.grasps: Sequence[GraspMark] = ()
+        self.grasps: Mapping[Pen, Iterable[Grasp]] = {}
         self._world, self._path, self._camera = world, path, camera
         self._waiting = 0
         self._taken: list[tuple[Picture, str]] = []

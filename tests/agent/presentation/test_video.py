@@ -9,6 +9,7 @@ from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
 from hilt.agent.presentation.video import LEGEND
+from hilt.sim.media.pictures import ACCEPTED, CHOSEN, REJECTED, Pen
 from hilt.sim.media.recording import WorldRecorder
 
 pytestmark = pytest.mark.sim
@@ -16,10 +17,10 @@ pytestmark = pytest.mark.sim
 
 def test_film_says_what_the_robot_thinks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Utterance, nodes, constraint and interval are below; the part is tinted, grasps are drawn."""
-    taken: list[tuple[str, tuple[str, str] | None, set[tuple[bool, bool]]]] = []
+    taken: list[tuple[str, tuple[str, str] | None, set[Pen]]] = []
 
     def take(recorder: WorldRecorder, at: object = None) -> None:
-        kinds = {(mark.accepted, mark.chosen) for mark in recorder.grasps}
+        kinds = {pen for pen, grasps in recorder.grasps.items() if grasps}
         taken.append((recorder.caption, recorder.tint, kinds))
 
     monkeypatch.setattr(WorldRecorder, "take", take)
@@ -30,7 +31,7 @@ def test_film_says_what_the_robot_thinks(tmp_path: Path, monkeypatch: pytest.Mon
             reply = agent.hear("pass me the knife")
 
     told = '"pass me the knife"\npass/graspObject: knife by the blade [0.90, 1.00]'
-    every_kind = {(True, True), (True, False), (False, False)}
+    every_kind = {ACCEPTED, CHOSEN, REJECTED}
     assert (f"{told}\n{LEGEND}", ("knife", "blade"), every_kind) in taken
     assert ('"pass me the knife"\npass/findObject: knife [0.95, 1.00]', None, set()) in taken
     assert taken[-1] == (f'"pass me the knife"\n{reply.said}', None, set())

@@ -5,11 +5,21 @@ from dataclasses import replace
 import numpy as np
 
 from hilt.sim import poses
-from hilt.sim.media.pictures import FINGER, OVERVIEW, GraspMark, draw_grasps, draw_names
+from hilt.sim.media.pictures import (
+    ACCEPTED,
+    CHOSEN,
+    FINGER,
+    OVERVIEW,
+    REJECTED,
+    draw_grasps,
+    draw_names,
+)
+from hilt.sim.robot.grasp_poses import Grasp
 
 CAMERA = replace(OVERVIEW, width=320, height=240)
 BLANK = np.full((240, 320, 3), 255, dtype=np.uint8)
 DOWNWARD = poses.pose(poses.rotation_from_rpy(np.pi, 0, 0), (0.4, 0.0, 0.1))
+GRASP = Grasp(DOWNWARD, 0.06, 0.08, 1.0)
 
 
 def drawn(picture: np.ndarray) -> np.ndarray:
@@ -20,7 +30,7 @@ def drawn(picture: np.ndarray) -> np.ndarray:
 
 def test_grasp_is_drawn_where_it_is():
     """The fingers end where the grip frame says, half the opening to each side."""
-    picture = draw_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=True)])
+    picture = draw_grasps(BLANK, CAMERA, {ACCEPTED: [GRASP]})
 
     tips = poses.transform(DOWNWARD, np.array([[0, -0.04, 0], [0, 0.04, 0], [0, 0.04, -FINGER]]))
     for place in CAMERA.pixels(tips):
@@ -29,10 +39,7 @@ def test_grasp_is_drawn_where_it_is():
 
 def test_good_grasps_are_green_and_others_red():
     """What was accepted, what was ruled out and what was taken look different."""
-    pictures = [
-        draw_grasps(BLANK, CAMERA, [GraspMark(DOWNWARD, 0.08, accepted=ok, chosen=taken)])
-        for ok, taken in ((True, False), (False, False), (True, True))
-    ]
+    pictures = [draw_grasps(BLANK, CAMERA, {pen: [GRASP]}) for pen in (ACCEPTED, REJECTED, CHOSEN)]
 
     good, bad, taken = (picture[tuple(drawn(picture).T[::-1])].mean(axis=0) for picture in pictures)
     assert good[1] > good[0]
@@ -45,7 +52,7 @@ def test_nothing_behind_the_camera_is_drawn():
     """A grasp at the camera's back leaves the picture as it was."""
     behind = poses.translation(*(2 * np.array(CAMERA.eye) - np.array(CAMERA.target)))
 
-    picture = draw_grasps(BLANK, CAMERA, [GraspMark(behind, 0.08, accepted=True)])
+    picture = draw_grasps(BLANK, CAMERA, {ACCEPTED: [replace(GRASP, world_from_grip=behind)]})
 
     assert (picture == BLANK).all()
 

@@ -12,8 +12,9 @@ from hilt.ontology.errors import DataError, MissingExtraError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.media import pictures, recording
-from hilt.sim.media.pictures import OVERVIEW, GraspMark, add_caption, save_picture, take_picture
+from hilt.sim.media.pictures import ACCEPTED, OVERVIEW, add_caption, save_picture, take_picture
 from hilt.sim.media.recording import WorldRecorder, caption, strip
+from hilt.sim.robot.grasp_poses import Grasp
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 
@@ -202,9 +203,9 @@ def test_recording_tints_and_draws_what_it_is_told(world: World, tmp_path: Path)
     at = poses.translation(*world.pose("mug")[:3, 3])
     with WorldRecorder(world, tmp_path / "out.png", camera=SMALL) as recorder:
         for tint, grasps in (
-            (None, ()),
-            (("mug", "barrel"), ()),
-            (None, (GraspMark(at, 0.08, True),)),
+            (None, {}),
+            (("mug", "barrel"), {}),
+            (None, {ACCEPTED: [Grasp(at, 0.06, 0.08, 1.0)]}),
         ):
             recorder.tint, recorder.grasps = tint, grasps
             recorder.take()
