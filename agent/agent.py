@@ -267,10 +267,10 @@ class Agent:
             self.affordances,
             self._vision or self.embodiment.open_vision(body),
             body or self._motion,
+            self.norms,
             grips=_grips(self.objects),
             parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
             interruption=self.interruption,
-            norms=self.norms,
             done=self._done,
         )
 

@@ -9,10 +9,11 @@ with an answer; the branches of a tree say what to try before it is final.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ...inference.affordance import Affordances
 from ...inference.node_rules import FIND, acting_for
+from ...inference.norms import NormChecker
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
 from ...ontology.actions import (
@@ -27,7 +28,7 @@ from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError, MotionInterruptedError
 from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
-from ..protocols import Motion, Vision
+from ..protocols import Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .doubt import Doubt, find_doubt
 from .norm_guard import NormGuard
@@ -48,19 +49,43 @@ GRASP = "graspObject"
 WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
 
 
-@dataclass(frozen=True)
+@dataclass
 class ExecutionContext:
-    """What the execution of a tree works with: the parts of a `GoalManager`."""
+    """What action trees are executed with.
+
+    Attributes:
+        actions: the action trees.
+        affordances: inference over the rules.
+        vision: the vision of the robot.
+        motion: the motion of the robot; None decides but does not act.
+        norms: what is forbidden, and what must come first.
+        grips: object -> the part that is made for holding it; a tool is grasped by it when no rule
+            says otherwise.
+        parts: object -> its known parts; the robot does not look for others.
+        interruption: pauses or ends what is done, also from other threads.
+        done: the acts so far, in order: action and type of object; it grows.
+        watchers: called at every node before its action is done, when `WalkStep.action` is still
+            empty, and again afterwards.
+    """
 
     actions: Actions
     affordances: Affordances
     vision: Vision
     motion: Motion | None
-    grips: Mapping[str, str]
-    parts: Mapping[str, Collection[str]]
-    interruption: Interruption
-    norms: NormGuard
-    watchers: Sequence[Callable[[WalkStep], None]] = ()
+    norms: NormChecker
+    grips: Mapping[str, str] = field(default_factory=dict[str, str])
+    parts: Mapping[str, Collection[str]] = field(default_factory=dict[str, Collection[str]])
+    interruption: Interruption = field(default_factory=Interruption)
+    done: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
+    watchers: list[Callable[[WalkStep], None]] = field(
+        default_factory=list[Callable[[WalkStep], None]]
+    )
+
+    @property
+    def holding(self) -> str | None:
+        """The type of the object in the hand, None when it is empty or there is no hand."""
+        held = self.motion.held if isinstance(self.motion, ReleasingMotion) else None
+        return held.object if held else None
 
 
 @dataclass(frozen=True)
@@ -78,17 +103,21 @@ class TreeExecutor:
     Args:
         context: what it works with.
         request: the goal.
+        is_able: whether the robot has all that the tree needs; it is only decided if not.
 
     Attributes:
         decision: which object and part, once they are chosen.
     """
 
-    def __init__(self, context: ExecutionContext, request: Request) -> None:
+    def __init__(self, context: ExecutionContext, request: Request, *, is_able: bool) -> None:
         self._context = context
         self._request = request
+        self._norms = NormGuard(
+            context.norms, context.actions, request, context.done, lambda: context.holding
+        )
         self._primitives = (
             PrimitiveExecutor(context.motion, context.vision, request.action)
-            if context.motion
+            if context.motion and is_able
             else None
         )
         self.decision: Decision | None = None
@@ -105,7 +134,7 @@ class TreeExecutor:
         world = self._primitives.world if self._primitives else WorldOutcome()
         trials = self._primitives.grasps.trials if self._primitives else ()
         done = (tuple(self._steps), world, tuple(self._setbacks), trials, self._doubt)
-        verdicts = tuple(self._context.norms.verdicts)
+        verdicts = tuple(self._norms.verdicts)
         return GoalResult(answer, self.decision, *done, verdicts)
 
     def name(self, argument: Argument | None) -> str:
@@ -121,7 +150,7 @@ class TreeExecutor:
             self._context.interruption.wait()
         except MotionInterruptedError:
             return outcome_answer.stopped(None)
-        refusal = self._context.norms.enter(node, arguments)
+        refusal = self._norms.enter(node, arguments)
         if refusal:
             return refusal
         goal = self._goal(arguments)
@@ -145,7 +174,7 @@ class TreeExecutor:
         self._steps[index] = replace(self._steps[index], action=failure.key if failure else did)
         self._notify(self._steps[index])
         if failure is None and _action(node) != FIND:
-            self._context.norms.note(_action(node), self.name(self._target(arguments)))
+            self._norms.note(_action(node), self.name(self._target(arguments)))
         return failure
 
     def _notify(self, step: WalkStep) -> None:
@@ -200,9 +229,9 @@ class TreeExecutor:
                 part, failure = self._choose_part(found.percept, inference)
             if failure is None:
                 part, failure = self._permitted_part(node, target, found.percept, part, inference)
-            self._context.norms.hold_by(part)
+            self._norms.hold_by(part)
         else:
-            failure = self._context.norms.of_step(node, target, found and found.percept)
+            failure = self._norms.of_step(node, target, found and found.percept)
         if failure:
             return failure
         if action in self._context.actions.trees:
@@ -215,7 +244,7 @@ class TreeExecutor:
             if isinstance(value, Target) and value in self._found
         }
         percept = found.percept if found else None
-        bound = _constraint(inference)
+        bound = Constraint.from_inference(inference)
         return self._primitives.perform(
             PrimitiveTask(action, arguments, percept, part, bound, things, acting_for(node))
         )
@@ -409,7 +438,7 @@ class TreeExecutor:
         for index, candidate in enumerate(inference.candidates):
             if not candidate.accepted:
                 break
-            refusal = self._context.norms.of_object(node, target, seen[candidate.name])
+            refusal = self._norms.of_object(node, target, seen[candidate.name])
             if refusal is None:
                 allowed = replace(inference, candidates=inference.candidates[index:])
                 return (allowed if index else inference), None
@@ -420,7 +449,7 @@ class TreeExecutor:
         self, node: str, target: Target, percept: Percept, inference: Inference
     ) -> str | None:
         """Return the part by which alone an object may be held, unless the command names one."""
-        wanted = () if self._part else self._context.norms.obliged_parts(node, target, percept)
+        wanted = () if self._part else self._norms.obliged_parts(node, target, percept)
         part = next((self._own_part(name, percept) for name in wanted), None)
         if part is None or self._lacks(percept, part) or self.decision is None:
             return None
@@ -436,7 +465,7 @@ class TreeExecutor:
         inference: Inference,
     ) -> tuple[str | None, AnswerContent | None]:
         """Return the part to hold by under the norms, another one if they forbid the chosen one."""
-        norms = self._context.norms
+        norms = self._norms
         denied = {each.argument.name for each in inference.denied if each.argument}
         own = (*percept.parts, *self._context.parts.get(percept.object, ()))
         known = [name for name in dict.fromkeys(own) if name not in denied]
@@ -531,21 +560,6 @@ class TreeExecutor:
         return fitting[0] if fitting else name
 
 
-def _constraint(inference: Inference) -> Constraint | None:
-    best = inference.best
-    if best is None:
-        return None
-    argument = best.argument
-    is_part = argument is not None and argument.kind == "part"
-    return Constraint(
-        best.object,
-        argument.name if argument and is_part else None,
-        best.interval.lower,
-        best.interval.upper,
-        str(argument) if argument and not is_part else None,
-    )
-
-
 def _value(given: str | DescribedObject, arguments: Mapping[str, Argument]) -> Argument:
     """What a step passes on: an argument of its tree, a word, or the object of a description."""
     match given:
@@ -565,5 +579,4 @@ def _step(
     node: str, features: Sequence[Atom], percepts: Sequence[Percept], inference: Inference
 ) -> WalkStep:
     confidences = {percept.name: percept.confidence for percept in percepts}
-    bound = _constraint(inference)
-    return WalkStep(node, tuple(map(str, features)), confidences, inference, bound, "")
+    return WalkStep(node, tuple(map(str, features)), confidences, inference)

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Sequence
 
-from ...inference.affordance import Affordances
 from ...inference.node_rules import FIND
-from ...inference.norms import NormChecker
-from ...ontology.actions import Actions
-from ...sim.robot.interruption import Interruption
-from ..protocols import Motion, ReleasingMotion, Vision
+from ..protocols import ReleasingMotion
 from . import outcome_answer
 from .action_tree_executor import ExecutionContext, TreeExecutor
-from .norm_guard import NormGuard
-from .outcome import AnswerContent, Decision, GoalResult, WalkStep
+from .outcome import AnswerContent, Decision, GoalResult
 from .primitives import EMPTYING, empty_hand
 from .request import Request, review_arguments
 
@@ -21,50 +16,8 @@ _EMPTYING = {"release": "letGo", "putDown": "placeObject", "putBack": "returnObj
 """The primitive of each control that empties the hand."""
 
 
-class GoalManager:
-    """Carries out goals by walking their action trees.
-
-    Args:
-        actions: the action trees.
-        affordances: inference over the rules.
-        vision: the vision of the robot.
-        motion: the motion of the robot; None decides but does not act.
-        grips: object -> the part that is made for holding it; a tool is grasped by it when no rule
-            says otherwise.
-        parts: object -> its known parts; the robot does not look for others.
-        interruption: pauses or ends what is done, also from other threads.
-        norms: what is forbidden, and what must come first; by default by the rules of
-            `affordances`.
-        done: the acts so far, in order: action and type of object; it grows.
-
-    Attributes:
-        watchers: called at every node before its action is done, when `WalkStep.action` is still
-            empty, and again afterwards.
-    """
-
-    def __init__(
-        self,
-        actions: Actions,
-        affordances: Affordances,
-        vision: Vision,
-        motion: Motion | None,
-        *,
-        grips: Mapping[str, str] | None = None,
-        parts: Mapping[str, Collection[str]] | None = None,
-        interruption: Interruption | None = None,
-        norms: NormChecker | None = None,
-        done: list[tuple[str, str]] | None = None,
-    ) -> None:
-        self.actions = actions
-        self.affordances = affordances
-        self.vision = vision
-        self.motion = motion
-        self.watchers: list[Callable[[WalkStep], None]] = []
-        self.interruption = interruption or Interruption()
-        self._grips = grips or {}
-        self._parts = parts or {}
-        self._norms = norms or NormChecker(affordances)
-        self._done = [] if done is None else done
+class GoalManager(ExecutionContext):
+    """Carries out goals by walking their action trees."""
 
     def achieve(self, request: Request) -> GoalResult:
         """Execute the tree of a goal to its end, or to the first failure that no branch handles.
@@ -75,18 +28,7 @@ class GoalManager:
         tree = self.actions.tree(request.action)
         arguments = review_arguments(self.actions, tree.name, request)
         unable = self._missing_abilities(tree.name)
-        context = ExecutionContext(
-            self.actions,
-            self.affordances,
-            self.vision,
-            None if unable else self.motion,
-            self._grips,
-            self._parts,
-            self.interruption,
-            NormGuard(self._norms, self.actions, request, self._done, lambda: self.holding),
-            tuple(self.watchers),
-        )
-        execution = TreeExecutor(context, request)
+        execution = TreeExecutor(self, request, is_able=not unable)
         failure = execution.visit(tree.name, arguments)
         if failure and failure.cause == outcome_answer.INTERRUPTED:
             failure = outcome_answer.stopped(self.holding)
@@ -97,12 +39,6 @@ class GoalManager:
             is_done = self.motion is not None
             answer = outcome_answer.taught_done(request.action, names, is_done=is_done)
         return execution.result(answer)
-
-    @property
-    def holding(self) -> str | None:
-        """The type of the object in the hand, None when it is empty or there is no hand."""
-        held = self.motion.held if isinstance(self.motion, ReleasingMotion) else None
-        return held.object if held else None
 
     def empty_hand(self, control: str, named: str | None = None) -> AnswerContent:
         """Release, put down or put back what the hand holds; `named` is what it should be."""

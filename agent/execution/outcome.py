@@ -49,6 +49,23 @@ class Constraint:
     upper: float
     argument: str | None = None
 
+    @classmethod
+    def from_inference(cls, inference: Inference) -> Constraint | None:
+        """Return what an inference constrains the action to; None where nothing is concluded."""
+        best = inference.best
+        if best is None:
+            return None
+        interval, argument = best.interval, best.argument
+        is_part = argument is not None and argument.kind == "part"
+        part, other = (argument, None) if is_part else (None, argument)
+        return cls(
+            best.object,
+            part and part.name,
+            interval.lower,
+            interval.upper,
+            other and str(other),
+        )
+
     def as_json(self) -> Json:
         """As a step of `hilt do --json` shows it."""
         return {
@@ -91,17 +108,20 @@ class WalkStep:
         features: what getFeatures returned, as text.
         percepts: what the visual search found: name -> confidence.
         inference: what getAffordance concluded.
-        constraint: the constraint on the action, if any.
         action: the result of the action itself: "walked", "executed", "not executed", or the
-            reason of its failure.
+            reason of its failure; empty before it is done.
     """
 
     node: str
     features: tuple[str, ...]
     percepts: Mapping[str, float]
     inference: Inference
-    constraint: Constraint | None
-    action: str
+    action: str = ""
+
+    @property
+    def constraint(self) -> Constraint | None:
+        """The constraint on the action, if any."""
+        return Constraint.from_inference(self.inference)
 
     def as_json(self) -> Json:
         """As `hilt do --json` shows it."""

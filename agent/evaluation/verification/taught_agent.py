@@ -20,6 +20,7 @@ from functools import cache
 from typing import TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
+from ....inference.norms import NormChecker
 from ....inference.settings import Settings
 from ....inference.taxonomy import Taxonomy
 from ....inference.types import Candidate, Inference, Target
@@ -116,12 +117,13 @@ class TaughtAgent(AbstractContextManager["TaughtAgent"]):
         self._source = TracingSource(self.base)
         taxonomy = Taxonomy.from_base(self.base)
         self._affordances = Affordances(self._source, Settings.load(), taxonomy)
+        self._norms = NormChecker(self._affordances)
 
     def decide(self, action: str, target: Target, scene: Sequence[str]) -> TracedDecision:
         """Decide about a command, with perfect detection of the objects in the scene."""
         things = Scene(tuple(Placement(name, name) for name in scene), seed=0)
         vision = PerfectVision(things, _objects())
-        manager = GoalManager(_actions(), self._affordances, vision, motion=None)
+        manager = GoalManager(_actions(), self._affordances, vision, None, self._norms)
         trace = self._source.trace
         trace.listed.clear()
         trace.read.clear()
