@@ -21,10 +21,9 @@ from .rdf.record_mapping import (
     REQUIRED,
     FieldProperty,
     PropertyValues,
+    RecordMapping,
     group_properties,
     local_name,
-    read_fields,
-    record_properties,
 )
 from .rdf.rule_mapping import (
     CONTEXT,
@@ -138,16 +137,12 @@ class Episode:
 def episode_quads(episode: Episode) -> Iterator[Quad]:
     """The statements about a recorded episode, its steps and its grasp trials."""
     node = iri("episode", episode.id)
-    yield Quad(node, TYPE, term("Episode"), EPISODES)
-    for predicate, value in record_properties(episode, _EPISODE):
-        yield Quad(node, predicate, value, EPISODES)
+    yield from _EPISODES.quads(node, episode)
     for index, step in enumerate(episode.steps):
         step_node = iri("step", f"{episode.id}.{index}")
         yield Quad(node, STEP, step_node, EPISODES)
-        yield Quad(step_node, TYPE, term("Step"), EPISODES)
         yield Quad(step_node, INDEX, index, EPISODES)
-        for predicate, value in record_properties(step, _STEP):
-            yield Quad(step_node, predicate, value, EPISODES)
+        yield from _STEPS.quads(step_node, step)
         if step.interval is not None:
             bounds = step.interval.rounded()
             yield Quad(step_node, LOWER, Decimal(str(bounds.lower)), EPISODES)
@@ -155,15 +150,13 @@ def episode_quads(episode: Episode) -> Iterator[Quad]:
     for index, trial in enumerate(episode.trials):
         trial_node = iri("trial", f"{episode.id}.{index}")
         yield Quad(node, TRIAL, trial_node, EPISODES)
-        yield Quad(trial_node, TYPE, term("GraspTrial"), EPISODES)
         yield Quad(trial_node, INDEX, index, EPISODES)
-        for predicate, value in record_properties(trial, _TRIAL):
-            yield Quad(trial_node, predicate, value, EPISODES)
+        yield from _TRIALS.quads(trial_node, trial)
 
 
 def read_episodes(store: Store) -> Iterator[Episode]:
     """All episodes of a store, the oldest first."""
-    found = {quad.subject for quad in store.quads(None, TYPE, term("Episode"), EPISODES)}
+    found = {quad.subject for quad in store.quads(None, TYPE, _EPISODES.type, EPISODES)}
     yield from sorted(
         (_read(store, node) for node in found), key=lambda one: (one.utterance or 0, one.id)
     )
@@ -171,8 +164,8 @@ def read_episodes(store: Store) -> Iterator[Episode]:
 
 def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]:
     """The grasp trials that count, with an object `of` this kind and by this part, if given."""
-    wanted = ((_TRIAL["object"], of), (_TRIAL["part"], part))
-    for quad in store.quads(None, TYPE, term("GraspTrial"), EPISODES):
+    wanted = ((_TRIALS.fields["object"], of), (_TRIALS.fields["part"], part))
+    for quad in store.quads(None, TYPE, _TRIALS.type, EPISODES):
         found = group_properties(store.properties(quad.subject, EPISODES))
         fits = (name is None or at.encode(name) in found[at.predicate] for at, name in wanted)
         if not found[FORGOTTEN_BY] and all(fits):
@@ -181,11 +174,9 @@ def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]
 
 def _read(store: Store, node: Iri) -> Episode:
     found = group_properties(store.properties(node, EPISODES))
-    fields = read_fields(found, _EPISODE, "An episode")
     steps = tuple(map(_read_step, _in_order(store, found[STEP])))
-    trials = (read_fields(each, _TRIAL, "A trial") for each in _in_order(store, found[TRIAL]))
-    trials = tuple(GraspTrial(**each) for each in trials)
-    return Episode(**fields, steps=steps, trials=trials, id=local_name(node))
+    trials = tuple(map(_TRIALS.read, _in_order(store, found[TRIAL])))
+    return _EPISODES.read(found, steps=steps, trials=trials, id=local_name(node))
 
 
 def _in_order(store: Store, nodes: Iterable[Term]) -> list[PropertyValues]:
@@ -197,7 +188,7 @@ def _in_order(store: Store, nodes: Iterable[Term]) -> list[PropertyValues]:
 def _read_step(found: PropertyValues) -> EpisodeStep:
     bounds = [cast(float, found[key][0]) for key in (LOWER, UPPER) if found[key]]
     interval = Interval(*bounds) if bounds else None
-    return EpisodeStep(**read_fields(found, _STEP, "A step"), interval=interval)
+    return _STEPS.read(found, interval=interval)
 
 
 def _part_iri(name: str) -> Iri:
@@ -241,3 +232,6 @@ _EPISODE = {
     "utterance": FieldProperty(term("about"), Iri, utterance_iri, utterance_number, None),
     "time": FieldProperty(GENERATED_AT, datetime, default=None),
 }
+_EPISODES = RecordMapping(Episode, "An episode", term("Episode"), EPISODES, _EPISODE)
+_STEPS = RecordMapping(EpisodeStep, "A step", term("Step"), EPISODES, _STEP)
+_TRIALS = RecordMapping(GraspTrial, "A trial", term("GraspTrial"), EPISODES, _TRIAL)

@@ -19,12 +19,11 @@ from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, iri, term
 from .rdf.record_mapping import (
     FieldProperty,
+    RecordMapping,
     group_properties,
     local_name,
-    read_fields,
-    record_properties,
 )
-from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, TYPE, rule_id, rule_iri
+from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
 
@@ -111,15 +110,12 @@ def utterance_iri(sequence: int) -> Iri:
 
 def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
     """The statements about an utterance."""
-    node = utterance_iri(utterance.sequence)
-    yield Quad(node, TYPE, term("Utterance"), HISTORY)
-    for predicate, value in record_properties(utterance, _FIELDS):
-        yield Quad(node, predicate, value, HISTORY)
+    return _UTTERANCES.quads(utterance_iri(utterance.sequence), utterance)
 
 
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
     """The utterance with a node's properties; ValidationError if one is missing or malformed."""
-    return Utterance(**read_fields(group_properties(properties), _FIELDS, "An utterance"))
+    return _UTTERANCES.read(group_properties(properties))
 
 
 def utterance_number(node: Iri) -> int:
@@ -149,6 +145,7 @@ _FIELDS = {
     "retracts": rules_property(RETRACTS),
     "supersedes": rules_property(SUPERSEDES),
 }
+_UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY, _FIELDS)
 
 
 def _check_text(text: str) -> None:

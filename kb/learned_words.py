@@ -9,38 +9,54 @@ retracted stays in the graph with that status, as a rule does.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from hashlib import sha256
 
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
-from .rdf.record_mapping import (
-    FieldProperty,
-    PropertyValues,
-    group_properties,
-    read_fields,
-    record_properties,
-)
+from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
 from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
 from .rdf.terms import Quad
 from .rule import Atom, Status
 from .stores.base import Store
 
 LEXICON = iri("graph", "lexicon")
-WORD = term("Word")
-TOLD = {  # fields of all that utterances added to the language
+TOLD = {  # fields of all that utterances taught besides rules
     "said": FieldProperty(TEXT, str),
     "speaker": SPEAKER,
     "utterance": FieldProperty(DERIVED_FROM, Iri, utterance_iri, utterance_number),
 }
-_FIELDS = {"atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri), **TOLD}
-PHRASE = term("Phrase")
-_PHRASE_FIELDS = {
-    "pattern": FieldProperty(term("pattern"), str),
-    "meaning": FieldProperty(term("meaning"), str),
-    **TOLD,
-}
+
+
+@dataclass(frozen=True)
+class LearnedMapping(RecordMapping[Record]):
+    """How records are stored that utterances taught and that may be retracted.
+
+    `node` gives the node of a record, and `besides` the statements that only follow from it.
+    """
+
+    node: Callable[[Record], Iri]
+    besides: Callable[[Record], Iterator[Quad]] = lambda _: iter(())
+
+    def learned_quads(self, record: Record, *, status: Status = "active") -> Iterator[Quad]:
+        """The statements about a record, which has the number of its utterance."""
+        node = self.node(record)
+        yield from self.quads(node, record)
+        yield Quad(node, STATUS, status_iri(status), self.graph)
+        yield from self.besides(record)
+
+    def stored_quads(self, store: Store, record: Record) -> Iterator[Quad]:
+        """The statements that a store has about the node of a record."""
+        return store.quads(self.node(record), None, None, self.graph)
+
+    def active(self, store: Store) -> list[Record]:
+        """The records of a store that were not retracted, sorted."""
+        nodes = [quad.subject for quad in store.quads(None, TYPE, self.type, self.graph)]
+        # As a dict, because what was learned again, or merged, has several utterances.
+        found = [group_properties(dict(store.properties(n, self.graph)).items()) for n in nodes]
+        known = [self.read(one) for one in found if status_iri("active") in one[STATUS]]
+        return sorted(known)  # pyright: ignore[reportArgumentType] - ordered dataclasses
 
 
 @dataclass(frozen=True, order=True)
@@ -65,37 +81,6 @@ class LearnedWord:
             "speaker": self.speaker,
             "utterance": self.utterance,
         }
-
-
-def word_iri(atom: Atom) -> Iri:
-    """The node of a word, from the atom it denotes."""
-    return iri("word", f"{atom.kind}.{atom.name}")
-
-
-def word_quads(word: LearnedWord, utterance: int, *, status: Status = "active") -> Iterator[Quad]:
-    """The statements about a word learned from an utterance."""
-    node = word_iri(word.atom)
-    for kind in (WORD, external("ontolex:LexicalEntry")):
-        yield Quad(node, TYPE, kind, LEXICON)
-    yield Quad(node, LABEL, word.atom.name, LEXICON)
-    yield Quad(node, STATUS, status_iri(status), LEXICON)
-    for predicate, value in record_properties(replace(word, utterance=utterance), _FIELDS):
-        yield Quad(node, predicate, value, LEXICON)
-
-
-def read_words(store: Store) -> list[LearnedWord]:
-    """The active words of a store, sorted by what they denote."""
-    found = active_properties(store, WORD, LEXICON)
-    return sorted(LearnedWord(**read_fields(each, _FIELDS, "A word")) for each in found)
-
-
-def active_properties(store: Store, kind: Iri, graph: Iri) -> Iterator[PropertyValues]:
-    """The properties of each node of a class that was learned and not revoked."""
-    for node in [quad.subject for quad in store.quads(None, TYPE, kind, graph)]:
-        # As a dict, because what was learned again, or merged, has several utterances.
-        found = group_properties(dict(store.properties(node, graph)).items())
-        if status_iri("active") in found[STATUS]:
-            yield found
 
 
 @dataclass(frozen=True, order=True)
@@ -128,23 +113,28 @@ class LearnedPhrase:
         }
 
 
-def phrase_iri(pattern: str) -> Iri:
-    """The node of a phrase, from its pattern."""
-    return iri("phrase", sha256(pattern.encode()).hexdigest()[:16])
+def _word_iri(word: LearnedWord) -> Iri:
+    return iri("word", f"{word.atom.kind}.{word.atom.name}")
 
 
-def phrase_quads(
-    phrase: LearnedPhrase, utterance: int, *, status: Status = "active"
-) -> Iterator[Quad]:
-    """The statements about a phrase learned from an utterance."""
-    node = phrase_iri(phrase.pattern)
-    yield Quad(node, TYPE, PHRASE, LEXICON)
-    yield Quad(node, STATUS, status_iri(status), LEXICON)
-    for predicate, value in record_properties(replace(phrase, utterance=utterance), _PHRASE_FIELDS):
-        yield Quad(node, predicate, value, LEXICON)
+def _word_entry(word: LearnedWord) -> Iterator[Quad]:
+    yield Quad(_word_iri(word), TYPE, external("ontolex:LexicalEntry"), LEXICON)
+    yield Quad(_word_iri(word), LABEL, word.atom.name, LEXICON)
 
 
-def read_phrases(store: Store) -> list[LearnedPhrase]:
-    """The active phrases of a store, sorted by their patterns."""
-    found = active_properties(store, PHRASE, LEXICON)
-    return sorted(LearnedPhrase(**read_fields(one, _PHRASE_FIELDS, "A phrase")) for one in found)
+def _phrase_iri(phrase: LearnedPhrase) -> Iri:
+    return iri("phrase", sha256(phrase.pattern.encode()).hexdigest()[:16])
+
+
+_WORD = {"atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri), **TOLD}
+_PHRASE = {
+    "pattern": FieldProperty(term("pattern"), str),
+    "meaning": FieldProperty(term("meaning"), str),
+    **TOLD,
+}
+WORDS = LearnedMapping(
+    *(LearnedWord, "A word", term("Word"), LEXICON, _WORD), _word_iri, _word_entry
+)
+PHRASES = LearnedMapping(
+    *(LearnedPhrase, "A phrase", term("Phrase"), LEXICON, _PHRASE), _phrase_iri
+)

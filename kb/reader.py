@@ -17,7 +17,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
 from .interval import Interval
-from .learned_words import LearnedPhrase, LearnedWord, read_phrases, read_words
+from .learned_words import PHRASES, WORDS, LearnedPhrase, LearnedWord
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Term, as_sparql
@@ -146,11 +146,11 @@ class RuleReader:
 
     def words(self) -> list[LearnedWord]:
         """The learned words that were not revoked."""
-        return read_words(self.store)
+        return WORDS.active(self.store)
 
     def phrases(self) -> list[LearnedPhrase]:
         """The learned phrases that were not revoked."""
-        return read_phrases(self.store)
+        return PHRASES.active(self.store)
 
     def actions(self) -> list[TaughtAction]:
         """The taught actions that were not revoked, one of each name."""

@@ -10,28 +10,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from hashlib import sha256
 
 from ..ontology.vocabulary import Iri, iri, term
-from .learned_words import TOLD, active_properties
+from .learned_words import TOLD, LearnedMapping
 from .rdf.domain import node_statements
-from .rdf.record_mapping import FieldProperty, read_fields, record_properties
-from .rdf.rule_mapping import STATUS, TYPE, atom_from_iri, atom_iri, status_iri
+from .rdf.record_mapping import FieldProperty
+from .rdf.rule_mapping import atom_from_iri, atom_iri
 from .rdf.terms import Quad
-from .rule import Atom, Status
+from .rule import Atom
 from .stores.base import Store
 
 ACTIONS = iri("graph", "actions")
-TAUGHT_ACTION = term("TaughtAction")
-_FIELDS = {
-    "action": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
-    "meaning": FieldProperty(term("meaning"), str),
-    **TOLD,
-}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, order=True)
 class TaughtAction:
     """A taught action.
 
@@ -62,29 +56,30 @@ class TaughtAction:
         return {**json.loads(self.meaning), **who}
 
 
-def action_node(action: TaughtAction) -> Iri:
-    """The node of a taught action, from its name and meaning."""
+def read_actions(store: Store) -> list[TaughtAction]:
+    """The active taught actions of a store, one of each name, sorted by name."""
+    known = sorted(TAUGHT_ACTIONS.active(store), key=lambda one: one.utterance or 0)
+    latest = {each.name: each for each in known}
+    return [latest[name] for name in sorted(latest)]
+
+
+def _action_iri(action: TaughtAction) -> Iri:
     key = f"{action.name} {action.meaning}"
     return iri("taught", sha256(key.encode()).hexdigest()[:16])
 
 
-def action_quads(
-    action: TaughtAction, utterance: int, *, status: Status = "active"
-) -> Iterator[Quad]:
-    """The statements about an action that an utterance taught."""
-    node = action_node(action)
-    yield Quad(node, TYPE, TAUGHT_ACTION, ACTIONS)
-    yield Quad(node, STATUS, status_iri(status), ACTIONS)
-    for predicate, value in record_properties(replace(action, utterance=utterance), _FIELDS):
-        yield Quad(node, predicate, value, ACTIONS)
+def _tree_quads(action: TaughtAction) -> Iterator[Quad]:
     for path in action.nodes:
         for subject, predicate, value in node_statements(path):
             yield Quad(subject, predicate, value, ACTIONS)
 
 
-def read_actions(store: Store) -> list[TaughtAction]:
-    """The active taught actions of a store, one of each name, sorted by name."""
-    found = active_properties(store, TAUGHT_ACTION, ACTIONS)
-    known = [TaughtAction(**read_fields(each, _FIELDS, "A taught action")) for each in found]
-    latest = {each.name: each for each in sorted(known, key=lambda one: one.utterance or 0)}
-    return [latest[name] for name in sorted(latest)]
+_FIELDS = {
+    "action": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
+    "meaning": FieldProperty(term("meaning"), str),
+    **TOLD,
+}
+TAUGHT_ACTIONS = LearnedMapping(
+    *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS, _FIELDS),
+    *(_action_iri, _tree_quads),
+)

@@ -18,21 +18,14 @@ from ..ontology.vocabulary import Iri, iri, term
 from .episodes import EPISODES, FORGOTTEN_BY, trial_nodes
 from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
 from .interval import Interval
-from .learned_words import (
-    LEXICON,
-    LearnedPhrase,
-    LearnedWord,
-    phrase_iri,
-    phrase_quads,
-    word_iri,
-    word_quads,
-)
+from .learned_words import PHRASES, WORDS, LearnedMapping, LearnedPhrase, LearnedWord
 from .rdf import rule_mapping
+from .rdf.record_mapping import Record
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, TRUST_LOWER, TRUST_UPPER, RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
-from .taught_actions import ACTIONS, TaughtAction, action_node, action_quads
+from .taught_actions import TAUGHT_ACTIONS, TaughtAction
 
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 
@@ -107,11 +100,14 @@ class RuleWriter:
         with self._store.writing():
             change = _Change()
             change.insert += speaker_quads(source, BELIEFS) if source else []
+            number = self._reader.sequence + 1
             for word in words:
-                change.insert += word_quads(word, self._reader.sequence + 1)
+                change.insert += WORDS.learned_quads(replace(word, utterance=number))
             for action in actions:
-                self._end_actions(change, action.name)
-                change.insert += action_quads(action, self._reader.sequence + 1)
+                for known in TAUGHT_ACTIONS.active(self._store):
+                    if known.name == action.name:
+                        self._end_learned(change, TAUGHT_ACTIONS, known)
+                change.insert += TAUGHT_ACTIONS.learned_quads(replace(action, utterance=number))
             return self._write(utterance, list(asserted.values()), change)
 
     def record(
@@ -167,24 +163,15 @@ class RuleWriter:
 
     def forget_word(self, name: str, text: str, speaker: str) -> LearnedWord:
         """Retract a learned word, whose node stays; UnknownNameError if none has that name."""
-        with self._store.writing():
-            known = {word.atom.name: word for word in self._reader.words()}
-            if name not in known:
-                raise NotFoundError("learned word", name, known)
-            change = _Change()
-            node, word = word_iri(known[name].atom), known[name]
-            kept = word_quads(word, word.utterance or 0, status="retracted")
-            change.replace(self._store.quads(node, None, None, LEXICON), kept)
-            moment = to_milliseconds(self.clock())
-            self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
-        return word
+        said = self._correction(text, speaker)
+        return self._forget(WORDS, "learned word", lambda word: [word.atom.name], name, said)
 
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
         """Store a phrase that the last utterance confirmed; durable when this returns."""
         with self._store.writing():
-            before = self._store.quads(phrase_iri(phrase.pattern), None, None, LEXICON)
-            change = _Change()
-            change.replace(before, phrase_quads(phrase, self._reader.sequence))
+            kept, change = replace(phrase, utterance=self._reader.sequence), _Change()
+            before = PHRASES.stored_quads(self._store, kept)
+            change.replace(before, PHRASES.learned_quads(kept))
             self._store.apply(insert=change.insert, delete=change.delete)
 
     def forget_phrase(self, pattern: str, text: str, speaker: str) -> LearnedPhrase:
@@ -196,16 +183,10 @@ class RuleWriter:
         Raises:
             NotFoundError: there is no such phrase.
         """
-        with self._store.writing():
-            known = {each: p for p in self._reader.phrases() for each in (p.said, p.pattern)}
-            if pattern not in known:
-                raise NotFoundError("learned phrase", pattern, known)
-            phrase, change = known[pattern], _Change()
-            kept = phrase_quads(phrase, phrase.utterance or 0, status="retracted")
-            change.replace(self._store.quads(phrase_iri(phrase.pattern), None, None, LEXICON), kept)
-            moment = to_milliseconds(self.clock())
-            self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
-        return phrase
+        said = self._correction(text, speaker)
+        return self._forget(
+            PHRASES, "learned phrase", lambda one: [one.said, one.pattern], pattern, said
+        )
 
     def forget_trials(
         self, text: str, speaker: str, *, of: str | None = None, part: str | None = None
@@ -224,8 +205,7 @@ class RuleWriter:
                 raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
             by = utterance_iri(self._reader.sequence + 1)
             change = _Change([Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found])
-            moment = to_milliseconds(self.clock())
-            self._write(Utterance(0, text, "", speaker, moment, "correction"), [], change)
+            self._write(self._correction(text, speaker), [], change)
         return len(found)
 
     def forget_action(
@@ -235,21 +215,39 @@ class RuleWriter:
 
         `text` is the utterance that retracts it, for the history.
         """
-        with self._store.writing():
-            known = {action.name: action for action in self._reader.actions()}
-            if name not in known:
-                raise NotFoundError("taught action", name, known)
-            change, moment = _Change(), to_milliseconds(self.clock())
-            self._end_actions(change, name)
-            said = Utterance(0, text, "", speaker, moment, "correction", answer=answer)
-            self._write(said, [], change)
-        return known[name]
+        said = self._correction(text, speaker, answer)
+        return self._forget(TAUGHT_ACTIONS, "taught action", lambda one: [one.name], name, said)
 
-    def _end_actions(self, change: _Change, name: str) -> None:
-        """Retract the taught actions of a name, whose nodes stay."""
-        for action in (each for each in self._reader.actions() if each.name == name):
-            kept = action_quads(action, action.utterance or 0, status="retracted")
-            change.replace(self._store.quads(action_node(action), None, None, ACTIONS), kept)
+    def _forget(
+        self,
+        mapping: LearnedMapping[Record],
+        what: str,
+        names: Callable[[Record], list[str]],
+        name: str,
+        said: Utterance,
+    ) -> Record:
+        """Retract what has a name by an utterance, and return it."""
+        with self._store.writing():
+            known = mapping.active(self._store)
+            found = [record for record in known if name in names(record)]
+            if not found:
+                raise NotFoundError(what, name, (each for one in known for each in names(one)))
+            change = _Change()
+            for record in found:
+                self._end_learned(change, mapping, record)
+            self._write(said, [], change)
+        return found[-1]
+
+    def _end_learned(
+        self, change: _Change, mapping: LearnedMapping[Record], record: Record
+    ) -> None:
+        before = mapping.stored_quads(self._store, record)
+        change.replace(before, mapping.learned_quads(record, status="retracted"))
+
+    def _correction(self, text: str, speaker: str, answer: str = "") -> Utterance:
+        """An utterance that takes something back, not numbered yet."""
+        moment = to_milliseconds(self.clock())
+        return Utterance(0, text, "", speaker, moment, "correction", answer=answer)
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from ...ontology.errors import ValidationError
-from ...ontology.vocabulary import Iri, shortened, split
-from .terms import Term
+from ...ontology.vocabulary import Iri, external, shortened, split
+from .terms import Quad, Term
 
+TYPE = external("rdf:type")
+Record = TypeVar("Record")
 PropertyValues: TypeAlias = "defaultdict[Iri, list[Term]]"
 REQUIRED = object()  # the default of a field that is always stored
 
@@ -41,42 +43,57 @@ def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
     return found
 
 
-def record_properties(
-    record: object, fields: Mapping[str, FieldProperty]
-) -> Iterator[tuple[Iri, Term]]:
-    """The properties of a record, in the order of its fields in the table."""
-    for name, field in fields.items():
-        value = getattr(record, name)
-        if value != field.default:
-            for one in value if isinstance(value, tuple) else (value,):
-                yield field.predicate, field.encode(one)
+@dataclass(frozen=True)
+class RecordMapping(Generic[Record]):
+    """How the records of a dataclass are stored: each as a node with properties.
 
-
-def read_fields(
-    found: PropertyValues, fields: Mapping[str, FieldProperty], what: str
-) -> dict[str, Any]:
-    """The fields of a record; ValidationError if one is missing or malformed.
-
-    `what` is the name of such a record in messages, as "An utterance".
+    Attributes:
+        record: the dataclass.
+        what: such a record in messages, as "An utterance".
+        type: the class of the nodes.
+        graph: the graph in which they are.
+        fields: the property of each field, in the order in which they are written.
     """
-    return {
-        name: _read_field(found[field.predicate], field, what) for name, field in fields.items()
-    }
+
+    record: type[Record]
+    what: str
+    type: Iri
+    graph: Iri
+    fields: Mapping[str, FieldProperty]
+
+    def quads(self, node: Iri, record: Record) -> Iterator[Quad]:
+        """The statements about the node of a record."""
+        yield Quad(node, TYPE, self.type, self.graph)
+        for name, field in self.fields.items():
+            value = getattr(record, name)
+            if value != field.default:
+                for one in value if isinstance(value, tuple) else (value,):
+                    yield Quad(node, field.predicate, field.encode(one), self.graph)
+
+    def read(self, found: PropertyValues, **more: object) -> Record:
+        """The record of a node with these properties, and with `more` fields.
+
+        Raises:
+            ValidationError: a property is missing or malformed.
+        """
+        stored: dict[str, Any] = {
+            name: self._value(found[field.predicate], field) for name, field in self.fields.items()
+        }
+        return self.record(**stored, **more)
+
+    def _value(self, values: list[Term], field: FieldProperty) -> object:
+        if field.default == ():
+            return tuple(sorted(map(field.decode, values)))
+        if not values and field.default is not REQUIRED:
+            return field.default
+        if len(values) != 1 or not isinstance(values[0], field.kind):
+            expected = f"expected one {field.kind.__name__}"
+            raise ValidationError(
+                [f"{self.what} has {len(values)} {shortened(field.predicate)}; {expected}."]
+            )
+        return field.decode(values[0])
 
 
 def local_name(node: Iri) -> str:
     """The name of an individual, without its kind."""
     return split(node)[1]
-
-
-def _read_field(values: list[Term], field: FieldProperty, what: str) -> object:
-    if field.default == ():
-        return tuple(sorted(map(field.decode, values)))
-    if not values and field.default is not REQUIRED:
-        return field.default
-    if len(values) != 1 or not isinstance(values[0], field.kind):
-        expected = f"expected one {field.kind.__name__}"
-        raise ValidationError(
-            [f"{what} has {len(values)} {shortened(field.predicate)}; {expected}."]
-        )
-    return field.decode(values[0])

@@ -23,12 +23,12 @@ from ...ontology.errors import ValidationError
 from ...ontology.vocabulary import ATOM_KINDS, HILT, Iri, external, iri, split, term
 from ..interval import DIGITS, Interval
 from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule, Status
-from .record_mapping import group_properties
+from .record_mapping import TYPE, group_properties
 from .terms import Quad, Term
 
 BELIEFS = iri("graph", "beliefs")
 
-TYPE, LABEL = external("rdf:type"), external("rdfs:label")
+LABEL = external("rdfs:label")
 DERIVED_FROM = external("prov:wasDerivedFrom")
 ATTRIBUTED_TO = external("prov:wasAttributedTo")
 GENERATED_AT = external("prov:generatedAtTime")
