@@ -8,7 +8,7 @@ which body every pixel shows.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import radians, tan
 
@@ -33,16 +33,6 @@ _POSITIONS = (
     (0.30, -0.82, 0.70),
     (0.30, 0.82, 0.70),
 )  # [m], round the table, two of them facing the robot
-
-
-@dataclass(frozen=True)
-class ImageWindow:
-    """A rectangle of an image [pixels], from its first column and row."""
-
-    left: int
-    top: int
-    width: int
-    height: int
 
 
 @dataclass(frozen=True)
@@ -102,40 +92,19 @@ class Camera:
         row = self.height / 2 - self.focal * seen[:, 1] / ahead
         return np.column_stack([column, row])
 
-    def downscaled(self, factor: int) -> Camera:
-        """The same camera with `factor` times fewer pixels along each side."""
-        return replace(self, width=self.width // factor, height=self.height // factor)
-
-    def capture(
-        self,
-        engine: PhysicsEngine,
-        *,
-        light: Lighting = VISION_LIGHT,
-        window: ImageWindow | None = None,
-    ) -> CameraImage:
-        """Take an image, or only a window of one."""
-        window = window or ImageWindow(0, 0, self.width, self.height)
+    def capture(self, engine: PhysicsEngine, *, light: Lighting = VISION_LIGHT) -> CameraImage:
+        """Take an image."""
         view = poses.inverse(self.world_from_camera)
-        projection = self._window_matrix(window) @ self.projection
         colour, depth, labels, names = engine.rendering.render(
-            view, projection, window.width, window.height, light=light
+            view, self.projection, self.width, self.height, light=light
         )
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * depth)
-        return CameraImage(self, colour, depth, labels, names, window)
-
-    def _window_matrix(self, window: ImageWindow) -> Array:
-        """The matrix (4, 4) that shifts and scales clip space so that the window fills it."""
-        wider, higher = self.width / window.width, self.height / window.height
-        across = 1 - 2 * (window.left + window.width / 2) / self.width
-        upwards = 2 * (window.top + window.height / 2) / self.height - 1
-        result = np.diag([wider, higher, 1.0, 1.0])
-        result[:2, 3] = wider * across, higher * upwards
-        return result
+        return CameraImage(self, colour, depth, labels, names)
 
 
 @dataclass(frozen=True)
 class CameraImage:
-    """An image of one camera, or a window of one.
+    """An image of one camera.
 
     Attributes:
         camera: the camera.
@@ -143,7 +112,6 @@ class CameraImage:
         depth: depth along the camera's z axis (height, width) [m].
         labels: label of what each pixel shows (height, width).
         names: body and link of each label, without that of empty pixels.
-        window: the window of the whole image that this is.
     """
 
     camera: Camera
@@ -151,7 +119,6 @@ class CameraImage:
     depth: NDArray[np.float32]
     labels: NDArray[np.int32]
     names: Mapping[int, tuple[str, str]]
-    window: ImageWindow
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""
@@ -164,8 +131,8 @@ class CameraImage:
         rows, columns = np.nonzero(mask)
         camera = self.camera
         depth = self.depth[rows, columns].astype(np.float64)
-        across = (columns + self.window.left + SAMPLE[0] - camera.width / 2) / camera.focal
-        upwards = (camera.height / 2 - rows - self.window.top - SAMPLE[1]) / camera.focal
+        across = (columns + SAMPLE[0] - camera.width / 2) / camera.focal
+        upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
         seen = np.column_stack([across * depth, upwards * depth, -depth])
         return poses.transform(camera.world_from_camera, seen)
 

@@ -6,7 +6,7 @@ Known depth noise is removed before by fitting planes to each part.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,9 +16,9 @@ from ..poses import Array
 from ..scene.scene import ROOM
 from .camera import CameraImage
 from .object_detector import ObjectDetector
+from .occlusion import capture_objects
 from .percept import Percept
 from .point_cloud_operations import voxel_downsample
-from .region_of_interest import RegionRenderer
 
 FULL_CONFIDENCE = 0.95  # in a fully visible object; even that may be a good likeness
 FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views differ that much
@@ -31,11 +31,10 @@ _RIDGE = 0.1  # [pixel^2], keeps the plane level where the pixels lie in one lin
 
 
 class MaskDetector(ObjectDetector):
-    """Detects objects by their mask, in images of their region of interest."""
+    """Detects objects by their mask, in images of them alone."""
 
     def _render(self) -> Iterable[CameraImage]:
-        region = RegionRenderer.around(self.world.kinds, self.world.engine, room=ROOM)
-        return (region.capture(camera) for camera in self.cameras)
+        return capture_objects(self.world.engine, self.world.kinds, self.cameras, room=ROOM)
 
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera, and smooth depths that have noise."""
@@ -49,29 +48,36 @@ class MaskDetector(ObjectDetector):
 
     def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
         """Return the objects that images of one moment show with at least `MIN_PIXELS`."""
+        surfaces = [_surfaces(image, self.world.kinds) for image in images]
         for name, kind in self.world.kinds.items():
-            clouds = {part: _cloud(images, name, part) for part in kind.parts}
+            own = [{link: each[link] for link in each if link[0] == name} for each in surfaces]
+            areas = [sum(area for _, area in each.values()) for each in own]
+            clouds = {
+                part: np.vstack([each[name, part][0] for each in own if (name, part) in each])
+                for part in kind.parts
+                if any((name, part) in each for each in own)
+            }
             if sum(map(len, clouds.values())) >= MIN_PIXELS:
+                share = max(areas) / self.world.models[kind.name].silhouette
+                confidence = FULL_CONFIDENCE * min(1.0, share / FULL_SIGHT)
                 parts = {
                     part: cloud[voxel_downsample(cloud, CLOUD_SPACING)]
                     for part, cloud in clouds.items()
-                    if len(cloud)
                 }
-                expected = self.world.models[kind.name].silhouette
-                share = max(_silhouette(image, name) for image in images) / expected
-                confidence = FULL_CONFIDENCE * min(1.0, share / FULL_SIGHT)
                 yield Percept(name, kind.name, confidence, parts, kind.properties)
 
 
-def _cloud(images: Sequence[CameraImage], name: str, part: str) -> Array:
-    """The points in the world behind all pixels that show a part (n, 3) [m]."""
-    return np.vstack([image.points(image.mask(name, part)) for image in images])
-
-
-def _silhouette(image: CameraImage, name: str) -> float:
-    """The area of an object's silhouette in an image, at the distance of the object [m^2]."""
-    depths = image.depth[image.mask(name)].astype(np.float64)
-    return float(((depths / image.camera.focal) ** 2).sum())
+def _surfaces(
+    image: CameraImage, objects: Collection[str]
+) -> dict[tuple[str, str], tuple[Array, float]]:
+    """The points (n, 3) [m] and the area [m^2] that an image shows of each part of objects."""
+    mask = np.isin(image.labels, [n for n, (name, _) in image.names.items() if name in objects])
+    points, labels = image.points(mask), image.labels[mask]
+    areas = (image.depth[mask].astype(np.float64) / image.camera.focal) ** 2
+    return {
+        image.names[label]: (points[labels == label], float(areas[labels == label].sum()))
+        for label in np.unique(labels)
+    }
 
 
 def smooth_depth(

@@ -11,7 +11,7 @@ from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import object_model
 from hilt.sim.physics.engine import PhysicsEngine
-from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, SAMPLE, Camera, CameraImage, ImageWindow
+from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, SAMPLE, Camera, CameraImage
 
 CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
 BLOCK = object_model(load_objects()["block"])
@@ -89,20 +89,6 @@ def test_mask_of_what_is_not_there_is_empty(view: CameraImage):
     """Nothing shows a body that does not exist."""
     assert not view.mask("mug").any()
     assert not view.mask("block", "handle").any()
-
-
-@pytest.mark.sim
-def test_window_shows_its_part_of_the_image():
-    """The same pixels, and the same points in the world behind them."""
-    with PhysicsEngine() as engine:
-        engine.bodies.load("block", BLOCK.urdf, fixed=True)
-        whole = CAMERA.capture(engine)
-        view = CAMERA.capture(engine, window=ImageWindow(300, 200, 90, 70))
-
-    mask = np.zeros_like(whole.labels, dtype=bool)
-    mask[200:270, 300:390] = True
-    assert (view.labels == whole.labels[200:270, 300:390]).mean() > 0.999
-    assert view.points(view.labels == view.labels) == pytest.approx(whole.points(mask), abs=1e-4)
 
 
 def test_four_cameras_watch_the_table():
