@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, cast
+from typing import Any, Literal
 
 from ..execution.outcome import Json
 
@@ -36,10 +36,9 @@ class Case:
         return dict(vars(self))
 
     @classmethod
-    def from_json(cls, document: Mapping[str, object]) -> Case:
+    def from_json(cls, document: Mapping[str, Any]) -> Case:
         """Return the case that `as_json` wrote."""
-        spec = cast("Json", document["spec"])
-        return cls(str(document["experiment"]), str(document["key"]), spec)
+        return cls(str(document["experiment"]), str(document["key"]), document["spec"])
 
 
 @dataclass(frozen=True)
@@ -71,16 +70,15 @@ class CaseResult:
         return dict(vars(self))
 
     @classmethod
-    def from_json(cls, document: Mapping[str, object]) -> CaseResult:
+    def from_json(cls, document: Mapping[str, Any]) -> CaseResult:
         """Return the result that `as_json` wrote.
 
         Raises:
             KeyError, TypeError, ValueError: it is not such a document.
         """
         key, found, expected = (str(document[name]) for name in ("key", "found", "expected"))
-        kind, principle = cast("Kind", document["kind"]), int(cast("int", document["principle"]))
-        facts = dict(cast("Json", document["facts"]))
-        return cls(key, bool(document["right"]), kind, principle, found, expected, facts)
+        kind, principle, facts = document["kind"], int(document["principle"]), document["facts"]
+        return cls(key, bool(document["right"]), kind, principle, found, expected, dict(facts))
 
 
 @dataclass(frozen=True)
@@ -90,6 +88,20 @@ class TimedResult:
     result: CaseResult
     cpu_s: float
     attempts: int = 1
+
+    def as_json(self) -> Json:
+        """Return the JSON object that is a line of a journal."""
+        return {**vars(self), "result": self.result.as_json()}
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> TimedResult:
+        """Return the result that `as_json` wrote.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is not such a document.
+        """
+        result = CaseResult.from_json(document["result"])
+        return cls(result, float(document["cpu_s"]), int(document["attempts"]))
 
 
 def to_json_line(document: Json) -> str:

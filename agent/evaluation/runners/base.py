@@ -1,4 +1,4 @@
-"""The protocol of a runner, and running cases in this or in a worker process.
+"""The protocol of a runner, and running cases in this process or in others that may die or hang.
 
 A worker process gets the name and options of an experiment and constructs it again; cases and
 results are transferred as lines of JSON.
@@ -7,13 +7,16 @@ results are transferred as lines of JSON.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
+from queue import Empty, SimpleQueue
 from time import process_time
-from typing import Protocol, cast
+from typing import Protocol
 
 from ....ontology.errors import WorkersUnavailableError
-from ...execution.outcome import Json
 from ..case import Case, CaseResult, TimedResult, to_json_line
 from ..experiment import Experiment
 from ..experiments.registry import make_experiment
@@ -41,13 +44,8 @@ def run_case(experiment: Experiment, case: Case) -> TimedResult:
     return TimedResult(result, process_time() - start)
 
 
-def lost_case(case: Case, reason: str, attempts: int) -> TimedResult:
-    """Return the result of a case that no worker has finished."""
-    return TimedResult(CaseResult(case.key, False, "lost", 0, reason, "a result"), 0.0, attempts)
-
-
-def run_cases(name: str, options: str, cases: Sequence[str]) -> list[str]:
-    """Run cases in a worker process; arguments and results are JSON.
+def run_in_worker(name: str, options: str, case: str) -> str:
+    """Run a case in a worker process; arguments and result are JSON.
 
     Raises:
         WorkersError: the experiment cannot be constructed in this process.
@@ -56,8 +54,7 @@ def run_cases(name: str, options: str, cases: Sequence[str]) -> list[str]:
         experiment = _experiment(name, options)
     except Exception as error:  # an exception with a single text can be sent to any process
         raise WorkersUnavailableError(f"A worker process could not be started: {error}") from None
-    runs = (run_case(experiment, Case.from_json(json.loads(case))) for case in cases)
-    return [to_json_line({"result": r.result.as_json(), "cpu_s": r.cpu_s}) for r in runs]
+    return to_json_line(run_case(experiment, Case.from_json(json.loads(case))).as_json())
 
 
 @lru_cache(maxsize=1)  # keeps what is expensive to set up for the next cases
@@ -65,8 +62,57 @@ def _experiment(name: str, options: str) -> Experiment:
     return make_experiment(name, json.loads(options))
 
 
-def parse_case_run(line: str, attempts: int) -> TimedResult:
-    """Return the result that `run_cases` wrote."""
-    document = cast("Json", json.loads(line))
-    result = CaseResult.from_json(cast("Json", document["result"]))
-    return TimedResult(result, cast("float", document["cpu_s"]), attempts)
+def run_in_pool(
+    cases: Sequence[Case],
+    start: Callable[[str], Future[str]],
+    failures: tuple[type[Exception], ...],
+    *,
+    attempts: int,
+    at_once: int | None = None,
+    patience_s: float | None = None,
+) -> Iterator[TimedResult]:
+    """Run cases in other processes, and yield the results as they become available.
+
+    Args:
+        cases: what is run.
+        start: starts `run_in_worker` with a case.
+        failures: what it raises where the process died or timed out; then the case is started
+            again.
+        attempts: how often a case is started.
+        at_once: how many cases are started at the same time; None starts all.
+        patience_s: how long the processes may take to start a case [s].
+
+    Raises:
+        WorkersError: no process can be started.
+    """
+    finished: SimpleQueue[tuple[Case, int, Future[str]]] = SimpleQueue()
+    pending: set[Future[str]] = set()
+    waiting = iter(cases)
+
+    def begin(case: Case, attempt: int) -> None:
+        future = start(to_json_line(case.as_json()))
+        pending.add(future)
+        future.add_done_callback(lambda done: finished.put((case, attempt, done)))
+
+    for case in islice(waiting, at_once):
+        begin(case, 1)
+    while pending:
+        try:
+            case, attempt, future = finished.get(timeout=patience_s)
+        except Empty:
+            if any(future.running() for future in pending):
+                continue
+            problem = f"No worker process has started in {patience_s:g} s."
+            raise WorkersUnavailableError(f"{problem} Run with one worker to see why.") from None
+        pending.remove(future)
+        try:
+            yield replace(TimedResult.from_json(json.loads(future.result())), attempts=attempt)
+        except failures:
+            if attempt < attempts:
+                begin(case, attempt + 1)
+                continue
+            reason = f"its worker process died or timed out {attempt} times"
+            lost = CaseResult(case.key, False, "lost", 0, reason, "a result")
+            yield TimedResult(lost, 0.0, attempt)
+        for each in islice(waiting, 1):
+            begin(each, 1)

@@ -24,7 +24,7 @@ from typing import cast
 
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
-from ..case import Case, CaseResult, TimedResult, to_json_line
+from ..case import Case, TimedResult, to_json_line
 from ..experiment import Experiment
 
 JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
@@ -67,7 +67,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
 
     def add(self, run: TimedResult) -> None:
         """Write a result."""
-        self._write({"result": run.result.as_json(), "cpu_s": run.cpu_s, "attempts": run.attempts})
+        self._write(run.as_json())
         self.runs[run.result.key] = run
 
     def finish(self, cases: Sequence[Case], files: Mapping[str, Json] | None = None) -> None:
@@ -162,11 +162,7 @@ def _parsed(source: str, number: int, line: bytes) -> Json:
 def _read_run(source: str, number: int, line: bytes) -> TimedResult:
     document = _parsed(source, number, line)
     try:
-        return TimedResult(
-            CaseResult.from_json(cast("Json", document["result"])),
-            float(cast("float", document["cpu_s"])),
-            int(cast("int", document["attempts"])),
-        )
+        return TimedResult.from_json(document)
     except (KeyError, TypeError, ValueError) as error:
         raise DataError("is not a result.", source=source, line=number) from error
 

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future
 from dataclasses import dataclass
 from multiprocessing import get_context
-from queue import Empty, SimpleQueue
 
 from pebble import ProcessExpired, ProcessPool
 
-from ....ontology.errors import WorkersUnavailableError
 from ..case import Case, TimedResult, to_json_line
 from ..experiment import Experiment
-from .base import ATTEMPTS, TIMEOUT_S, lost_case, parse_case_run, run_case, run_cases
+from .base import ATTEMPTS, TIMEOUT_S, run_case, run_in_pool, run_in_worker
 
 START_S = 120.0  # how long the worker processes may take to start a case [s]
-
-Started = tuple[Case, int, "Future[list[str]]"]  # case, its attempt, its result
 
 
 class SerialRunner:
@@ -49,44 +44,17 @@ class ProcessRunner:
         if not cases:
             return
         pool = ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))
-        finished: SimpleQueue[Started] = SimpleQueue()
-        pending: set[Future[list[str]]] = set()
         name, options = experiment.name, to_json_line(experiment.options)
-
-        def start(case: Case, attempt: int) -> None:
-            work = (name, options, [to_json_line(case.as_json())])
-            future = pool.schedule(run_cases, args=work, timeout=self.timeout_s)
-            pending.add(future)
-            future.add_done_callback(lambda done: finished.put((case, attempt, done)))
-
         try:
-            for case in cases:
-                start(case, 1)
-            while pending:
-                case, attempt, future = _next_finished(finished, pending)
-                pending.remove(future)
-                try:
-                    (line,) = future.result()
-                    yield parse_case_run(line, attempt)
-                except (ProcessExpired, TimeoutError):
-                    if attempt < self.attempts:
-                        start(case, attempt + 1)
-                    else:
-                        reason = f"its worker process died or timed out {attempt} times"
-                        yield lost_case(case, reason, attempt)
+            yield from run_in_pool(
+                cases,
+                lambda case: pool.schedule(
+                    run_in_worker, args=(name, options, case), timeout=self.timeout_s
+                ),
+                (ProcessExpired, TimeoutError),
+                attempts=self.attempts,
+                patience_s=START_S,
+            )
         finally:
             pool.stop()
             pool.join()
-
-
-def _next_finished(finished: SimpleQueue[Started], pending: set[Future[list[str]]]) -> Started:
-    """Wait for the next finished case, as long as any case has started within `START_S`."""
-    while True:
-        try:
-            return finished.get(timeout=START_S)
-        except Empty:
-            if not any(future.running() for future in pending):
-                problem = f"No worker process has started in {START_S:g} s."
-                raise WorkersUnavailableError(
-                    f"{problem} Run with one worker to see why."
-                ) from None
