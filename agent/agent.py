@@ -30,6 +30,7 @@ from ..ontology.objects import ObjectType
 from ..sim.robot.interruption import Interruption
 from . import protocols
 from .config import AgentConfig, actions_with, load_language, open_base
+from .dialogue.conversation import Conversation
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
@@ -92,17 +93,20 @@ class Agent:
         self._hearing = Lock()
         self._film: Film | None = None
         self._episodes = EpisodeRecorder(base, self.circumstances, self.state, self.robot)
-        self.dialogue = DialogueManager(
+        conversation = Conversation(
             base,
             language.with_words(action_words(actions, language)),
-            lambda: self.goals,
             self.visible,
-            self._episodes.record,
-            judge=self.judge,
-            actions=actions,
             holding=self.holding,
             seed=self.scene.seed,
             other=dialogue,
+        )
+        self.dialogue = DialogueManager(
+            conversation,
+            lambda: self.goals,
+            self._episodes.record,
+            judge=self.judge,
+            actions=actions,
         )
         self.dialogue.contexts.update(config.context_intervals())
 

@@ -12,7 +12,6 @@ from dataclasses import replace
 
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Target
-from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom
 from ...kb.taught_actions import TaughtAction
 from ...nlu.lexicon.vocabulary import NewWord
@@ -40,7 +39,6 @@ class ActionLessons:
     """Learns, lists and forgets actions that people teach.
 
     Args:
-        base: where they are kept.
         conversation: the conversation in which they are taught.
         actions: those that Hilt comes with.
 
@@ -48,8 +46,8 @@ class ActionLessons:
         actions: these and the taught ones.
     """
 
-    def __init__(self, base: KnowledgeBase, conversation: Conversation, actions: Actions) -> None:
-        self._base, self._conversation, self._own = base, conversation, actions
+    def __init__(self, conversation: Conversation, actions: Actions) -> None:
+        self._base, self._conversation, self._own = conversation.base, conversation, actions
         self.actions = actions
         self._read()
 

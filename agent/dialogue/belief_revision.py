@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -29,12 +28,11 @@ class BeliefRevision:
     """Changes what Hilt believes by what is said in a conversation.
 
     Args:
-        base: where beliefs and the history are kept.
         conversation: the conversation in which it is said.
     """
 
-    def __init__(self, base: KnowledgeBase, conversation: Conversation) -> None:
-        self._base, self._conversation = base, conversation
+    def __init__(self, conversation: Conversation) -> None:
+        self._base, self._conversation = conversation.base, conversation
 
     def learn(self, turn: UnderstoodTurn, said: meaning.Statement) -> Reply:
         """Believe what a speaker states, and return the reply that says what that is."""

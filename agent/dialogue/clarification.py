@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
 
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
@@ -16,33 +15,21 @@ from .reply import Reply
 from .teaching import rule_from_answer
 
 
-class Hear(Protocol):
-    """Understands a whole utterance and acts on it, as `DialogueManager.hear`."""
-
-    def __call__(
-        self,
-        text: str,
-        *,
-        speaker: str,
-        heard: float = 1.0,
-        keep: bool = True,
-        accepted: Collection[str] = (),
-    ) -> Reply:
-        """Understand one utterance, act on it, and return the reply."""
-        ...
-
-
 class ClarificationDialogue:
     """What Hilt asks back in a conversation, and its understanding of short answers.
 
     Args:
         conversation: the conversation in which it asks.
-        hear: understands an utterance again, or one that a short answer stands for.
+        hear: understands an utterance again, or one that a short answer stands for; its arguments
+            are those of `DialogueManager.hear`.
         respond: acts on what was understood, and returns the reply.
     """
 
     def __init__(
-        self, conversation: Conversation, hear: Hear, respond: Callable[[UnderstoodTurn], Reply]
+        self,
+        conversation: Conversation,
+        hear: Callable[..., Reply],
+        respond: Callable[[UnderstoodTurn], Reply],
     ) -> None:
         self._conversation = conversation
         self._hear, self._respond = hear, respond

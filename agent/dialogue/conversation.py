@@ -21,7 +21,13 @@ from ..execution.outcome import AnswerContent, Decision, Ending, Slot
 from .acquaintances import Acquaintances
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import phrase_to_keep, word_to_keep
+from .teaching import (
+    phrase_from_base,
+    phrase_to_keep,
+    word_for_person,
+    word_from_base,
+    word_to_keep,
+)
 from .translation import meaning_from_rule, norm_from_rule
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
@@ -80,11 +86,14 @@ class Conversation:
         language: Language,
         visible: Callable[[], tuple[str, ...]],
         *,
-        holding: Callable[[], str | None],
-        seed: int,
-        other: protocols.Dialogue | None,
+        holding: Callable[[], str | None] = lambda: None,
+        seed: int = 0,
+        other: protocols.Dialogue | None = None,
     ) -> None:
-        self.language = language
+        people = (word_for_person(name) for name in base.trust_by_speaker())
+        words = (*map(word_from_base, base.words()), *people)
+        phrases = map(phrase_from_base, base.phrases())
+        self.language = language.with_words(words).with_phrases(phrases)
         self.discourse = Discourse()
         self.open_question: OpenQuestion | None = None
         self.topic: tuple[Rule, ...] = ()

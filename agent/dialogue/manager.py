@@ -16,7 +16,6 @@ from typing import Any
 from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import Interval
-from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Atom
 from ...nlu.language import Language
 from ...nlu.offers.courtesies import answer_to
@@ -24,7 +23,6 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.actions import Actions
 from ...ontology.errors import UnknownNameError
-from .. import protocols
 from ..execution.goal_manager import GoalManager
 from ..execution.outcome import AnswerContent, GoalResult, WorldOutcome
 from ..execution.outcome_answer import use_slot
@@ -38,7 +36,6 @@ from .open_question import OpenQuestion
 from .part_agreements import PartAgreements
 from .questions import answer
 from .reply import Reply
-from .teaching import phrase_from_base, word_for_person, word_from_base
 from .translation import choosing, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
@@ -53,17 +50,12 @@ class DialogueManager:
     """One conversation, with any number of speakers.
 
     Args:
-        base: where beliefs and the history are kept.
-        language: understands utterances and words the answers.
+        conversation: what is said.
         goals: returns the goal manager, which is made when the first command comes.
-        visible: returns the names of the objects in view.
         record_episode: called with every command that was carried out and its reply, and whether
             it is to be kept.
         judge: returns what the norms say of a request.
         actions: those that the robot comes with.
-        holding: returns the name of the object in the hand, None when it is empty.
-        seed: the seed of everything random, kept with each reply.
-        other: a language part that is asked first.
 
     Attributes:
         lessons: the actions that are taught.
@@ -72,28 +64,17 @@ class DialogueManager:
 
     def __init__(
         self,
-        base: KnowledgeBase,
-        language: Language,
+        conversation: Conversation,
         goals: Callable[[], GoalManager],
-        visible: Callable[[], tuple[str, ...]],
         record_episode: Callable[[Request, Reply, bool], None],
         *,
         judge: Callable[[Request], NormVerdict],
         actions: Actions,
-        holding: Callable[[], str | None] = lambda: None,
-        seed: int = 0,
-        other: protocols.Dialogue | None = None,
     ) -> None:
-        people = (word_for_person(name) for name in base.trust_by_speaker())
-        words = (*(word_from_base(word) for word in base.words()), *people)
-        known = language.with_words(words).with_phrases(map(phrase_from_base, base.phrases()))
-        self._base = base
-        self._conversation = Conversation(
-            base, known, visible, holding=holding, seed=seed, other=other
-        )
-        self._beliefs = BeliefRevision(base, self._conversation)
-        self.lessons = ActionLessons(base, self._conversation, actions)
-        self._clarification = ClarificationDialogue(self._conversation, self.hear, self._respond)
+        self._conversation = conversation
+        self._beliefs = BeliefRevision(conversation)
+        self.lessons = ActionLessons(conversation, actions)
+        self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
         self._agreements = PartAgreements(lambda: goals().affordances)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
@@ -102,7 +83,7 @@ class DialogueManager:
         self._interrupted: Callable[[], Reply] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._last: tuple[UnderstoodTurn, Request] | None = None  # the last command
-        self._norms = NormDialogue(base, self._conversation, judge)
+        self._norms = NormDialogue(conversation, judge)
         self._just_stopped: AnswerContent | None = None  # until a control has confirmed it
         # Meaning -> who responds, and the answer where only trusted speakers may say it.
         self._listeners: dict[type, tuple[Callable[[UnderstoodTurn, Any], Reply], str]] = {
@@ -150,7 +131,7 @@ class DialogueManager:
         Raises:
             StoreError: what was said could not be stored; then nothing was believed.
         """
-        speaker = self._conversation.people.speaker(self._base.match_speaker(speaker))
+        speaker = self._conversation.people.speaker(self._conversation.base.match_speaker(speaker))
         self._conversation.listener = speaker
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
@@ -178,7 +159,7 @@ class DialogueManager:
         self, text: str, said: meaning.Control, *, speaker: str, heard: float, keep: bool
     ) -> Reply:
         """Confirm a "wait" or "go on" while another thread carries out a command."""
-        speaker = self._base.match_speaker(speaker)
+        speaker = self._conversation.base.match_speaker(speaker)
         turn = UnderstoodTurn(Understanding(text, speaker, "self", said), heard, keep)
         return self._conversation.answered(turn, "waiting" if said.is_halt else "going_on", "done")
 

@@ -14,7 +14,6 @@ from ...inference.node_rules import GRASP
 from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import CERTAIN
-from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rdf.rule_mapping import rule_id
 from ...kb.rule import NORMS, PERMITTED, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
@@ -35,18 +34,12 @@ class NormDialogue:
     """What is forbidden, obliged and permitted in a conversation.
 
     Args:
-        base: where norms are kept.
         conversation: the conversation.
         judge: returns what the norms say of a request.
     """
 
-    def __init__(
-        self,
-        base: KnowledgeBase,
-        conversation: Conversation,
-        judge: Callable[[Request], NormVerdict],
-    ) -> None:
-        self._base, self._conversation, self._judge = base, conversation, judge
+    def __init__(self, conversation: Conversation, judge: Callable[[Request], NormVerdict]) -> None:
+        self._base, self._conversation, self._judge = conversation.base, conversation, judge
         self._momentary: dict[str, tuple[Rule, Understanding]] = {}
 
     # --- Laid down and lifted -------------------------------------------------------------------
