@@ -9,18 +9,17 @@ the trial means over that of independent samples).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import sqrt
+from pathlib import Path
 from typing import cast
 
+from ....ontology.yaml_reader import YamlNode, read_yaml
 from ...execution.outcome import Json
 from ..case import CaseResult
 
-FUSIONS = ("yager", "dempster", "cautious", "mean")
-THRESHOLDS = ("0", "0.005", "0.01", "0.02")
-GARBLINGS = ("misheard", "dropped", "swapped")
+CURVES_FILE = Path(__file__).parents[1] / "noise_curves.yaml"
 OUTCOMES = ("right", "wrong", "declined")
-SENSORS = ("missed", "confused", "confidence")
 
 
 @dataclass(frozen=True)
@@ -33,59 +32,29 @@ class AccuracyCurve:
         values: the noise levels; the first is no noise.
         lines: label of a line -> inference setting ("fusion=mean"), or another variant.
         sound: the lines that must be right in every case without noise.
+        is_sensor_noise: whether the noise is in the sensors.
     """
 
     name: str
     label: str
     values: tuple[float, ...]
-    lines: Mapping[str, str] = field(default_factory=lambda: {"default": ""})
-    sound: frozenset[str] = frozenset({"default"})
-
-    @property
-    def is_sensor_noise(self) -> bool:
-        """Whether the noise is in the sensors."""
-        return self.name in SENSORS
+    lines: Mapping[str, str]
+    sound: tuple[str, ...]
+    is_sensor_noise: bool
 
 
-SHARES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5)
-_BY_THRESHOLD = {f"Λ = {value}": f"threshold={value}" for value in THRESHOLDS}
-_BY_FUSION = {name: f"fusion={name}" for name in FUSIONS}
+def _curve(name: str, spec: YamlNode) -> AccuracyCurve:
+    keys = spec.entries(required={"label", "values"}, optional={"lines", "sound", "sensor"})
+    lines = {"default": ""}
+    if "lines" in keys:
+        lines = {line: variant.text() for line, variant in keys["lines"].entries().items()}
+    sound = keys["sound"].texts(choices=lines) if "sound" in keys else tuple(lines)
+    is_sensor_noise = "sensor" in keys and keys["sensor"].truth()
+    label, values = keys["label"].text(), keys["values"].numbers()
+    return AccuracyCurve(name, label, values, lines, sound, is_sensor_noise)
 
-CURVES: Mapping[str, AccuracyCurve] = {
-    curve.name: curve
-    for curve in (
-        AccuracyCurve("missed", "share of objects that are not detected", SHARES),
-        AccuracyCurve("confused", "share of objects detected as another type", SHARES),
-        AccuracyCurve(
-            "confidence",
-            "largest loss of detection confidence",
-            (0.0, 0.2, 0.4, 0.6, 0.8, 0.95),
-            _BY_THRESHOLD,
-            frozenset(list(_BY_THRESHOLD)[:3]),  # above .0148 "occasionally" is rejected
-        ),
-        AccuracyCurve(
-            "speech",
-            "share of misrecognised words",
-            (0.0, 0.02, 0.05, 0.1, 0.2),
-            {name: name for name in GARBLINGS},
-            frozenset(GARBLINGS),
-        ),
-        AccuracyCurve(
-            "trust",
-            "trust in a second teacher, who says the opposite",
-            (0.0, 0.25, 0.5, 0.75, 0.9, 1.0),
-            _BY_FUSION,
-            frozenset(FUSIONS),
-        ),
-        AccuracyCurve(
-            "wrong",
-            "share of rules that a second, fully trusted teacher contradicts",
-            (0.0, 0.1, 0.25, 0.5, 1.0),
-            _BY_FUSION,
-            frozenset(FUSIONS),
-        ),
-    )
-}
+
+CURVES = {name: _curve(name, spec) for name, spec in read_yaml(CURVES_FILE).entries().items()}
 
 
 def curve_points(results: Sequence[CaseResult]) -> list[Json]:

@@ -72,12 +72,12 @@ class NoiseExperiment(Experiment):
         return [
             Case(
                 self.name,
-                f"{curve.name}/{line}/{value:g}/{trial}",
-                {"curve": curve.name, "line": line, "value": value, "trial": trial},
+                f"{name}/{line}/{value:g}/{trial}",
+                {"curve": name, "line": line, "value": value, "trial": trial},
             )
-            for curve in map(CURVES.__getitem__, self._wanted)
-            for line in curve.lines
-            for value in curve.values
+            for name in self._wanted
+            for line in CURVES[name].lines
+            for value in CURVES[name].values
             for trial in range(self.trials)
         ]
 
