@@ -191,6 +191,22 @@ class Rule:
         """Whether it supports its conclusion, rather than opposing it or neither."""
         return round(self.interval.lower + self.interval.upper, DIGITS) > 1.0
 
+    def restated(
+        self,
+        features: frozenset[Atom],
+        interval: Interval,
+        utterance: int | None = None,
+        time: datetime | None = None,
+    ) -> Rule:
+        """This rule with other features, interval and source; checks nothing else, for millions."""
+        if not features and not self.contexts:
+            raise ValidationError(["A rule needs at least one feature or context."])
+        rule = object.__new__(Rule)
+        changed = {"features": features, "interval": interval.rounded()}
+        vars(rule).update(vars(self), **changed, utterance=utterance, time=time)
+        vars(rule).pop("id", None)
+        return rule
+
     def applies_to(self, material: Collection[str]) -> bool:
         """Whether it concerns a use on a material, given its name and those of its kinds.
 

@@ -75,7 +75,7 @@ class Iri(str):
         return type(other) is Iri and str.__eq__(self, other)
 
     def __ne__(self, other: object) -> bool:
-        return not self == other
+        return type(other) is not Iri or str.__ne__(self, other)
 
     def __repr__(self) -> str:
         return f"Iri({str(self)!r})"

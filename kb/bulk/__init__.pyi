@@ -2,7 +2,7 @@ from .exporter import scan_rules, write_statements
 from .importer import ImportObserver, import_rules, import_statements
 from .nquads_reader import RuleBlock, StatementGroup, read_groups
 from .reconciliation import ImportConflict, ImportSummary
-from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from .rule_nquads import FastRuleReader, NQuadsWriter
 
 __all__ = [
     "FastRuleReader",
@@ -11,8 +11,6 @@ __all__ = [
     "ImportSummary",
     "NQuadsWriter",
     "RuleBlock",
-    "RuleSerializer",
-    "SerializedRule",
     "StatementGroup",
     "import_rules",
     "import_statements",

@@ -52,7 +52,7 @@ from .reconciliation import (
     plan_rest,
     plan_trust,
 )
-from .rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from .rule_nquads import FastRuleReader, NQuadsWriter
 
 MAX_LISTED = 20  # conflicts that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
@@ -105,7 +105,7 @@ def import_statements(
 
 
 def import_rules(
-    base: KnowledgeBase, rules: Iterable[SerializedRule], *, source: str, dry_run: bool = False
+    base: KnowledgeBase, rules: Iterable[Rule], *, source: str, dry_run: bool = False
 ) -> ImportSummary:
     """Import rules; as `import_statements`."""
     one = _Import(base, source, check_invariants)  # only rules are read, so no shape can be broken
@@ -135,7 +135,7 @@ class _Import:
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
 
-    def run(self, rules: Iterable[SerializedRule], *, dry_run: bool) -> ImportSummary:
+    def run(self, rules: Iterable[Rule], *, dry_run: bool) -> ImportSummary:
         """Import rules, and what was read besides them."""
         store = self.base.store
         with store.writing(), paused_garbage_collection():
@@ -154,9 +154,9 @@ class _Import:
             tuple(self.conflicts),
         )
 
-    def read_rules(self, statements: Iterable[Statements]) -> Iterator[SerializedRule]:
+    def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
         """The rules among statements; what belongs to none is put aside."""
-        fast, serializer = FastRuleReader(), RuleSerializer()
+        fast = FastRuleReader()
         for item in statements:
             if isinstance(item, RuleBlock):
                 rule = fast.read(item)
@@ -166,7 +166,7 @@ class _Import:
             for group in item.groups() if isinstance(item, RuleBlock) else [item]:
                 checked = _checked(group, self.source)
                 if checked.node.startswith(_RULES):
-                    yield serializer.serialize(_read_rule(checked.node, checked.pairs))
+                    yield _read_rule(checked.node, checked.pairs)
                 else:
                     self.rest += self._besides_rules(checked)
             if len(self.rest) > MAX_REST:
@@ -190,7 +190,7 @@ class _Import:
             elif key not in derived:
                 yield Quad(node, key, value, graph)
 
-    def _lines(self, rules: Iterable[SerializedRule], plan: AncillaryWrites) -> Iterator[bytes]:
+    def _lines(self, rules: Iterable[Rule], plan: AncillaryWrites) -> Iterator[bytes]:
         """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
         writer, before = NQuadsWriter(), plan.last
         for rule in self._new_rules(rules):
@@ -212,38 +212,33 @@ class _Import:
             staging.close()
         yield from writer.taken(0)
 
-    def _new_rules(self, rules: Iterable[SerializedRule]) -> Iterator[SerializedRule]:
+    def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
         """The rules that the base does not have; what has to be known of them is kept."""
         believed, observer = BelievedRules(self.base), self.observer
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
-            number, utterance, time, *_ = rule
-            shared = rule.template.rule
+            number = _number(rule.id)
             if number in there:
                 self.known += 1
-                if observer and there[number] != rule_mapping.status_iri(shared.status):
-                    observer.add_different(rule.rule)
+                if observer and there[number] != rule_mapping.status_iri(rule.status):
+                    observer.add_different(rule)
                 continue
             if number in self.seen:
                 continue
             self.seen.add(number)
             self.ids.append(number)
-            self.utterances.append(utterance or 0)
-            self.speakers.add(shared.speaker)
-            if time is None:
+            self.utterances.append(rule.utterance or 0)
+            self.speakers.add(rule.speaker)
+            if rule.time is None:
                 self.timeless.add(number)
-            if observer or (there and shared.status == "active"):
-                value = rule.rule
-                same = (
-                    believed.with_conclusion_of(value)
-                    if there and shared.status == "active"
-                    else ()
-                )
-                found = conflicts_of(value, same)
+            same: Sequence[Rule] = ()
+            if there and rule.status == "active":
+                same = believed.with_conclusion_of(rule)
+                found = conflicts_of(rule, same)
                 self.conflicting += len(found)
                 self.conflicts += found[: MAX_LISTED - len(self.conflicts)]
-                if observer:
-                    observer.add_new(value, same)
+            if observer:
+                observer.add_new(rule, same)
             yield rule
 
     def _utterances(self, other: RuleReader) -> Iterator[Utterance]:

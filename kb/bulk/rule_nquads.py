@@ -1,8 +1,8 @@
 """Rules as lines of N-Quads, written from what many of them share.
 
-What rules have in common (`RuleTemplate`) and what they are about (`FeatureLines`) is worked out
-and checked once; each further rule costs its name, its interval and the joining of its lines. The
-statements are those of `rule_mapping.rule_quads`; a test compares them.
+What rules have in common (`SharedLines`) and what they are about (`FeatureLines`) is worked out
+once; each further rule costs its name and the joining of its lines. The statements are those of
+`rule_mapping.rule_quads`; a test compares them.
 
 `FastRuleReader` does the same for the rules of a file. Most large files are exports, in which every
 rule stands as Hilt writes it. A rule that stands there in another form, or breaks a law, is left to
@@ -18,14 +18,14 @@ from decimal import Decimal
 from functools import lru_cache
 from typing import NamedTuple, TypeAlias, cast
 
-from ...ontology.errors import HiltError, IntervalError, ValidationError
+from ...ontology.errors import HiltError
 from ...ontology.vocabulary import PREFIXES, Iri, split
 from ..history import ASSERTS, HISTORY
 from ..interval import DIGITS, Interval
 from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, RULE, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
-from ..rule import Atom, Rule, Status, atoms_text, id_from_content
+from ..rule import Atom, Rule, Status
 from .nquads_reader import MAX_KNOWN, RuleBlock, make_room, remember
 
 Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
@@ -42,28 +42,22 @@ _BOUND = re.compile(
     f"({as_sparql(LOWER)}|{as_sparql(UPPER)}) "
     rf'"([01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>(?: {as_sparql(BELIEFS)})? \.'
 )
-_OWN = (FEATURE, LOWER, UPPER, DERIVED_FROM, GENERATED_AT)  # not of the template
+_OWN = (FEATURE, LOWER, UPPER, DERIVED_FROM, GENERATED_AT)  # not shared
 _SHARED = "shared"  # stands for all other predicates
 _ANY = Atom("object", "any")  # stands for the features of a rule
 _TRUE = Interval(1.0, 1.0)  # of a rule that asserts, so that it has edges
 
 
-class RuleTemplate(NamedTuple):
-    """What rules share that differ in their features, bounds, source and time.
+class SharedLines(NamedTuple):
+    """The lines of rules that differ in their features, bounds, source and time.
 
     Attributes:
-        rule: one of them, about any object.
-        contexts: as they stand in the content that gives a rule its name.
-        conclusion: likewise.
         ends: the lines of a rule without their subject.
         node: the action-tree node, as it is written.
         edge: the line of a plain edge without its subject; empty where there is none.
         labels: the lines that type and name what the rules speak of.
     """
 
-    rule: Rule
-    contexts: str
-    conclusion: str
     ends: tuple[str, ...]
     node: str
     edge: str
@@ -71,131 +65,34 @@ class RuleTemplate(NamedTuple):
 
 
 class FeatureLines(NamedTuple):
-    """The features of a rule as text.
+    """The lines of the features of a rule.
 
-    They are `spelled` as in the content that gives a rule its name; `ends` are their lines without
-    the subject, `nodes` their IRIs, and `labels` the lines that type and name them.
+    `ends` are those of the rule without the subject, `nodes` their IRIs as they are written, and
+    `labels` the lines that type and name them.
     """
 
-    atoms: frozenset[Atom]
-    spelled: str
     ends: tuple[str, ...]
     nodes: tuple[str, ...]
     labels: str
-
-
-class SerializedRule(NamedTuple):
-    """A rule as text.
-
-    Attributes:
-        number: its id as a number.
-        utterance: number of the utterance in the file that it comes from; None without one.
-        time: when it was first believed; None where nothing is said.
-        lower: its belief, in [0, 1], with all digits.
-        upper: its plausibility.
-        asserts: whether it speaks for its conclusion.
-        lines: its own statements but for its source.
-        template: what it shares with others.
-        features: what it is about.
-    """
-
-    number: int
-    utterance: int | None
-    time: datetime | None
-    lower: str
-    upper: str
-    asserts: bool
-    lines: str
-    template: RuleTemplate
-    features: FeatureLines
-
-    @property
-    def rule(self) -> Rule:
-        """The rule as a value."""
-        one, interval = self.template.rule, Interval(float(self.lower), float(self.upper))
-        return Rule(
-            *(self.features.atoms, one.contexts, one.functor, one.argument, interval),
-            *(one.speaker, self.utterance, self.time, one.status),
-        )
-
-
-class RuleSerializer:
-    """Makes text of rules."""
-
-    def __init__(self) -> None:
-        self.features = lru_cache(MAX_KNOWN)(_feature_lines)
-        self._template = lru_cache(MAX_KNOWN)(_template)
-        self._time_line = lru_cache(MAX_KNOWN)(_time_line)
-
-    def serialize(self, rule: Rule) -> SerializedRule:
-        """Return a rule as text."""
-        interval = rule.interval
-        return self.assemble(
-            *(self.template(rule), self.features(rule.features)),
-            *(f"{interval.lower:.{DIGITS}f}", f"{interval.upper:.{DIGITS}f}"),
-            time=rule.time,
-            utterance=rule.utterance,
-        )
-
-    def assemble(
-        self,
-        template: RuleTemplate,
-        features: FeatureLines,
-        lower: str,
-        upper: str,
-        *,
-        time: datetime | None = None,
-        utterance: int | None = None,
-    ) -> SerializedRule:
-        """Return a rule of its parts; the bounds have all their fractional digits.
-
-        Raises:
-            ValidationError: it has neither features nor contexts.
-            IntervalError: its bounds are no interval.
-        """
-        belief, plausibility = float(lower), float(upper)
-        if not 0.0 <= belief <= plausibility <= 1.0:
-            raise IntervalError(belief, plausibility)
-        rule, contexts, conclusion, ends, *_ = template
-        if not (features.atoms or rule.contexts):
-            raise ValidationError(["A rule needs at least one feature or context."])
-        name = id_from_content(
-            *(rule.speaker, features.spelled, contexts, conclusion, f"{lower} {upper}")
-        ).removeprefix("rule/")
-        lines = (
-            *("", *ends, *features.ends, *(self._time_line(time) if time else ())),
-            f'{_LOWER}"{lower}{_BOUND_END}',
-            f'{_UPPER}"{upper}{_BOUND_END}',
-        )
-        return SerializedRule(
-            *(int(name, 16), utterance, time, lower, upper),
-            round(belief + plausibility, DIGITS) > 1.0,
-            *(f"<{_RULES}{name}>".join(lines), template, features),
-        )
-
-    def template(self, rule: Rule) -> RuleTemplate:
-        """Return what a rule shares with others."""
-        return self._template(rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
 
 
 class FastRuleReader:
     """Reads the rules of a file that stand there as Hilt writes them."""
 
     def __init__(self) -> None:
-        self._serializer = RuleSerializer()
-        self._templates: dict[tuple[str, ...], RuleTemplate] = {}
-        self._features: dict[tuple[str, ...], FeatureLines] = {}
+        self._shared: dict[tuple[str, ...], Rule] = {}
+        self._features: dict[tuple[str, ...], frozenset[Atom]] = {}
         self._known: dict[str, tuple[str, Term]] = {}
 
-    def read(self, block: RuleBlock) -> SerializedRule | None:
+    def read(self, block: RuleBlock) -> Rule | None:
         """Return the rule of a block; None where it has to be read in full."""
         try:
             rule = self._read(block)
         except (HiltError, KeyError, ValueError):
             return None
-        return rule if f"{block.node}" == f"{_RULES}{rule.number:016x}" else None
+        return rule if f"{block.node}" == f"{_RULES}{rule.id[5:]}" else None
 
-    def _read(self, block: RuleBlock) -> SerializedRule:
+    def _read(self, block: RuleBlock) -> Rule:
         shared, features, own = list[str](), list[str](), dict[str, Term]()
         known = self._known
         for tail in block.tails:
@@ -208,46 +105,47 @@ class FastRuleReader:
                 raise ValueError(tail)
             else:
                 own[key] = value
-        return self._serializer.assemble(
-            *(self._template(tuple(shared), block), self._feature_lines(tuple(features), block)),
-            *(cast(str, own[LOWER]), cast(str, own[UPPER])),
-            time=cast("datetime | None", own.get(GENERATED_AT)),
-            utterance=cast("int | None", own.get(DERIVED_FROM)),
+        return self._shared_content(tuple(shared), block).restated(
+            self._atoms(tuple(features), block),
+            Interval(cast(float, own[LOWER]), cast(float, own[UPPER])),
+            cast("int | None", own.get(DERIVED_FROM)),
+            cast("datetime | None", own.get(GENERATED_AT)),
         )
 
     def _read_line(self, tail: str, block: RuleBlock) -> tuple[str, Term]:
         """The predicate of a line, and its object as far as it is needed."""
         if bound := _BOUND.fullmatch(tail):
-            key = LOWER if bound[1] == f"<{LOWER}>" else UPPER
-            found = key, f"{float(bound[2]):.{DIGITS}f}"
+            found = LOWER if bound[1] == f"<{LOWER}>" else UPPER, float(bound[2])
             if len(bound[2]) > _MAX_REPEATED:
                 return found
         else:
             found = _own_or_shared(block.quad(tail))
         return remember(self._known, tail, found)
 
-    def _template(self, tails: tuple[str, ...], block: RuleBlock) -> RuleTemplate:
-        known = self._templates.get(tails)
+    def _shared_content(self, tails: tuple[str, ...], block: RuleBlock) -> Rule:
+        """A rule about any object with the other properties that these lines give."""
+        known = self._shared.get(tails)
         if known is None:
             pairs = [block.quad(tail)[1:3] for tail in tails]
             own = ((FEATURE, rule_mapping.atom_iri(_ANY)), (LOWER, Decimal(1)), (UPPER, Decimal(1)))
             rule = rule_mapping.read_rule([*pairs, *own])
             written = [q for q in rule_mapping.property_quads(rule) if q.predicate not in _OWN]
             _check_equal(pairs, written)
-            known = remember(self._templates, tails, self._serializer.template(rule))
+            known = remember(self._shared, tails, rule)
         return known
 
-    def _feature_lines(self, tails: tuple[str, ...], block: RuleBlock) -> FeatureLines:
+    def _atoms(self, tails: tuple[str, ...], block: RuleBlock) -> frozenset[Atom]:
+        """The features that these lines give."""
         known = self._features.get(tails)
         if known is None:
             pairs = [block.quad(tail)[1:3] for tail in tails]
-            atoms = {
+            atoms = frozenset(
                 rule_mapping.atom_from_iri(value) for _, value in pairs if isinstance(value, Iri)
-            }
+            )
             _check_equal(
                 pairs, [Quad(Iri(""), FEATURE, rule_mapping.atom_iri(atom)) for atom in atoms]
             )
-            known = remember(self._features, tails, self._serializer.features(frozenset(atoms)))
+            known = remember(self._features, tails, atoms)
         return known
 
 
@@ -255,23 +153,35 @@ class NQuadsWriter:
     """Writes rules and other statements as N-Quads; edges and labels come at least once."""
 
     def __init__(self) -> None:
-        self._edges: set[tuple[str, str]] = set()
+        self._edges: set[tuple[frozenset[Atom], str]] = set()
         self._labelled: set[str] = set()
         self._name = lru_cache(MAX_KNOWN)(as_sparql)
+        self._shared_lines = lru_cache(MAX_KNOWN)(_shared_lines)
+        self._feature_lines = lru_cache(MAX_KNOWN)(_feature_lines)
         self._held: list[str] = []
         self._size = 0
 
-    def write_rule(self, rule: SerializedRule) -> None:
+    def write_rule(self, rule: Rule) -> None:
         """Write all statements of a rule but for its source."""
-        template, features, lines = rule.template, rule.features, rule.lines
-        if template.rule.status == "active":
-            lines += f"{template.node}{_RULE}<{_RULES}{rule.number:016x}>{_END}"
-            if rule.asserts and template.edge and self._is_first(features.spelled, template.edge):
-                lines += "".join([node + template.edge for node in features.nodes])
-        if features.labels not in self._labelled or template.labels not in self._labelled:
+        shared = self._shared_lines(
+            *(rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
+        )
+        features, node = self._feature_lines(rule.features), f"<{_RULES}{rule.id[5:]}>"
+        ends = (
+            *("", *shared.ends, *features.ends),
+            *((f"{_TIME}{self._name(rule.time)}{_END}",) if rule.time else ()),
+            f'{_LOWER}"{rule.interval.lower:.{DIGITS}f}{_BOUND_END}',
+            f'{_UPPER}"{rule.interval.upper:.{DIGITS}f}{_BOUND_END}',
+        )
+        lines = node.join(ends)
+        if rule.status == "active":
+            lines += f"{shared.node}{_RULE}{node}{_END}"
+            if shared.edge and rule.asserts and self._is_first(rule.features, shared.edge):
+                lines += "".join([one + shared.edge for one in features.nodes])
+        if features.labels not in self._labelled or shared.labels not in self._labelled:
             make_room(self._labelled)
-            self._labelled.update((features.labels, template.labels))
-            lines += features.labels + template.labels
+            self._labelled.update((features.labels, shared.labels))
+            lines += features.labels + shared.labels
         self._write(lines)
 
     def write_property(self, numbers: Iterable[int], key: Iri, value: Term) -> None:
@@ -299,7 +209,7 @@ class NQuadsWriter:
             self._held.clear()
             self._size = 0
 
-    def _is_first(self, features: str, edge: str) -> bool:
+    def _is_first(self, features: frozenset[Atom], edge: str) -> bool:
         if (features, edge) in self._edges:
             return False
         make_room(self._edges)
@@ -311,14 +221,14 @@ class NQuadsWriter:
         self._size += len(text)
 
 
-def _template(
+def _shared_lines(
     contexts: frozenset[Atom], functor: str, argument: Atom | None, speaker: str, status: Status
-) -> RuleTemplate:
-    one = Rule(*(frozenset([_ANY]), contexts, functor, argument, _TRUE, speaker), status=status)
+) -> SharedLines:
+    features = frozenset([_ANY])
+    one = Rule(features, contexts, functor, argument, _TRUE, speaker, status=status)
     edges = rule_mapping.plain_edges(one)
     atoms = one.contexts | ({one.argument} if one.argument else frozenset())
-    return RuleTemplate(
-        *(one, atoms_text(one.contexts), one.conclusion),
+    return SharedLines(
         tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in _OWN),
         as_sparql(rule_mapping.node_edge(one).subject),
         _end(edges[0]) if edges else "",
@@ -326,16 +236,10 @@ def _template(
     )
 
 
-def _time_line(time: datetime) -> tuple[str, ...]:
-    return (f"{_TIME}{as_sparql(time)}{_END}",)
-
-
 def _feature_lines(atoms: frozenset[Atom]) -> FeatureLines:
     nodes = tuple(as_sparql(rule_mapping.atom_iri(atom)) for atom in sorted(atoms))
     ends = tuple(f" {as_sparql(FEATURE)} {node}{_END}" for node in nodes)
-    return FeatureLines(
-        atoms, atoms_text(atoms), ends, nodes, _lines(rule_mapping.atom_label_quads(atoms))
-    )
+    return FeatureLines(ends, nodes, _lines(rule_mapping.atom_label_quads(atoms)))
 
 
 def _end(quad: Quad) -> str:

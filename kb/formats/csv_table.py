@@ -7,7 +7,6 @@ separates several atoms in one cell.
 from __future__ import annotations
 
 import csv
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from operator import itemgetter
@@ -15,12 +14,10 @@ from typing import TextIO, TypeAlias
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ..bulk.nquads_reader import remember
-from ..bulk.rule_nquads import RuleSerializer, RuleTemplate, SerializedRule
 from ..interval import DIGITS
 from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
 from . import value_notation
-from .value_notation import split_atoms
 
 COLUMNS = (
     *("features", "contexts", "functor", "argument", "lower", "upper"),
@@ -30,7 +27,7 @@ REQUIRED = ("features", "functor", "lower")
 Cells: TypeAlias = Sequence[str]  # of a rule, one for each of `COLUMNS`
 
 
-def read_table(lines: Iterable[str], *, source: str) -> Iterator[SerializedRule]:
+def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     """Iterate over the rules of a table, in its order.
 
     The first line has the names of the columns.
@@ -106,17 +103,16 @@ def _header(names: Sequence[str], source: str) -> list[str]:
 
 
 class _RowReader:
-    """Makes rules of rows; what comes again is read once."""
+    """Makes rules of rows; what several rows share is read once."""
 
     def __init__(self, names: Sequence[str], source: str) -> None:
         self._count, self._source = len(names), source
         # A column that is missing is found behind the last one.
         places = (names.index(name) if name in names else len(names) for name in COLUMNS)
         self._in_order = itemgetter(*places)
-        self._serializer = RuleSerializer()
-        self._templates: dict[tuple[str, ...], RuleTemplate] = {}
+        self._known: dict[tuple[str, ...], Rule] = {}
 
-    def read(self, numbered: tuple[int, list[str]]) -> SerializedRule:
+    def read(self, numbered: tuple[int, list[str]]) -> Rule:
         """Return the rule of a row, which is given with its line."""
         line, row = numbered
         try:
@@ -128,29 +124,10 @@ class _RowReader:
         except HiltError as error:
             raise DataError(str(error), source=self._source, line=line) from error
 
-    def _read(self, cells: Sequence[str]) -> SerializedRule:
-        features, contexts, functor, argument, lower, upper, speaker, status, time = cells
-        key = (contexts, functor, argument, speaker, status)
-        template = self._templates.get(key)
-        if template and not time:
-            belief, low = _bound(lower)
-            plausibility, high = _bound(upper or "1")
-            if 0.0 <= belief <= plausibility <= 1.0:
-                atoms = self._serializer.features(
-                    split_atoms(features, value_notation.FEATURE_KIND)
-                )
-                return self._serializer.assemble(template, atoms, low, high)
-        rule = value_notation.read_rule(cells)  # which also says what is wrong
-        if not template:
-            remember(self._templates, key, self._serializer.template(rule))
-        return self._serializer.serialize(rule)
-
-
-@lru_cache(maxsize=2**16)
-def _bound(cell: str) -> tuple[float, str]:
-    """A bound, and its text with all digits; NaN where the cell is no number."""
-    try:
-        bound = float(cell)
-    except ValueError:
-        return math.nan, ""
-    return bound, f"{bound + 0.0:.{DIGITS}f}"  # -0.0 + 0.0 is 0.0
+    def _read(self, cells: Sequence[str]) -> Rule:
+        features, *shared, lower, upper, speaker, status, time = cells
+        known = self._known.get(key := (*shared, speaker, status, time))
+        if known is None:
+            return remember(self._known, key, value_notation.read_rule(cells))
+        seen = value_notation.split_atoms(features.strip(), value_notation.FEATURE_KIND)
+        return known.restated(seen, value_notation.read_interval(lower, upper), time=known.time)

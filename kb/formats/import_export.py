@@ -23,7 +23,6 @@ from ..bulk.exporter import (
 from ..bulk.importer import import_rules, import_statements
 from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, expand_blocks, read_groups
 from ..bulk.reconciliation import ImportSummary
-from ..bulk.rule_nquads import RuleSerializer, SerializedRule
 from ..knowledge_base import KnowledgeBase
 from ..merge import merge
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
@@ -121,13 +120,12 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa:
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen) as source:
         if chosen.name in RULE_FORMATS:
-            return stage_rules(one.rule for one in read_rules(source, chosen))
+            return stage_rules(read_rules(source, chosen))
         return _staged(read_statements(source, chosen), source.name)
 
 
-def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[SerializedRule]:
+def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Rule]:
     """The rules of a file that holds rules only."""
-    serialize = RuleSerializer().serialize
     match chosen.name:
         case "csv":
             from .csv_table import read_table
@@ -136,11 +134,11 @@ def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Serialized
         case "graphml":
             from .graphml import read_graphml
 
-            yield from map(serialize, read_graphml(source.readall(), source=source.name))
+            yield from read_graphml(source.readall(), source=source.name)
         case _:
             from .rule_yaml import read_sheet
 
-            yield from map(serialize, read_sheet("".join(source.lines()), source=source.name))
+            yield from read_sheet("".join(source.lines()), source=source.name)
 
 
 def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[Statements]:

@@ -150,11 +150,20 @@ def read_rule(cells: Sequence[str]) -> Rule:
         split_atoms(contexts, CONTEXT_KIND),
         functor,
         read_argument(argument, functor),
-        Interval(_number(lower, "lower"), _number(upper, "upper") if upper else 1.0),
+        read_interval(lower, upper),
         speaker=speaker,
         status=status,
         time=time,
     )
+
+
+def read_interval(lower: str, upper: str) -> Interval:
+    """Return an interval; without an upper bound up to 1.
+
+    Raises:
+        HiltError: a bound is no number, or they are no interval.
+    """
+    return Interval(_number(lower, "lower"), _number(upper, "upper") if upper.strip() else 1.0)
 
 
 @lru_cache(maxsize=2**16)

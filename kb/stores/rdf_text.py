@@ -17,7 +17,7 @@ from ..rdf.rule_mapping import TYPE
 from ..rdf.terms import Quad
 from .base import EmbeddedStore, EngineQuad, Store, batched
 from .errors import syntax_error, translated_errors, translated_text_errors
-from .term_conversion import from_engine, quad_from_engine, quad_to_engine
+from .term_conversion import from_engine, quad_from_engine, quad_to_engine, shared_iri
 
 RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
@@ -156,8 +156,8 @@ def write_rdf_to(
 
 def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
     graph: Any = quad.graph_name
-    subject, predicate = cast(Iri, from_engine(quad.subject)), Iri(quad.predicate.value)
-    place = default if isinstance(graph, engine.DefaultGraph) else cast(Iri, from_engine(graph))
+    subject, predicate = cast(Iri, from_engine(quad.subject)), shared_iri(quad.predicate.value)
+    place = default if isinstance(graph, engine.DefaultGraph) else shared_iri(graph.value)
     value: Any = quad.object
     if isinstance(value, engine.Triple):
         parts = cast("list[Any]", [from_engine(part) for part in value])

@@ -51,6 +51,12 @@ def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
     return engine.Literal(text, datatype=named_node(datatype))
 
 
+@lru_cache(maxsize=2**10)
+def shared_iri(text: str) -> Iri:
+    """The IRI of a text that comes often, as one object, which is quick to compare."""
+    return Iri(text)
+
+
 @lru_cache(maxsize=2**16)
 def named_node(iri: str) -> engine.NamedNode:
     """The pyoxigraph node of an IRI."""

@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.bulk.nquads_reader import LineReader, RuleBlock
-from hilt.kb.bulk.rule_nquads import FastRuleReader, NQuadsWriter, RuleSerializer, SerializedRule
+from hilt.kb.bulk.rule_nquads import FastRuleReader, NQuadsWriter
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import Rule
 from hilt.kb.stores.rdf_text import read_rdf, write_rdf
-from hilt.ontology.errors import IntervalError, ValidationError
+from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, iri, term
 
 from ..conftest import BLADE
@@ -50,7 +50,7 @@ def blocks(rule_id: str, some: list[Pair]) -> list[RuleBlock]:
     return [block for block in found if isinstance(block, RuleBlock)]
 
 
-def written(some: list[SerializedRule]) -> set[object]:
+def written(some: list[Rule]) -> set[object]:
     """The statements that are written of rules."""
     writer = NQuadsWriter()
     for rule in some:
@@ -68,12 +68,7 @@ def mapped(some: list[Rule]) -> set[object]:
 @settings(deadline=None)
 def test_lines_are_the_statements_of_the_rules(some: list[Rule]):
     """The fast way to write rules agrees with the naive one, however much they share."""
-    serializer = RuleSerializer()
-
-    serialized = [serializer.serialize(rule) for rule in some]
-
-    assert written(serialized) == mapped(some)
-    assert [one.rule for one in serialized] == some
+    assert written(some) == mapped(some)
 
 
 @given(st.lists(RULES, max_size=6))
@@ -84,27 +79,27 @@ def test_rules_of_an_export_are_copied(some: list[Rule]):
 
     found = [reader.read(*blocks(rule.id, pairs(rule))) for rule in some]
 
-    assert [one and one.rule for one in found] == some
+    assert found == some
     assert written([one for one in found if one]) == mapped(some)
 
 
-@pytest.mark.parametrize("bounds", [("0.500000", "0.400000"), ("nan", "1.0"), ("0.1", "1.1")])
-def test_bounds_that_are_no_interval_are_refused(bounds: tuple[str, str]):
-    """No wrong interval comes into a base, by this way either."""
-    serializer = RuleSerializer()
-    parts = serializer.template(BLADE), serializer.features(BLADE.features)
+@given(RULES, RULES)
+def test_restated_rule_is_that_of_its_parts(one: Rule, other: Rule):
+    """With the features, interval and source of another rule."""
+    parts = {"features": other.features, "interval": other.interval}
+    if not other.features and not one.contexts:
+        return
 
-    with pytest.raises(IntervalError):
-        serializer.assemble(*parts, *bounds)
+    found = one.restated(*parts.values(), other.utterance, other.time)
+
+    assert found == replace(one, **parts, utterance=other.utterance, time=other.time)
+    assert found.id == replace(one, **parts).id
 
 
 def test_rule_without_premises_is_refused():
     """It has neither features nor contexts."""
-    serializer = RuleSerializer()
-    template = serializer.template(replace(BLADE, contexts=frozenset()))
-
     with pytest.raises(ValidationError, match="at least one feature or context"):
-        serializer.assemble(template, serializer.features(frozenset()), "0.900000", "1.000000")
+        replace(BLADE, contexts=frozenset()).restated(frozenset(), BLADE.interval)
 
 
 @pytest.mark.parametrize("lost", [key for key, _ in pairs(BLADE) if key != rule_mapping.CONTEXT])

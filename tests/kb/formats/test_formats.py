@@ -154,7 +154,7 @@ def test_sheet_and_table_and_graph_hold_whole_rules(some: list[Rule]):
 
     assert list(read_sheet(text.getvalue(), source="x")) == some
     found = read_table(table.getvalue().splitlines(True), source="x")
-    assert [one.rule for one in found] == some
+    assert list(found) == some
     assert {rule.id for rule in rules_of_graph(graph_of(some))} == {rule.id for rule in some}
 
 
