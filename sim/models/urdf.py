@@ -164,11 +164,16 @@ def _assembled(urdf: Path, attachment: HandFile | None, speeds: Sequence[float])
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _read(path: Path) -> ElementTree.Element:
+def read_urdf(path: Path) -> ElementTree.Element:
+    """Return the root element of a URDF file; a `DataError` when it is none."""
     try:
-        root = ElementTree.parse(path).getroot()  # noqa: S314 - a robot file of the installation
+        return ElementTree.parse(path).getroot()  # noqa: S314 - a robot file of the installation
     except (OSError, ElementTree.ParseError) as error:
         raise DataError(f"expected a URDF file: {error}.", source=str(path)) from error
+
+
+def _read(path: Path) -> ElementTree.Element:
+    root = read_urdf(path)
     for contact in root.iter("contact"):
         for element in [*contact.findall("stiffness"), *contact.findall("damping")]:
             contact.remove(element)

@@ -110,7 +110,7 @@ def self_clearance(
 
     Spheres of the arm that move with the hand do not count.
     """
-    last = max(i for i, joint in enumerate(chain.joints) if joint.kind != "fixed")
+    last = np.flatnonzero(chain.moves)[-1]
     behind = arm.link < last
     frames = chain.frames(joints)
     at = held.placed(frames)[:, :, None] - arm.placed(frames)[:, None, behind]

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...ontology.errors import DataError
 from .. import poses
+from ..models.urdf import read_urdf
 from ..poses import Array
 
 POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to 30 steps
@@ -27,29 +28,6 @@ MAX_STEP = 0.4  # [rad] of a joint, within which the linearisation holds
 MAX_JUMP = 0.5  # [rad] between two poses of a path; more is another branch of solutions
 DAMPING = 0.03  # of a distant target; near the target it falls to a tenth
 ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
-
-
-@dataclass(frozen=True)
-class ChainJoint:
-    """One joint of a chain, as in the URDF.
-
-    Attributes:
-        name: name of the joint.
-        kind: "revolute", "prismatic" or "fixed".
-        parent_from_joint: pose (4, 4) on the link before it.
-        axis: unit axis (3,) in the joint's frame.
-        low: lowest position [rad] or [m].
-        high: highest position [rad] or [m].
-        speed: highest speed [rad/s] or [m/s].
-    """
-
-    name: str
-    kind: str
-    parent_from_joint: Array
-    axis: Array
-    low: float
-    high: float
-    speed: float
 
 
 @dataclass(frozen=True)
@@ -65,87 +43,74 @@ class IkSolutions:
     found: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KinematicChain:
-    """The joints from a robot's base to its tip, the fixed ones too, and the link behind each."""
+    """The n joints from a robot's base to its tip, of which k move, as in the URDF.
 
-    joints: tuple[ChainJoint, ...]
+    Attributes:
+        links: names of the links behind the joints.
+        names: names of the joints that move.
+        moves: whether each joint moves (n,).
+        turns: 1 for each revolute joint, 0 for each prismatic one (k, 1).
+        parent_from_joint: pose of each joint on the link before it (n, 4, 4).
+        axes: unit axes of the joints that move, in their own frames (k, 3).
+        low: lower limits (k,) [rad] or [m].
+        high: upper limits (k,) [rad] or [m].
+        speed: highest speeds (k,) [rad/s] or [m/s].
+    """
+
     links: tuple[str, ...]
-
-    @cached_property
-    def moving(self) -> tuple[ChainJoint, ...]:
-        """The k joints that are not fixed."""
-        return tuple(joint for joint in self.joints if joint.kind != "fixed")
-
-    @cached_property
-    def low(self) -> Array:
-        """Lower limits (k,) [rad]."""
-        return np.array([joint.low for joint in self.moving])
-
-    @cached_property
-    def high(self) -> Array:
-        """Upper limits (k,) [rad]."""
-        return np.array([joint.high for joint in self.moving])
-
-    @cached_property
-    def speed(self) -> Array:
-        """Speed limits (k,) [rad/s]."""
-        return np.array([joint.speed for joint in self.moving])
+    names: tuple[str, ...]
+    moves: np.ndarray
+    turns: Array
+    parent_from_joint: Array
+    axes: Array
+    low: Array
+    high: Array
+    speed: Array
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array, Array]:
-        """The factors (links, 4, 4) in `frames` of 1, the sine, 1 - cosine, and the joint value."""
-        constant = np.stack([joint.parent_from_joint for joint in self.joints])
+        """The factors (n, 4, 4) in `frames` of 1, the sine, 1 - cosine, and the joint value."""
+        constant = self.parent_from_joint
         sine, cosine, value = (np.zeros_like(constant) for _ in range(3))
-        for index, joint in enumerate(self.joints):
-            if joint.kind == "revolute":
-                cross = poses.cross_matrix(joint.axis)
+        for index, axis, turns in zip(
+            np.flatnonzero(self.moves), self.axes, self.turns, strict=True
+        ):
+            if turns:
+                cross = poses.cross_matrix(axis)
                 sine[index, :3, :3] = constant[index, :3, :3] @ cross
                 cosine[index, :3, :3] = sine[index, :3, :3] @ cross
-            elif joint.kind != "fixed":
-                value[index, :3, 3] = constant[index, :3, :3] @ joint.axis
+            else:
+                value[index, :3, 3] = constant[index, :3, :3] @ axis
         return constant, sine, cosine, value
 
-    @cached_property
-    def _is_moving(self) -> np.ndarray:
-        return np.array([joint.kind != "fixed" for joint in self.joints])
-
-    @cached_property
-    def _turning(self) -> Array:
-        """1 for each revolute joint, 0 for each prismatic one (k, 1)."""
-        return np.array([[float(joint.kind == "revolute")] for joint in self.moving])
-
     def frames(self, joints: Array) -> Array:
-        """`base_from_link` (n, links, 4, 4) of each link, for joints (n, k)."""
+        """`base_from_link` (m, n, 4, 4) of each link, for joints (m, k)."""
         constant, sine, cosine, value = self._terms
-        values = np.zeros((len(joints), len(self.joints), 1, 1))
-        values[:, self._is_moving, 0, 0] = joints
+        values = np.zeros((len(joints), len(self.links), 1, 1))
+        values[:, self.moves, 0, 0] = joints
         # Rodrigues for all joints at once: R = 1 + sin K + (1 - cos) K^2.
         result = constant + np.sin(values) * sine + (1 - np.cos(values)) * cosine + values * value
-        for index in range(1, len(self.joints)):
+        for index in range(1, len(self.links)):
             result[:, index] = result[:, index - 1] @ result[:, index]
         return result
 
     def forward(self, joints: Array) -> Array:
-        """`base_from_tip` (n, 4, 4) for joints (n, k)."""
+        """`base_from_tip` (m, 4, 4) for joints (m, k)."""
         return self.frames(joints)[:, -1]
 
     def jacobian(self, frames: Array) -> Array:
-        """The Jacobian (n, 6, k) of tip position and rotation, from `frames`."""
-        moving = frames[:, self._is_moving]
-        axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self._axes)
+        """The Jacobian (m, 6, k) of tip position and rotation, from `frames`."""
+        moving = frames[:, self.moves]
+        axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self.axes)
         x, y, z = np.moveaxis(axes, -1, 0)
         arm_x, arm_y, arm_z = np.moveaxis(frames[:, -1:, :3, 3] - moving[..., :3, 3], -1, 0)
         sweep = np.stack(
             [y * arm_z - z * arm_y, z * arm_x - x * arm_z, x * arm_y - y * arm_x], axis=-1
         )
-        linear = self._turning * sweep + (1 - self._turning) * axes
-        return np.swapaxes(np.concatenate([linear, self._turning * axes], axis=-1), 1, 2)
-
-    @cached_property
-    def _axes(self) -> Array:
-        """The axes of the moving joints, in their own frames (k, 3)."""
-        return np.stack([joint.axis for joint in self.moving])
+        linear = self.turns * sweep + (1 - self.turns) * axes
+        return np.swapaxes(np.concatenate([linear, self.turns * axes], axis=-1), 1, 2)
 
     def solve(self, base_from_tip: Array, starts: Array) -> IkSolutions:
         """Solve inverse kinematics for targets (m, 4, 4) from start postures (s, k).
@@ -209,10 +174,7 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
     Raises:
         DataError: the file is not a URDF, or has no joint to `tip`.
     """
-    try:
-        root = ElementTree.parse(path).getroot()  # noqa: S314 - a robot file of the installation
-    except (OSError, ElementTree.ParseError) as error:
-        raise DataError(f"expected a URDF file: {error}.", source=str(path)) from error
+    root = read_urdf(path)
     above = {_attribute(each, "child", "link"): each for each in root.findall("joint")}
     elements: list[ElementTree.Element] = []
     links: list[str] = []
@@ -222,7 +184,21 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
         tip = _attribute(above[tip], "parent", "link")
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
-    return KinematicChain(tuple(map(_read_joint, elements)), tuple(links))
+    kinds = [each.get("type", "fixed") for each in elements]
+    moving = [each for each, kind in zip(elements, kinds, strict=True) if kind != "fixed"]
+    axes = np.array([_triple(each, "axis", "xyz", "1 0 0") for each in moving])
+    low, high, speed = np.array([_limits(each) for each in moving]).T
+    return KinematicChain(
+        links=tuple(links),
+        names=tuple(each.get("name", "") for each in moving),
+        moves=np.array([kind != "fixed" for kind in kinds]),
+        turns=np.array([[float(each.get("type") != "prismatic")] for each in moving]),
+        parent_from_joint=np.stack([_origin(each) for each in elements]),
+        axes=axes / np.linalg.norm(axes, axis=1, keepdims=True),
+        low=low,
+        high=high,
+        speed=speed,
+    )
 
 
 def _damped_step(jacobian: Array, error: Array) -> Array:
@@ -241,20 +217,17 @@ def _is_small(error: Array) -> np.ndarray:
     )
 
 
-def _read_joint(element: ElementTree.Element) -> ChainJoint:
-    name, kind = element.get("name", ""), element.get("type", "fixed")
-    kind = {"continuous": "revolute"}.get(kind, kind)
-    limit, safety = element.find("limit"), element.find("safety_controller")
+def _origin(joint: ElementTree.Element) -> Array:
+    rotation = poses.rotation_from_rpy(*_triple(joint, "origin", "rpy"))
+    return poses.pose(rotation, _triple(joint, "origin", "xyz"))
+
+
+def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:
+    """The lowest and the highest position of a joint, and its highest speed."""
+    limit, safety = joint.find("limit"), joint.find("safety_controller")
     low = _number(safety, "soft_lower_limit", _number(limit, "lower", -np.pi))
     high = _number(safety, "soft_upper_limit", _number(limit, "upper", np.pi))
-    origin = poses.pose(
-        poses.rotation_from_rpy(*_triple(element, "origin", "rpy")),
-        _triple(element, "origin", "xyz"),
-    )
-    axis = np.array(_triple(element, "axis", "xyz"))
-    length = float(np.linalg.norm(axis))
-    axis = axis / length if length else np.array([1.0, 0.0, 0.0])
-    return ChainJoint(name, kind, origin, axis, low, high, _number(limit, "velocity", 1.0))
+    return low, high, _number(limit, "velocity", 1.0)
 
 
 def _attribute(element: ElementTree.Element, child: str, key: str) -> str:
@@ -266,6 +239,8 @@ def _number(element: ElementTree.Element | None, key: str, default: float) -> fl
     return default if element is None else float(element.get(key, default))
 
 
-def _triple(element: ElementTree.Element, child: str, key: str) -> tuple[float, float, float]:
-    x, y, z = (float(word) for word in (_attribute(element, child, key) or "0 0 0").split())
+def _triple(
+    element: ElementTree.Element, child: str, key: str, default: str = "0 0 0"
+) -> tuple[float, float, float]:
+    x, y, z = (float(word) for word in (_attribute(element, child, key) or default).split())
     return x, y, z

@@ -173,7 +173,7 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
         attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
         speeds=entries["speeds"].numbers(low=0.0, high=20.0) if "speeds" in entries else (),
     )
-    if len(home) != (count := len(robot.arm.moving)):
+    if len(home) != (count := len(robot.arm.names)):
         raise entries["home"].fail(f"expected {count} joints, found {len(home)}.")
     return robot
 

@@ -80,7 +80,7 @@ class Robot:
         self._step = step or engine.step
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
-        self._joints = [joint.name for joint in self.chain.moving]
+        self._joints = self.chain.names
         # Robot files have inertias that no link of that mass can have (0.1 kg m^2 of each finger of
         # the Panda): the wrist's motors could not follow, and the arm would be off by 0.3 rad.
         engine.bodies.load(NAME, kind.file, fixed=True, inertia_of_shape=True)

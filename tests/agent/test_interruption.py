@@ -44,7 +44,7 @@ def while_doing(
 
 def speed(agent: Agent) -> float:
     """The speed of the fastest joint [rad/s]."""
-    joints = [joint.name for joint in agent.body.robot.chain.moving]
+    joints = agent.body.robot.chain.names
     return float(np.abs(agent.body.world.engine.joints.speeds(NAME, joints)).max())
 
 

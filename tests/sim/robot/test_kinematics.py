@@ -22,7 +22,7 @@ def panda():
 def test_forward_agrees_with_the_simulator(panda):
     """The chain puts the hand where the simulator has it, within a micrometre or so."""
     joints = np.random.default_rng(3).uniform(panda.arm.low, panda.arm.high, (20, 7))
-    names = [joint.name for joint in panda.arm.moving]
+    names = panda.arm.names
 
     with PhysicsEngine() as engine:
         engine.bodies.load("arm", panda.urdf, fixed=True)

@@ -48,7 +48,7 @@ def pixels_of_objects(world: World, view: CameraImage) -> dict[tuple[str, str], 
 @pytest.mark.parametrize("posture", [None, ACROSS], ids=["arm waiting", "arm before the objects"])
 def test_objects_are_seen_as_in_the_whole_image(world: World, posture: tuple[float, ...] | None):
     """No pixel of an object is lost or added."""
-    arm = [joint.name for joint in find_robot("panda").arm.moving]
+    arm = find_robot("panda").arm.names
     waiting = world.engine.joints.positions(NAME, arm)
     world.engine.joints.reset(NAME, arm, posture or waiting)
     views = images(world)
